@@ -8,30 +8,37 @@ SHORT := $(if $(LONG),, and not long)
 UNIT := not media and not browser and not engine$(SHORT)
 UNIT_TESTS = -n auto --dist worksteal $(if $(LONG),-p tests.branches) -m "$(UNIT)"
 MEDIA_TESTS = -n 3 --dist loadfile -m "(media or engine) and not browser$(SHORT)" $(call marked,media\|engine)
-BROWSER_TESTS = -m "browser$(SHORT)" $(call marked,browser)
+BROWSER_TESTS = -n 2 --dist loadfile -m "browser$(SHORT)" $(call marked,browser)
 # Of a long run all stages are seen, whatever fails in one of them.
 stage = $(1) || $(if $(LONG),failed=1,exit 1);
 marked = $(shell grep -rl --include="test_*.py" "mark\.\($(1)\)" tests)
 export PATH := $(if $(shell command -v npm),,$(CURDIR)/.venv/bin:)$(PATH)
-.PHONY: demo test unit faults nightly check lint fmt generate page
+.PHONY: demo test unit faults nightly check lint fmt generate page docs pictures dist
 demo: .venv/demo.stamp $(PAGE)
 	@.venv/bin/openrois demo $(ARGS)
 test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
-	@failed=0; $(call stage,(cd web_demo && npm run --silent test)) $(if $(ARGS),$(call stage,$(PY) -m pytest $(ARGS)),$(foreach each,UNIT MEDIA BROWSER,$(call stage,$(PY) -m pytest $($(each)_TESTS)))) exit $$failed
+	@failed=0; $(call stage,(cd web_demo && npm run --silent test)) $(if $(ARGS),$(call stage,$(PY) -m pytest $(ARGS)),$(foreach each,UNIT MEDIA BROWSER,$(call stage,$(PY) -m pytest --durations=30 $($(each)_TESTS)))) exit $$failed
 unit: .venv/dev.stamp
 	$(PY) -m pytest -n auto --dist worksteal -m "$(UNIT)" $(ARGS)
 faults: .venv/dev.stamp; OPENROIS_SEEDS=20 $(PY) -m pytest -n 4 --dist worksteal tests/faults $(ARGS)
-nightly:; OPENROIS_SEEDS=20 $(MAKE) test LONG=1
+nightly:; OPENROIS_SEEDS=20 $(MAKE) test LONG=1; tests=$$?; .ci/pythons all && $(PY) -m tools.pictures --check && exit $$tests
 check: lint test
 lint: .venv/dev.stamp $(NODE_MODULES)
 	.venv/bin/ruff check . && .venv/bin/ruff format --check .
-	.venv/bin/mypy & types=$$!; .venv/bin/lint-imports && $(PY) -m openrois_codegen --check && \
+	.venv/bin/mypy & types=$$!; .venv/bin/lint-imports && $(PY) -m openrois_codegen --check && $(PY) -m tools.pages --check && { $(PY) -m tools.pictures --check || true; } && \
 	(cd web_demo && npm run --silent check); rest=$$?; wait $$types && exit $$rest
 fmt: .venv/dev.stamp
 	.venv/bin/ruff check --fix . ; .venv/bin/ruff format .
 generate: .venv/dev.stamp
-	$(PY) -m openrois_codegen
+	$(PY) -m openrois_codegen && $(PY) -m tools.pages
+docs: .venv/dev.stamp
+	@NO_MKDOCS_2_WARNING=1 .venv/bin/mkdocs build --strict && echo "site/index.html; with its search: python3 -m http.server -d site"
+# Needs Chromium; look at each of them before it is committed.
+pictures: .venv/dev.stamp $(PAGE)
+	.venv/bin/python -m tools.pictures.architecture && .venv/bin/python -m tools.pictures
 page: $(PAGE)
+dist: .venv/dev.stamp $(PAGE)
+	$(PY) -m tools.release
 $(PAGE): $(NODE_MODULES) $(PAGE_SOURCES)
 	cd web_demo && npm run --silent build
 $(NODE_MODULES): web_demo/package-lock.json .venv/demo.stamp
@@ -41,4 +48,4 @@ $(NODE_MODULES): web_demo/package-lock.json .venv/demo.stamp
 	@python3 -c 'import sys; sys.exit("Python 3.11 or newer is needed; python3 is " + sys.version.split()[0] if sys.version_info < (3, 11) else 0)'
 	python3 -m venv .venv && $(PINNED) .venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo]' && touch $@
 .venv/dev.stamp: .venv/demo.stamp
-	$(PINNED) .venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo,dev]' && touch $@
+	$(PINNED) .venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo,dev,docs]' && touch $@

@@ -1,11 +1,11 @@
-"""The component contract: the five methods of everything that an `Engine` can be made of.
+"""The component contract: the five methods of everything that an `Engine` can be made of. Pure.
 
 `discover`, `query`, `invoke`, `subscribe`, `unsubscribe`. A registry of components in this process has them, so has
 the proxy of an engine at the other end of a connection, and so has the engine itself. Rules that every implementation
 keeps, checked by one contract suite:
 
 * Methods return values or raise `RoISError`; an unknown component, command, query or event raises `Unsupported`.
-* `invoke` returns when the command has ended, so it may take long; whoever calls it owns the task it runs in.
+* `invoke` returns when the command has ended, so it may take long; the caller owns the task it runs in.
 * `set_parameter` is a command and `get_parameter` a query, whatever the component.
 * A `Sink` is called synchronously, must not block and must not raise. No event that happens once the component has
   taken the subscription is lost, even if it arrives before `subscribe` returns. After `unsubscribe` was called the sink
@@ -19,16 +19,18 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Protocol, runtime_checkable
 
-from openrois.event_text import EventText
+from openrois.jsonrpc.protocol import encode
 from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
+from openrois.types.streams import HolderNotification
 
 __all__ = [
     "Client",
     "ComponentBus",
     "Directory",
     "Event",
+    "EventText",
     "Extension",
     "Fault",
     "FaultSource",
@@ -41,10 +43,24 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Directory:
-    """What a bus offers: the engine's profile and the profile of every component in its tree, by component_ref."""
+    """Offer of a bus: the engine's profile and the profile of every component in its tree, by component_ref."""
 
     profile: HRIEngineProfile
     component_profiles: Mapping[str, HRIComponentProfile] = field(default_factory=dict)
+
+
+class EventText:
+    """The params of `rois.event.notify_event` but for the id of a subscription."""
+
+    __slots__ = ("_before", "_behind")
+
+    def __init__(self, event_id: str, event_type: str, expire: str, results: tuple[Result, ...]) -> None:
+        self._before = encode({"event_id": event_id, "event_type": event_type})[:-1] + ',"subscribe_id":'
+        self._behind = "," + encode({"expire": expire, "results": results})[1:]
+
+    def params_for(self, subscription: str) -> str:
+        """Return the params for one subscription, whose id is given as JSON text."""
+        return f"{self._before}{subscription}{self._behind}"
 
 
 @dataclass(frozen=True)
@@ -59,7 +75,7 @@ class Event:
 
     @cached_property
     def text(self) -> EventText:
-        """The event as it is told, the same for all who listen."""
+        """The params of the notification, the same for every subscriber."""
         return EventText(self.event_id, self.event_type, self.expire, self.results)
 
 
@@ -71,50 +87,50 @@ class SubscriptionLost:
 
 
 Sink = Callable[[Event | SubscriptionLost], None]
-"""Takes the events of one subscription, in order."""
+"""Receives the events of one subscription, in order."""
 
 
 class ComponentBus(Protocol):
-    """Components that can be found, asked, told and listened to."""
+    """Components that can be discovered, queried, commanded and subscribed to."""
 
     async def discover(self) -> Directory:
-        """Return what there is now."""
+        """Return the profiles of the components that are there now."""
         ...
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
-        """Ask a component."""
+        """Query a component."""
         ...
 
     async def invoke(
         self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
     ) -> tuple[Result, ...]:
-        """Tell a component to do something and wait until it is done.
+        """Run a command of a component and wait until it is done.
 
         Args:
             component_ref: which component.
             command_type: what it is to do.
             arguments: of the command.
-            command_id: what the application calls it; an engine behind a connection hears the same id where it is free.
+            command_id: the application's id for it; an engine behind a connection gets the same id where it is free.
         """
         ...
 
     async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:
-        """Listen to one kind of event of a component and return the id that ends it."""
+        """Subscribe to one kind of event of a component and return the id that ends it."""
         ...
 
     async def unsubscribe(self, subscribe_id: str) -> None:
-        """Stop listening; an unknown id is ignored."""
+        """End a subscription; an unknown id is ignored."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """Something went wrong that is worth telling, whoever asked for it.
+    """An error of an engine or a component that applications are notified of (notify_error; RoIS 2.0, 8.2).
 
     Attributes:
         error_id: `<engine_id>/<rest>`, minted by the engine that noticed.
         error_type: of which kind.
-        component_ref: whose fault it is; empty where it is the engine's itself.
+        component_ref: the component at fault; empty where it is the engine itself.
         description: a sentence for a person.
         timestamp: DateTime when it was noticed.
     """
@@ -127,23 +143,23 @@ class Fault:
 
 
 OnFault = Callable[[Fault], None]
-"""Takes the faults of a bus; must not block."""
+"""Receives the faults of a bus; must not block."""
 
 
 def ignore_fault(_fault: Fault) -> None:
-    """Stand in until the bus is attached: nobody could be told."""
+    """Stand in until the bus is attached: there is nothing to notify yet."""
 
 
 @runtime_checkable
 class FaultSource(Protocol):
-    """What a bus has that can tell of faults: whoever it is attached to sets `on_fault`."""
+    """A bus that reports faults: the engine that it is attached to sets `on_fault`."""
 
     on_fault: OnFault
 
 
 @dataclass(frozen=True, eq=False)
 class Client:
-    """The application that an extension call comes from, wherever it is, from its coming to its leaving.
+    """The application that an extension call comes from, directly or through engines, for as long as it is connected.
 
     Identity decides: an application that left and came back, or comes over a new connection, is another `Client`, and
     what the former one has left behind is not its own.
@@ -158,20 +174,28 @@ class Client:
 
 
 class Extension(Protocol):
-    """What a bus can do beyond the five methods: the streaming and signaling methods, which need to know who asks."""
+    """Methods of a bus beside the five: streaming and signaling, where each call names its application."""
 
     def engines(self) -> frozenset[str]:
-        """Return the ids of the engines that can do it; others of the same bus have the five methods only."""
+        """Return the ids of the engines that have these methods; others of the same bus have the five methods only."""
         ...
 
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
-        """Ask and return the result, `return_code` included.
+        """Call a method and return its result, `return_code` included.
 
         Raises:
             RoISError: the call failed before any engine answered it.
         """
         ...
 
-    async def forget(self, client: Client) -> None:
-        """Say that a client is gone for good: its streams end. An unknown client is ignored."""
+    async def set_holder(self, notification: HolderNotification, client: Client) -> None:
+        """Note whether a client holds a component from now on, or not any more.
+
+        Raises:
+            RoISError: no engine here takes that of the component.
+        """
+        ...
+
+    async def forget_client(self, client: Client) -> None:
+        """End what a client has: it is gone for good. An unknown client is ignored."""
         ...

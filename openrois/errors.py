@@ -1,4 +1,7 @@
-"""What can go wrong in RoIS terms. In Python operations return values or raise; return codes exist on the wire only."""
+"""Errors in RoIS terms. In Python operations return values or raise; return codes exist on the wire only.
+
+Pure.
+"""
 
 from typing import ClassVar
 

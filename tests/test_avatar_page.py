@@ -1,20 +1,24 @@
-"""docs/avatar.md and docs/engine-link.md: the numbers that stand there are those that the avatar goes by."""
+"""Pages on the avatar, its engines and its speed: the numbers that stand there are those that the avatar goes by."""
 
 import math
 from pathlib import Path
 
 import pytest
-from openrois_avatar import audience, body, child, devices, sound_lag, wayfinding
-from openrois_avatar.components import follow, navigation
 from openrois_avatar.engines import size_choice
 from openrois_avatar.engines.room import life, shot, visitor, walking
-from openrois_avatar.hearing import ear, noise_floor, voice_activity
-from openrois_avatar.link import connection, embedded, external, inlet, reconnecting, server, unheard
-from openrois_avatar.link.messages import gestures, greeting, motion, reading
-from openrois_avatar.motion import ground, moves, planning, targets
-from openrois_avatar.speech import markup
-from openrois_avatar.teleoperation import pilot
-from openrois_avatar.vision import box, head_gestures, tracks, watch
+from openrois_avatar.link import connection, embedded, external, picture_source, reconnecting, server
+from openrois_avatar.link.messages import greeting
+from openrois_body import body
+from openrois_body.components import follow, navigation
+from openrois_body.hearing import ear, noise_floor, voice_activity
+from openrois_body.messages import gestures, motion, reading
+from openrois_body.motion import ground, moves, planning, targets, wayfinding
+from openrois_body.processes import child
+from openrois_body.sound import engine_sound
+from openrois_body.speech import markup, playout_delay
+from openrois_body.teleoperation import pilot
+from openrois_body.vision import box, head_gestures, tracks, watch
+from openrois_media import devices
 from openrois_streaming.source.supervision import HUNG
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -26,9 +30,9 @@ def text_of(page: str) -> str:
 
 
 AVATAR = (
-    f"{audience.DEVICE * 1000:g} ms are counted for encoder, decoder and mixer",
-    f"{audience.PLAYOUT} s are counted and three times the jitter",
-    f"the last one counts, up to {audience.LONGEST:g} s",
+    f"{playout_delay.DEVICE * 1000:g} ms are counted for encoder, decoder and mixer",
+    f"{playout_delay.PLAYOUT} s are counted and three times the jitter",
+    f"the last one counts, up to {playout_delay.LONGEST:g} s",
     f"At most {markup.MAX_TEXT:,} characters",
     f"no person is there after {watch.BLIND:g} s",
     f"who is away for more than {tracks.PERSON_MEMORY:g} s comes back",
@@ -45,11 +49,10 @@ AVATAR = (
     f"Ways keep {wayfinding.BODY} m from every edge",
     f"at most {math.degrees(ground._ARC):.0f} degrees of turn apart",
     f"more than {planning._MOST_STEPS:,} steps",
-    f"Ways over up to {wayfinding._SMALL} corners",
     f"more than {moves.TOP_SPEED:g} m/s or less than {moves._SLOWEST:g} m/s, more than {moves._MOST_DEGREES:,} degrees",
     f"from a person {follow._APART * 1000:g} at least",
     f"round all obstacles and at {follow._SPEED} m/s",
-    f"when they have moved by {follow._MOVED * 100:g} cm",
+    f"when that has moved by {follow._MOVED * 100:g} cm",
     f"it stands; after {follow._GONE:g} s of that",
     f"It takes speed at {walking._GAINING} m/s², goes at most {walking.FASTEST} m/s",
     f"turns at most {walking.QUICKEST:g} rad/s",
@@ -67,11 +70,12 @@ AVATAR = (
     f"from {life._EARSHOT:g} m on it is heard",
     f"comes close again {shot._LINGER} s after it stands",
 )
+PERFORMANCE = (f"Ways over up to {wayfinding._SMALL} corners take a few milliseconds",)
 ENGINE_LINK = (
-    f"the newest {unheard.MAX_UNHEARD} blocks are kept",
-    f"or more than {inlet.MAX_AGE:g} s ago, is not believed",
-    f"Up to {inlet.MAX_AHEAD} s in the future is believed",
-    f"has needed, at most {sound_lag.LONGEST} s",
+    f"the newest {connection.MAX_QUEUED_SOUND} blocks are kept",
+    f"or more than {picture_source.MAX_AGE:g} s ago, is not believed",
+    f"Up to {picture_source.MAX_AHEAD} s in the future is believed",
+    f"has needed, at most {engine_sound.LONGEST_LAG} s",
     f"have at most {reading.MAX_NAME} characters, texts and reasons {reading.MAX_TEXT:,}",
     f"the adapter's log, which takes {body._LINES} a second",
     f"while it moves up to {1 / life._PLACES:g} times a second",
@@ -95,7 +99,13 @@ ENGINE_LINK = (
 
 
 @pytest.mark.parametrize(
-    ("page", "sentences"), [("avatar.md", AVATAR), ("engine-link.md", ENGINE_LINK)], ids=["avatar", "engine-link"]
+    ("page", "sentences"),
+    [
+        ("reference/avatar.md", AVATAR),
+        ("reference/engine-link.md", ENGINE_LINK),
+        ("explanation/performance.md", PERFORMANCE),
+    ],
+    ids=["avatar", "engine-link", "performance"],
 )
 def test_the_numbers_of_a_page_are_those_of_the_product(page: str, sentences: tuple[str, ...]) -> None:
     text = text_of(page)
@@ -108,6 +118,6 @@ def test_numbers_that_are_written_as_words() -> None:
     assert len(visitor.PLACES) == 5, "between five places"
     assert ear.GONE == 0.5, "ends also with the microphone, after half a second"
     assert watch.RATE == 10, "ten pictures a second at most"
-    assert audience.JITTERS == 3, "three times the jitter"
+    assert playout_delay.JITTERS == 3, "three times the jitter"
     assert head_gestures._SWINGS == 3, "three swings of the head"
-    assert devices.LEVEL_INTERVAL == 1 / 5, "five times a second at most (docs/wire.md)"
+    assert devices.LEVEL_INTERVAL == 1 / 5, "five times a second at most"

@@ -1,11 +1,19 @@
 """Which modules are pure, and which tests must run every branch of them: `tests/branches.py` counts."""
 
-import tomllib
+import ast
+import re
+from functools import cache
 from pathlib import Path
 
 import pytest
 
-from tests.support.packages import ROOT, packages
+from tests.support.imports import import_graph
+from tests.support.packages import ROOT, modules, packages
+
+IMPURE = frozenset(
+    {"asyncio", "socket", "threading", "subprocess", "time", "aiohttp", "websockets", "aiortc", "aioice", "av"}
+)
+"""What a pure module does not import, directly or by another module."""
 
 # Whole processes and sockets are others' business: what is pure is tested by itself.
 TESTS = (
@@ -19,8 +27,8 @@ TESTS = (
     *(f"tests/openrois/gateway/test_{part}.py" for part in ("origins", "stalling")),
     "tests/openrois/http_limits/test_websocket_frames.py",
     "tests/openrois/transport/test_backoff.py",
-    "tests/openrois/bench/test_figures.py",
-    "tests/openrois/bench/test_table.py",
+    "tests/bench/measuring/test_figures.py",
+    "tests/bench/measuring/test_table.py",
     "tests/openrois/journal/test_former.py",
     *(
         f"tests/openrois/auth/test_{part}.py"
@@ -34,13 +42,11 @@ TESTS = (
     *(f"tests/streaming/test_{part}.py" for part in ("state", "liveness")),
     *(f"tests/streaming/source/test_{part}.py" for part in ("loudness", "supervision")),
     *(f"tests/streaming/publish/test_{part}.py" for part in ("encoder_health", "encoder_limit", "key_frames")),
-    "tests/streaming/network/test_places.py",
-    "tests/streaming/peer/test_arrival.py",
+    "tests/streaming/network/test_session_limits.py",
     "tests/streaming/publish/test_reference_chain.py",
     "tests/streaming/adaptation",
     "tests/streaming/input",
     "tests/streaming/rtp",
-    "tests/streaming/send/test_probe.py",
     *(
         str(path.relative_to(ROOT))
         for path in sorted((ROOT / "tests/streaming/receive").glob("test_*.py"))
@@ -48,49 +54,59 @@ TESTS = (
     ),
     *(
         f"tests/streaming/testing/test_{part}.py"
-        for part in ("candidates", "clicks", "delays", "link", "lipsync", "pictures", "sounds")
+        for part in ("candidates", "delays", "link", "lipsync", "pictures", "sounds")
     ),
-    *(
-        f"tests/streaming/network/test_{part}.py"
-        for part in ("admission", "datagrams", "guard", "policy", "servers", "settings")
-    ),
+    *(f"tests/streaming/network/test_{part}.py" for part in ("admission", "guard", "policy", "servers", "settings")),
     *(
         str(path.relative_to(ROOT))
         for path in sorted((ROOT / "tests/codegen").glob("test_*.py"))
         if "csharp" not in path.name
     ),
-    "tests/avatar/doctor/test_finding.py",
+    "tests/demo/doctor/test_finding.py",
+    "tests/avatar/link/test_messages.py",
+    "tests/avatar/options/test_pixel_streaming.py",
     *(
-        f"tests/avatar/hearing/test_{part}.py"
+        f"tests/body/hearing/test_{part}.py"
         for part in (
             *("bearing", "dictionary", "downsample", "jsgf"),
-            *("noise_floor", "presence", "voice_activity", "voice_frames"),
+            *("noise_floor", "voice_activity", "voice_frames"),
         )
     ),
     "tests/avatar/engines/animation/test_gait.py",
     "tests/avatar/engines/room",
-    "tests/avatar/teleoperation/test_steering.py",
-    "tests/avatar/test_engine_sound.py",
-    "tests/avatar/sensing",
-    "tests/avatar/motion",
-    *(f"tests/avatar/pixel_streaming/test_{part}.py" for part in ("conversation", "hands", "protocol", "settings")),
-    *(f"tests/avatar/vision/test_{part}.py" for part in ("box", "gallery", "head_gestures", "seen", "tracks")),
-    *(f"tests/avatar/facades/test_{part}.py" for part in ("messages", "sections", "streamers", "viewing")),
-    "tests/avatar/test_health.py",
-    "tests/avatar/test_sound_lag.py",
-    "tests/avatar/test_world.py",
-    "tests/avatar/speech/test_markup.py",
-    "tests/avatar/speech/test_words.py",
+    "tests/body/teleoperation/test_steering.py",
+    "tests/body/sound/test_engine_sound.py",
+    "tests/body/processes/test_framing.py",
+    "tests/body/speech/test_resample.py",
+    "tests/body/speech/test_visemes.py",
+    "tests/body/sensing",
+    *(f"tests/body/motion/test_{part}.py" for part in ("approach", "ground", "moves", "planning", "targets")),
+    *(f"tests/avatar/pixel_streaming/test_{part}.py" for part in ("conversation", "player_input", "protocol")),
+    *(f"tests/body/vision/test_{part}.py" for part in ("box", "gallery", "head_gestures", "sighting", "tracks")),
+    *(
+        f"tests/avatar/facades/test_{part}.py"
+        for part in ("messages", "sections", "streamers", "session", "session_negotiation")
+    ),
+    "tests/media/test_health.py",
+    "tests/body/motion/test_world.py",
+    "tests/body/speech/test_markup.py",
+    "tests/body/speech/test_words.py",
     "tests/signaling",
     "tests/fuzz",
 )
 
 
-def pure_modules() -> list[str]:
-    """Return what the import contract on pure modules lists: what does no input or output can be tested whole."""
-    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
-    (pure,) = (contract for contract in contracts if contract["name"] == "Pure modules do no input or output")
-    return list(pure["source_modules"])
+@cache
+def pure_modules() -> tuple[str, ...]:
+    """Return the modules whose docstring says that they are pure; of a package that says so, all below it are."""
+    found = []
+    for path in modules():
+        text = ast.get_docstring(ast.parse((ROOT / path).read_text(encoding="utf-8"))) or ""
+        if re.search(r"\bPure[.:]|\ball modules are pure\b", text, re.IGNORECASE):
+            # The folder of a package's distribution is no part of its name.
+            name = path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+            found.append(name[name.index("openrois") :])
+    return tuple(found)
 
 
 def files_of(module: str) -> list[str]:
@@ -99,6 +115,15 @@ def files_of(module: str) -> list[str]:
     (folder,) = (each for each in packages() if Path(each).name == package)
     path = f"{folder}/{rest.replace('.', '/')}".rstrip("/")
     return [f"{path}/*"] if (ROOT / path).is_dir() else [f"{path}.py"]
+
+
+def test_pure_modules_do_no_input_or_output() -> None:
+    graph = import_graph()
+    below = tuple(f"{each}." for each in pure_modules())
+    pure = [each for each in graph.modules if each in pure_modules() or each.startswith(below)]
+    found = {each: sorted(graph.find_upstream_modules(each) & IMPURE) for each in pure}
+    assert len(pure) > 150
+    assert {each: imports for each, imports in found.items() if imports} == {}
 
 
 @pytest.mark.parametrize("path", TESTS)

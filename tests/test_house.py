@@ -8,35 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.packages import packages
+from tests.support.imports import import_graph
+from tests.support.packages import ROOT, modules, tracked
 
-ROOT = Path(__file__).parents[1]
-PACKAGES = tuple(f"{package}/" for package in packages())
 GENERATED = ("openrois/adapter/components.py", "openrois/client/components.py")
 MODULE_LINES, CLASS_LINES, METHODS = 500, 400, 25
-
-# Each in two halves, so that this file does not hold them.
-FORBIDDEN = {
-    "a folder beside the repository": r"(?<![\w./-])\.{0,2}/?sha" + r"red/",
-    "an absolute path of a workplace": r"(?<![\w.])/wo" + r"rk/|(?<![\w.])/ho" + r"me/|(?<![\w.])/ro" + r"ot/",
-    "the host of a package registry": r"py"
-    + r"pi\.org|python"
-    + r"hosted\.org|registry\.np"
-    + r"mjs\.org|registry\.ya"
-    + r"rnpkg",
-}
-
-
-@cache
-def tracked() -> tuple[str, ...]:
-    """Return the paths of every tracked file that is there."""
-    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True, text=True, timeout=20)
-    return tuple(path for path in listed.stdout.split("\0") if path and (ROOT / path).is_file())
-
-
-def modules() -> list[str]:
-    """Return the modules of the packages."""
-    return [path for path in tracked() if path.endswith(".py") and path.startswith(PACKAGES)]
 
 
 def python_files() -> list[str]:
@@ -49,39 +25,10 @@ def source(path: str) -> str:
     return (ROOT / path).read_text(encoding="utf-8")
 
 
-@cache
-def text_of(path: str) -> str:
-    """Return the text of a tracked file; what is no text has none."""
-    try:
-        return source(path)
-    except UnicodeDecodeError:
-        return ""
-
-
 def docstring(path: str) -> str:
     """Return the first paragraph of a module's docstring, empty where there is none."""
     found = re.match(r'(?:#.*\n)*"""(.+?)(?:\n\n|"""|\Z)', source(path), re.DOTALL)
     return found[1].strip().replace("\n", " ") if found else ""
-
-
-class TestArchitecture:
-    def rows(self) -> dict[str, str]:
-        """Return what ARCHITECTURE.md says of each path: lines of the form | `path` | sentence |."""
-        found = re.findall(r"^\| `([^`]+)` \| (.+) \|$", source("ARCHITECTURE.md"), re.MULTILINE)
-        assert len(found) == len(dict(found)), "a path stands twice"
-        return dict(found)
-
-    def test_every_module_has_its_sentence(self) -> None:
-        missing = [path for path in modules() if path not in self.rows()]
-        to_add = "\n".join(f"| `{path}` | {docstring(path)} |" for path in missing)
-        assert not missing, f"ARCHITECTURE.md lacks:\n{to_add}"
-
-    def test_every_sentence_is_of_something_that_is_there(self) -> None:
-        gone = [path for path in self.rows() if not (ROOT / path).exists()]
-        assert not gone, f"ARCHITECTURE.md names what is gone: {gone}"
-
-    def test_every_sentence_is_one(self) -> None:
-        assert [path for path, sentence in self.rows().items() if not sentence.endswith((".", ".)"))] == []
 
 
 class TestSizes:
@@ -97,6 +44,19 @@ class TestSizes:
                 assert lines <= CLASS_LINES, f"{path}: {name} has {lines} lines"
                 methods = re.findall(r"^    (?:async )?def (?!__)(\w+)", body, re.MULTILINE)
                 assert len(methods) <= METHODS, f"{path}: {name} has {len(methods)} methods"
+
+
+class TestRooms:
+    @pytest.mark.parametrize(
+        ("package", "most"),
+        [("openrois", 8), ("streaming/openrois_streaming", 8), ("avatar_adapter/openrois_avatar", 4)],
+    )
+    def test_a_package_has_few_modules_beside_its_rooms(self, package: str, most: int) -> None:
+        beside = [path for path in modules() if str(Path(path).parent) == package and not path.endswith("__init__.py")]
+        assert len(beside) <= most
+
+    def test_a_room_says_what_it_owns(self) -> None:
+        assert [path for path in modules() if path.endswith("/__init__.py") and len(docstring(path)) < 20] == []
 
 
 class TestNames:
@@ -143,11 +103,16 @@ def binds(text: str, name: str) -> bool:
     return re.search("|".join(f"^(?:{way})" for way in ways), text, re.MULTILINE) is not None
 
 
-@pytest.mark.parametrize("what", FORBIDDEN)
-def test_the_repository_speaks_of_the_product_alone(what: str) -> None:
-    pattern = re.compile(FORBIDDEN[what])
-    found = {path: match[0] for path in tracked() if (match := pattern.search(text_of(path)))}
-    assert not found, what
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    graph = import_graph()
+    left = {each: graph.find_modules_directly_imported_by(each) for each in graph.modules}
+    # What imports nothing that is left is in no circle.
+    while done := {each for each, imported in left.items() if not imported & left.keys()}:
+        left = {each: imported for each, imported in left.items() if each not in done}
+    # Nor is what no module that is left imports.
+    while done := left.keys() - {one for imported in left.values() for one in imported}:
+        left = {each: imported for each, imported in left.items() if each not in done}
+    assert sorted(left) == []
 
 
 def test_imports_go_in_the_directions_that_were_agreed() -> None:

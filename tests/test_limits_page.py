@@ -1,13 +1,16 @@
-"""docs/limits.md: every limit of a gateway, its wire and of media, with its number, its figure and its test."""
+"""docs/reference/limits.md: every limit of a gateway, its wire and of media, with number, figure and test."""
 
 import ast
 import importlib
 import re
+from collections import Counter
+from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
-from openrois_avatar.metrics import figures as avatar
+from openrois_media.metrics import figures as avatar
 from openrois_streaming.network.admission import AdmissionSettings
-from openrois_streaming.network.places import PlaceRules
+from openrois_streaming.network.session_limits import SessionLimits
 from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT
 
 from openrois.gateway.configuration import settings_of
@@ -16,7 +19,7 @@ from openrois.gateway.socket import ADAPTER, APPLICATION
 
 ROOT = Path(__file__).parents[1]
 
-ELSEWHERE = ("bench", "client", "profiles", "testing")
+ELSEWHERE = ("client", "profiles", "testing")
 """Packages that are no part of a gateway or of what an adapter is written with."""
 
 MEDIA = ("admission", "guard", "interfaces", "turns")
@@ -38,6 +41,17 @@ NO_LIMITS = {
     },
 }
 """Public numbers that bound nothing."""
+
+
+class Row(NamedTuple):
+    """A row of the page: one limit, or several that are read together."""
+
+    limits: list[str]
+    values: list[str]
+    bounds: str
+    beyond: str
+    figures: list[str]
+    tests: list[str]
 
 
 def constants() -> dict[str, float]:
@@ -70,17 +84,17 @@ def numbers(module: str, path: Path) -> list[tuple[str, float]]:
 
 
 def settings() -> dict[str, float]:
-    """Return every setting that is a number, by the name that docs/deploying.md gives it; the port bounds nothing."""
+    """Return every setting that is a number, by its name in a configuration file; the port bounds nothing."""
     numeric = [each for each in settings_of() if each.info.annotation in (int, float) and each.field != "port"]
     return {f"[{each.table}] {each.key}": float(each.info.default) for each in numeric}
 
 
 def options() -> dict[str, float]:
-    """Return what `openrois avatar` can be told to bound, by the options' names."""
+    """Return the limits that `openrois avatar` has options for, by the options' names."""
     admission = AdmissionSettings()
     encoders = {"--max-encoders": float(ENCODERS_LIMIT)}
     names = ("peer_packets", "peer_bytes", "total_packets", "total_bytes")
-    places = PlaceRules()
+    places = SessionLimits()
     encoders |= {
         f"--{name.replace('_', '-')}": float(getattr(places, name))
         for name in ("applications", "kept_for_operators", "answer_time")
@@ -97,16 +111,55 @@ def profiles() -> dict[str, float]:
     }
 
 
-def rows() -> dict[str, tuple[str, str, str, str]]:
-    """Return the tables: value, meaning, figure and test of each limit."""
-    page = (ROOT / "docs" / "limits.md").read_text(encoding="utf-8")
-    found = re.findall(r"^\| `([^`|]+)` \| ([^|]+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \|$", page, re.MULTILINE)
-    assert len({row[0] for row in found}) == len(found)
-    return {row[0]: row[1:] for row in found}
+@cache
+def rows() -> list[Row]:
+    """Return the rows of the tables."""
+    page = (ROOT / "docs" / "reference" / "limits.md").read_text(encoding="utf-8")
+    cells = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("| `")]
+    assert {len(each) for each in cells} == {6}
+    return [
+        Row(quoted(name), values.split(" / "), bounds, beyond, quoted(figures), quoted(tests))
+        for name, values, bounds, beyond, figures, tests in cells
+    ]
+
+
+def quoted(cell: str) -> list[str]:
+    """Return what stands between backticks."""
+    return re.findall(r"`([^`]+)`", cell)
+
+
+def short(name: str) -> str:
+    """Return a limit as it is named on the page: a constant with its module, or the name of a setting or option."""
+    return name if name[0] in "[-" else ".".join(name.split(".")[-2:])
+
+
+@cache
+def limits() -> dict[str, float]:
+    """Return every limit and its number, by its name on the page."""
+    known = constants() | settings() | options() | profiles()
+    named = {short(name): value for name, value in known.items()}
+    assert len(named) == len(known), "a name on the page is one limit"
+    return named
+
+
+@cache
+def known_tests() -> Counter[str]:
+    """Return how many files have a test of each name, by the name alone and with the name of the file."""
+    found: Counter[str] = Counter()
+    for path in (ROOT / "tests").rglob("test_*.py"):
+        names = set(re.findall(r"def (test_\w+)\(", path.read_text(encoding="utf-8")))
+        found.update(names)
+        found.update(f"{path.name}::{name}" for name in names)
+    return found
+
+
+def full(name: str) -> str:
+    """Return a figure's whole name."""
+    return name if name.startswith("openrois_") else f"openrois_gateway_{name}"
 
 
 def test_every_limit_has_a_row_and_every_row_a_limit() -> None:
-    assert set(rows()) == set(constants()) | set(settings()) | set(options()) | set(profiles())
+    assert Counter(name for row in rows() for name in row.limits) == Counter(limits().keys())
 
 
 def test_what_is_no_limit_is_there() -> None:
@@ -116,31 +169,27 @@ def test_what_is_no_limit_is_there() -> None:
 
 
 def test_the_numbers_are_those_that_hold() -> None:
-    known = constants() | settings() | options() | profiles()
-    wrong = {
-        name: (value, known.get(name))
-        for name, (value, *_) in rows().items()
-        if float(value.partition(" ")[0].replace(",", "")) != known.get(name)
-    }
-    assert wrong == {}
+    wrong = []
+    for row in rows():
+        said = [float(value.partition(" ")[0].replace(",", "")) for value in row.values]
+        known = [limits()[name] for name in row.limits]
+        if said != known and set(known) != set(said[:1]):
+            wrong.append((row.limits, said, known))
+    assert wrong == []
+
+
+def test_every_row_says_what_it_bounds() -> None:
+    assert [row.limits for row in rows() if not row.bounds or not row.beyond] == []
 
 
 def test_the_figures_are_served() -> None:
     media = {figure.name for figure in avatar.ADAPTER} | {figure.name for figure in avatar.GUARD}
     media |= {figure.name for figure in avatar.SOURCE}
     served = {figure.name for figure in FIGURES} | media | set(HISTOGRAMS)
-    named = {name for _, _, figures, _ in rows().values() for name in re.findall(r"`([^`]+)`", figures)}
-    assert named <= served
-    assert {figures for _, _, figures, _ in rows().values() if "`" not in figures} <= {"none: it refuses nothing"}
+    assert {full(name) for row in rows() for name in row.figures} <= served
 
 
 def test_the_tests_are_there() -> None:
-    texts: dict[str, str] = {}
-    gone = []
-    for _, _, _, reference in rows().values():
-        path, _, function = reference.strip("`").partition("::")
-        if path not in texts:
-            texts[path] = (ROOT / path).read_text(encoding="utf-8")
-        if not re.search(rf"def {function}\(", texts[path]):
-            gone.append(reference)
-    assert gone == []
+    assert [row.limits for row in rows() if not row.tests] == []
+    named = [name if "::" in name else f"test_{name}" for row in rows() for name in row.tests]
+    assert [name for name in named if known_tests()[name] != 1] == []

@@ -7,7 +7,8 @@ from functools import cache
 
 import pytest
 
-from tests.test_house import ROOT, source, tracked
+from tests.support.packages import ROOT, tracked
+from tests.test_house import source
 
 PAGES = tuple(path for path in tracked() if path.endswith(".md"))
 FOLDERS = tuple(sorted({path.partition("/")[0] for path in tracked() if "/" in path}))
@@ -64,15 +65,16 @@ def test_named_files_are_there(path: str) -> None:
 
 
 def test_clauses_of_the_manifest_are_sections_of_the_wire() -> None:
-    headings = set(re.findall(r"^#+ (.+)$", prose("docs/wire.md"), re.MULTILINE))
-    cited = set(re.findall(r"\| wire\.md: ([^|]+?) \|", source("docs/conformance.md")))
-    assert cited
-    assert cited <= headings
+    for page in ("wire.md", "adapter-wire.md"):
+        headings = set(re.findall(r"^#+ (.+)$", prose(f"docs/reference/{page}"), re.MULTILINE))
+        cited = set(re.findall(rf"\| {re.escape(page)}: ([^|]+?) \|", source("docs/reference/conformance.md")))
+        assert cited
+        assert cited <= headings
 
 
 @pytest.fixture
 def wrong_page(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    text = "# A `b`: c\n[1](README.md) [2](gone.md) [3](#a-b-c) [4](#d) `docs/gone.py` `docs/wire.md`\n"
+    text = "# A `b`: c\n[1](README.md) [2](gone.md) [3](#a-b-c) [4](#d) `docs/gone.py` `docs/reference/wire.md`\n"
     monkeypatch.setattr("tests.test_links.source", lambda _path: text)
     anchors.cache_clear()
     yield

@@ -59,7 +59,7 @@ else {
 }
 
 /**
- * Modules as they are, since whoever bundles them takes what he needs; and their types.
+ * Builds the SDK as single modules, from which a bundler picks what a page uses, and their types.
  *
  * @param {string} folder is made anew
  */

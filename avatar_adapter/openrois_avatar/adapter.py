@@ -1,18 +1,33 @@
-"""The avatar adapter put together: one engine, its components, and its streams."""
+"""The avatar adapter: one engine with its components and its streams."""
 
 import logging
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
-from openrois_streaming.adaptation.caps import Caps
+from openrois_body.camera_senses import camera_senses
+from openrois_body.components.operator import Operator
+from openrois_body.components.speech_progress import SpeechProgress
+from openrois_body.components.speech_synthesis import SpeechSynthesis
+from openrois_body.components.system_information import SystemInformation
+from openrois_body.metrics import body_figures
+from openrois_body.microphone_senses import microphone_senses
+from openrois_media.components import AudioStreaming, VideoStreaming
+from openrois_media.devices import Camera, Microphone
+from openrois_media.health import Health, worst
+from openrois_media.metrics.collector import Collector
+from openrois_media.metrics.figures import Snapshot
+from openrois_media.streaming_interface import Published, StreamingInterface
+from openrois_media.supervision import Supervised, seen_of, supervise
+from openrois_streaming.adaptation.viewer import Caps
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.codecs import available_codecs
 from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT
+from openrois_streaming.publish.passthrough import EncodedPublisher, SwitchingPublisher
 from openrois_streaming.publish.publisher import AudioPublisher, Publishing, VideoPublisher
-from openrois_streaming.publish.self_encoding import EitherPublisher, EncodedPublisher
 from openrois_streaming.session.sessions import StreamSessions
 
 from openrois.adapter.running import hosted
@@ -20,28 +35,15 @@ from openrois.aio.tasks import TaskScope
 from openrois.contract import Client
 from openrois.session.session import EngineHost
 from openrois.types.references import reference
-from openrois_avatar.camera_senses import camera_senses
-from openrois_avatar.components.operator import Operator
-from openrois_avatar.components.speech_progress import SpeechProgress
-from openrois_avatar.components.speech_synthesis import SpeechSynthesis
-from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
-from openrois_avatar.components.system_information import SystemInformation
-from openrois_avatar.devices import Camera, Microphone
-from openrois_avatar.game_engines import choose_game_engine, link_address
-from openrois_avatar.health import Health, worst
-from openrois_avatar.link.demand import PictureDemand
-from openrois_avatar.link.encoded_inlet import EngineEncoded
+from openrois_avatar.engines.selection import choose_game_engine, link_address
+from openrois_avatar.link.encoded_source import EngineEncoded
 from openrois_avatar.link.messages import VideoShape
-from openrois_avatar.metrics.figures import Snapshot
-from openrois_avatar.metrics.looking import Looking
-from openrois_avatar.microphone_senses import microphone_senses
-from openrois_avatar.picture_size import size_text
+from openrois_avatar.link.picture_demand import PictureDemand
+from openrois_avatar.options.picture_size import size_text
+from openrois_avatar.options.pixel_streaming import PixelStreaming
+from openrois_avatar.options.settings import DRAWN, AvatarSettings
 from openrois_avatar.pixel_streaming.serving import serve_pixel_streaming
-from openrois_avatar.pixel_streaming.settings import PixelStreaming
 from openrois_avatar.scene import Scene, embedded_scene, external_scene, synthetic_scene
-from openrois_avatar.settings import DRAWN, AvatarSettings
-from openrois_avatar.streams import AvatarStreams, Published
-from openrois_avatar.supervision import Supervised, seen_of, supervise
 
 __all__ = ["AUDIO", "VIDEO", "Avatar", "run_avatar", "serve_scene"]
 
@@ -54,13 +56,13 @@ AUDIO: Final = AudioStreaming.component_type.name
 
 @dataclass(frozen=True, slots=True)
 class Avatar:
-    """An avatar adapter that runs: what it serves to a gateway, and what it publishes."""
+    """A running avatar adapter: the host that it serves to a gateway, and its publishers."""
 
     host: EngineHost
-    video: EitherPublisher
+    video: SwitchingPublisher
     audio: AudioPublisher
-    look: Callable[[], Awaitable[Snapshot]]
-    """Takes a snapshot of all figures."""
+    collect_figures: Callable[[], Awaitable[Snapshot]]
+    """Takes a snapshot of all metrics."""
 
 
 @asynccontextmanager
@@ -69,8 +71,8 @@ async def run_avatar(settings: AvatarSettings) -> AsyncIterator[Avatar]:
 
     Raises:
         NoGameEngine: the game engine does not run here; the text says what to install.
-        LinkError: it did not start, and the text has what it printed last; or one cannot listen for it.
-        UnsupportedLibrary: the installed aiortc is not one that can be used.
+        LinkError: it did not start, and the text has its last output; or its address cannot be listened on.
+        UnsupportedLibrary: the installed version of aiortc is not supported.
     """
     clock = SystemClock()
     async with AsyncExitStack() as stack:
@@ -122,15 +124,15 @@ async def serve_scene(
 
     Args:
         engine_id: leads every ref.
-        scene: what there is to show.
+        scene: to be shown.
         clock: the media clock of the scene's sources.
         network: how the streams use the network.
-        cap: what a client is sent at most of each stream; None: as much as its path carries.
-        streamer: where it is a streamer of Pixel Streaming as well; None for nowhere.
+        cap: returns the limits of a client's streams; None: as much as its path carries.
+        streamer: the signaling server of Pixel Streaming that it also serves; None for none.
         max_encoders: encoders of its picture at a time.
 
     Raises:
-        UnsupportedLibrary: the installed aiortc is not one that can be used.
+        UnsupportedLibrary: the installed version of aiortc is not supported.
     """
     video = _publisher(scene, clock, max_encoders)
     audio = AudioPublisher(scene.audio, clock=clock)
@@ -145,7 +147,7 @@ async def serve_scene(
     sounding = AudioStreaming(_codecs("audio/"), sounds.directions, lambda: voice.status)
     information, operator = SystemInformation(engine_id, scene.status, scene.place), Operator(microphone, camera)
     eyes, ears = camera_senses(engine_id, camera, clock), microphone_senses(engine_id, microphone, clock)
-    progress = () if scene.voice is None else (SpeechProgress(scene.voice, ears.hearing),)
+    progress = () if scene.voice is None else (SpeechProgress(scene.voice, ears.speech),)
     sensing = (*eyes.components, *ears.components)
     components = (information, showing, sounding, operator, *progress, *sensing, *scene.components)
     # A voice is heard also while nothing moves.
@@ -156,10 +158,10 @@ async def serve_scene(
         "sound": Supervised(voice, lambda: seen_of(audio), (sounding,)),
     }
     async with AsyncExitStack() as stack:
-        streams = AvatarStreams(engine_id, published, clock, network, cap, scene.seat)
+        streams = StreamingInterface(engine_id, published, clock, network, cap, scene.operator_control)
         await stack.enter_async_context(streams.sessions)
         if scene.voice is not None:
-            scene.voice.audience.gather(streams.sessions, reference(engine_id, AUDIO))
+            scene.voice.playout_delay.observe_sessions(streams.sessions, reference(engine_id, AUDIO))
         host = await stack.enter_async_context(hosted(engine_id, *components, extension=streams))
         tasks = await stack.enter_async_context(TaskScope())
         tasks.start(supervise(tuple(sources.values()), clock))
@@ -168,18 +170,20 @@ async def serve_scene(
         tasks.start(ears.run())
         if streamer is not None:
             tasks.start(serve_pixel_streaming(streamer, streams, tuple(published), scene, clock))
-        microphone.heard.add(scene.hear)
+        microphone.sound_received.add(scene.send_audio)
         scene.announced.add(lambda shape: _expect(shape, video, showing))
         scene.pauses.changed.add(lambda on: _pause(streams.sessions, reference(engine_id, VIDEO), on))
         played: dict[str, Publishing] = {"picture": video, "sound": audio}
         senses = {"vision": eyes.watch.figures, "hearing": ears.recognition.figures}
-        looking = Looking(streams.sessions, played, sources, streams.guarded, clock, senses, scene.seat)
-        yield Avatar(host, video, audio, looking.snapshot)
+        operator_figures = None if scene.operator_control is None else scene.operator_control.figures
+        more = partial(body_figures, senses, operator_figures)
+        collector = Collector(streams.sessions, played, sources, streams.guarded, clock, more)
+        yield Avatar(host, video, audio, collector.snapshot)
 
 
-def _publisher(scene: Scene, clock: MediaClock, max_encoders: int) -> EitherPublisher:
+def _publisher(scene: Scene, clock: MediaClock, max_encoders: int) -> SwitchingPublisher:
     encoded = scene.encoded or EngineEncoded(clock, PictureDemand(clock))
-    return EitherPublisher(
+    return SwitchingPublisher(
         VideoPublisher(
             scene.video,
             clock=clock,
@@ -193,7 +197,7 @@ def _publisher(scene: Scene, clock: MediaClock, max_encoders: int) -> EitherPubl
     )
 
 
-def _expect(shape: VideoShape, video: EitherPublisher, showing: VideoStreaming) -> None:
+def _expect(shape: VideoShape, video: SwitchingPublisher, showing: VideoStreaming) -> None:
     """Another game engine has come, with such pictures."""
     video.expect(shape.fps, (shape.width, shape.height))
     showing.offer_codecs(video.codecs() or _codecs("video/"))

@@ -1,4 +1,4 @@
-"""`openrois avatar`: run an avatar adapter until it is told to stop."""
+"""`openrois avatar`: run an avatar adapter until a signal stops it."""
 
 import argparse
 import asyncio
@@ -13,6 +13,8 @@ from typing import Final
 
 import cv2
 import uvloop
+from openrois_media.metrics.exposition import scraped
+from openrois_media.network_options import add_network_options, network_settings
 from openrois_streaming.adaptation.rung import MIN_BITRATE
 from openrois_streaming.aiortc_internals.trial import UnsupportedLibrary
 
@@ -29,16 +31,14 @@ from openrois.transport.address import adapter_url
 from openrois.transport.credential_options import add_credential_options, credentials
 from openrois_avatar.adapter import Avatar, run_avatar
 from openrois_avatar.check import command as check
-from openrois_avatar.engine_options import add_engine_options, engine_arguments
+from openrois_avatar.engines.selection import NoGameEngine
 from openrois_avatar.facades.running import FACADES, FacadeAvatar, run_facade
 from openrois_avatar.facades.server import FacadeUnavailable
-from openrois_avatar.game_engines import NoGameEngine
 from openrois_avatar.link.messages import LinkError
-from openrois_avatar.link_options import add_facade_option, add_link_options, link_secret
-from openrois_avatar.metrics.exposition import scraped
-from openrois_avatar.network_options import add_network_options, network_settings
-from openrois_avatar.pixel_streaming.settings import add_pixel_streaming_options, pixel_streaming
-from openrois_avatar.settings import AvatarSettings
+from openrois_avatar.options.engine_options import add_engine_options, engine_arguments
+from openrois_avatar.options.link_options import add_facade_option, add_link_options, link_secret
+from openrois_avatar.options.pixel_streaming import add_pixel_streaming_options, pixel_streaming
+from openrois_avatar.options.settings import AvatarSettings
 
 __all__ = ["main"]
 
@@ -95,12 +95,15 @@ def main(arguments: Sequence[str]) -> int:
         secret = link_secret(chosen)
         streamer = pixel_streaming(chosen)
         if streamer is not None and chosen.engine in FACADES:
-            raise ValueError(f"--pixel-streaming: the pictures of {chosen.engine} do not pass through the adapter")
+            raise ValueError(
+                f"--pixel-streaming cannot be used with --engine {chosen.engine}: its pictures do not pass through the"
+                " adapter"
+            )
     except ValueError as error:
         parser.error(str(error))
     shown = credentials(chosen)
     try:
-        # Both are read again whenever they are needed; what cannot be used now is most likely a mistake.
+        # Both are read again whenever they are needed; an error now is most likely a mistake.
         shown.newest(), shown.context(gateway)
     except ValueError as error:
         print(f"openrois avatar: {error}", file=sys.stderr)
@@ -136,13 +139,13 @@ def main(arguments: Sequence[str]) -> int:
 
 def _bitrate(text: str) -> int:
     if not (text.isascii() and text.isdigit()) or int(text) < MIN_BITRATE:
-        raise argparse.ArgumentTypeError(f"{text!r} is no rate for pictures: {MIN_BITRATE} bit/s or more")
+        raise argparse.ArgumentTypeError(f"must be an integer of at least {MIN_BITRATE} bit/s, not {text!r}")
     return int(text)
 
 
 def _encoders(text: str) -> int:
     if not (text.isascii() and text.isdigit()) or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is no number of encoders: 1 or more")
+        raise argparse.ArgumentTypeError(f"must be an integer of at least 1, not {text!r}")
     return int(text)
 
 
@@ -150,7 +153,7 @@ async def _run(settings: AvatarSettings) -> None:
     running = asyncio.create_task(_serve(settings))
 
     def stop() -> None:
-        # Once is enough: the second time would cut off the end of what the first one began.
+        # Once is enough: a second cancellation would cut off the orderly end that the first one began.
         if not running.cancelling():
             running.cancel()
 
@@ -171,22 +174,24 @@ async def _serve(settings: AvatarSettings) -> None:
         attachment = _Attachment(settings.engine_id, Supervisor(os.environ))
         if settings.metrics is not None:
             readiness = Readiness()
-            readiness.require("the gateway: it has not taken this adapter in", lambda: attachment.is_there)
+            readiness.require("the gateway: it has not accepted this adapter", lambda: attachment.is_there)
             serving = serving_metrics(
                 *settings.metrics,
-                partial(scraped, avatar.look),
+                partial(scraped, avatar.collect_figures),
                 beside={"/healthz": healthz, "/readyz": partial(readyz, readiness, "")},
             )
             _log.info("metrics: %s", await stack.enter_async_context(serving))
         tasks = await stack.enter_async_context(TaskScope())
         tasks.start(attachment.supervisor.watch())
         tasks.start(returning_memory())
-        stack.callback(attachment.supervisor.tell, "STOPPING=1")
-        await serve_parent(avatar.host, settings.gateway, credentials=settings.credentials, attached=attachment.take)
+        stack.callback(attachment.supervisor.notify_state, "STOPPING=1")
+        await serve_parent(
+            avatar.host, settings.gateway, credentials=settings.credentials, attached=attachment.set_attached
+        )
 
 
 class _Attachment:
-    """Whether the adapter is behind its gateway, told to whoever started it."""
+    """The adapter's connection to its gateway, reported on standard output and to the service manager."""
 
     def __init__(self, engine_id: str, supervisor: Supervisor) -> None:
         self.supervisor = supervisor
@@ -194,11 +199,11 @@ class _Attachment:
         self._engine_id = engine_id
         self._was_there = False
 
-    def take(self, is_attached: bool) -> None:
-        """Learn that the gateway has taken the adapter in, or that the connection to it has ended."""
+    def set_attached(self, is_attached: bool) -> None:
+        """Note that the gateway has accepted the adapter, or that the connection has ended."""
         self.is_there = is_attached
         if is_attached and not self._was_there:
             self._was_there = True
             print(f"ready {self._engine_id}", flush=True)
-            self.supervisor.tell("READY=1")
-        self.supervisor.tell(f"STATUS={'behind its gateway' if is_attached else 'waits for its gateway'}")
+            self.supervisor.notify_state("READY=1")
+        self.supervisor.notify_state(f"STATUS={'behind its gateway' if is_attached else 'waits for its gateway'}")

@@ -1,12 +1,33 @@
-"""What an adapter has to show: an avatar in a game engine, or a test picture with a tone."""
+"""The scene of an adapter: an avatar in a game engine, or a test picture with a tone."""
 
 import logging
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Iterable, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Final
 
+from openrois_body.body import Body
+from openrois_body.components.follow import Follow
+from openrois_body.components.gaze import Gaze
+from openrois_body.components.move import Move
+from openrois_body.components.moving import Figure
+from openrois_body.components.navigation import Navigation
+from openrois_body.components.reaction import Reaction
+from openrois_body.components.scene_senses import scene_senses
+from openrois_body.components.speech_synthesis import SpeechSynthesis
+from openrois_body.components.surroundings import Surroundings
+from openrois_body.components.teleoperation import Teleoperation
+from openrois_body.messages import Event
+from openrois_body.motion.legs import Legs
+from openrois_body.motion.wayfinding import Ways
+from openrois_body.motion.world import World
+from openrois_body.sound.mixer import BodySound
+from openrois_body.speech.synthesizer import Synthesizer
+from openrois_body.speech.voice import Voice
+from openrois_body.teleoperation.figure_controls import FigureControls
+from openrois_body.teleoperation.operator_control import OperatorControl
+from openrois_media.health import Health, Observed
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.synthetic import ColourBars, Tone
@@ -15,53 +36,70 @@ from openrois.aio.listeners import Listeners
 from openrois.component.component import Component
 from openrois.types.codes import ComponentStatus
 from openrois.types.references import reference
-from openrois_avatar.body import Body
-from openrois_avatar.components.follow import Follow
-from openrois_avatar.components.gaze import Gaze
-from openrois_avatar.components.move import Move
-from openrois_avatar.components.moving import Figure
-from openrois_avatar.components.navigation import Navigation
-from openrois_avatar.components.reaction import Reaction
-from openrois_avatar.components.scene_senses import scene_senses
-from openrois_avatar.components.speech_synthesis import SpeechSynthesis
-from openrois_avatar.components.surroundings import Surroundings
-from openrois_avatar.components.teleoperation import Teleoperation
 from openrois_avatar.components.viewpoint import Viewpoint
-from openrois_avatar.health import Health, Observed
-from openrois_avatar.legs import Legs
 from openrois_avatar.link.embedded import EmbeddedEngine
-from openrois_avatar.link.encoded_inlet import EngineEncoded
+from openrois_avatar.link.encoded_source import EngineEncoded
 from openrois_avatar.link.external import ExternalEngine
-from openrois_avatar.link.linked import LinkedEngine
-from openrois_avatar.link.messages import Event, Hello, Place, VideoShape
-from openrois_avatar.pauses import Pauses
-from openrois_avatar.sound import AvatarSound
-from openrois_avatar.speech.synthesizer import Synthesizer
-from openrois_avatar.teleoperation.controls import FigureControls
-from openrois_avatar.teleoperation.seat import Seat
-from openrois_avatar.voice import Voice
-from openrois_avatar.wayfinding import Ways
-from openrois_avatar.world import World
+from openrois_avatar.link.linked_engine import LinkedEngine
+from openrois_avatar.link.messages import Event as LinkEvent
+from openrois_avatar.link.messages import Hello, Idle, Pause, Place, VideoShape
 
-__all__ = ["Scene", "embedded_scene", "external_scene", "synthetic_scene"]
+__all__ = ["Pauses", "Scene", "embedded_scene", "external_scene", "synthetic_scene"]
 
 _log = logging.getLogger(__name__)
 
 _UNKNOWN: Final = VideoShape(1280, 720, 30.0)
-"""What is expected of the pictures of an engine that has not been there yet; the first one shows how it is."""
+"""The expected pictures of an engine that has not connected yet; the first picture shows their true shape."""
+
+
+class Pauses:
+    """Whether the connected game engine has paused its pictures, so that viewers are shown no still picture.
+
+    Attributes:
+        on: whether the pictures are paused now.
+        changed: called with True when a pause begins, and with False when it ends.
+    """
+
+    def __init__(self) -> None:
+        self.on = False
+        self.changed: Listeners[bool] = Listeners()
+
+    def handle_event(self, event: LinkEvent) -> None:
+        """Note a pause that an event of the game engine tells of."""
+        if isinstance(event, Pause):
+            self._set(event.on)
+
+    def clear(self) -> None:
+        """End the pause of a game engine that has disconnected."""
+        self._set(False)
+
+    def _set(self, on: bool) -> None:
+        if on is not self.on:
+            self.on = on
+            self.changed.notify_all(on)
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Sources of picture and sound, the components that act in the scene, and how the thing that renders it fares.
+    """Sources of picture and sound, the components that act in the scene, and the status of its engine.
 
-    `frame_rate` and `size` (width and height) are of its pictures, as far as is known before there are any.
-    `observe` says what is seen of it now, for who keeps `engine` up to date; `pauses` whether its
-    pictures are not to be shown now. `hear` lets it hear the operator. `world` is what is known of the scene, `legs`
-    move the figure in it, `voice` is what it speaks with; None where there is no figure. `announced` tells of the
-    pictures to be expected of another game engine that has come. `seat` says who operates the figure by hand.
-    `encoded` has the pictures while it is an engine that encodes them itself. `stamped`: each picture shows its number
-    and the time of its capture, to be measured; an avatar's never do.
+    Attributes:
+        video: its pictures, as raw frames.
+        audio: its sound.
+        frame_rate: pictures per second, as far as known before the first picture.
+        size: width and height of the pictures, likewise.
+        components: the RoIS components that act in the scene.
+        engine: the health of the engine that renders it.
+        observe: returns what is observed of that engine now, to keep `engine` up to date.
+        pauses: whether the engine has paused its pictures.
+        send_audio: sends the operator's sound to the engine.
+        world: what is known of the scene; None without a figure.
+        legs: move the figure in the scene; None without a figure.
+        voice: the figure's voice; None without a figure.
+        announced: called with the pictures to be expected when another game engine has connected.
+        operator_control: which application operates the figure by hand; None without a figure.
+        encoded: the pictures of an engine that encodes them itself.
+        stamped: whether each picture shows its number and capture time, for measurements; an avatar's never do.
     """
 
     video: MediaSource[RawVideo]
@@ -72,35 +110,35 @@ class Scene:
     engine: Health
     observe: Callable[[], Observed]
     pauses: Pauses
-    hear: Callable[[RawAudio], None]
+    send_audio: Callable[[RawAudio], None]
     world: World | None = None
     legs: Legs | None = None
     voice: Voice | None = None
     announced: Listeners[VideoShape] = field(default_factory=Listeners)
-    seat: Seat | None = None
+    operator_control: OperatorControl | None = None
     encoded: EngineEncoded | None = None
     stamped: bool = False
 
     def place(self) -> Place | None:
-        """Where the figure is, as far as the game engine has told."""
+        """Return where the figure is, if the game engine has reported it."""
         return None if self.world is None else self.world.place
 
     def status(self) -> ComponentStatus:
-        """How the thing that renders the scene fares."""
+        """Return the status of the engine that renders the scene."""
         return self.engine.status
 
 
 def synthetic_scene(
     clock: MediaClock, width: int = 640, height: int = 360, fps: float = 30.0, *, stamped: bool = False
 ) -> Scene:
-    """Return colour bars with a moving dot, and a tone at each whole second; nobody is there to act.
+    """Return colour bars with a moving dot, and a tone at each whole second, without a figure.
 
     Args:
         clock: the media clock.
         width: of the picture, in pixels.
         height: of the picture, in pixels.
         fps: pictures per second.
-        stamped: whether each shows its number and the time of its capture.
+        stamped: whether each picture shows its number and capture time.
     """
     bars = ColourBars(width, height, fps, clock=clock)
     engine = Health("the test picture", clock.now())
@@ -132,38 +170,45 @@ def embedded_scene(
         arguments: of the game engine.
 
     Raises:
-        LinkError: on entering: the game engine did not start; the text has what it printed last.
+        LinkError: on entering: the game engine did not start; the text has its last output.
     """
     return _engine_scene(engine_id, partial(EmbeddedEngine, module, *arguments, address=address), clock)
 
 
 def external_scene(engine_id: str, address: str, secret: str, clock: MediaClock) -> AbstractAsyncContextManager[Scene]:
-    """Show the avatar of whichever game engine connects to an address, for as long as the block runs.
+    """Show the avatar of a game engine that connects to an address, for as long as the block runs.
 
     Args:
         engine_id: leads the refs of what is in the scene.
         address: where it is awaited, `tcp:host:port` or `unix:/path`.
-        secret: what it must know; empty: any will do.
+        secret: that it has to send; empty: any will do.
         clock: the media clock.
 
     Raises:
-        LinkError: on entering: one cannot listen there.
+        LinkError: on entering: the address cannot be listened on.
     """
     return _engine_scene(
         engine_id, partial(ExternalEngine, address, secret), clock, f"no game engine is connected to {address}"
     )
 
 
+def _pass_on(event: LinkEvent, parts: Iterable[Callable[[Event], None]]) -> None:
+    """Pass an engine's event to the parts of its body; `Idle` concerns the link alone."""
+    if not isinstance(event, Idle):
+        for handle in parts:
+            handle(event)
+
+
 @asynccontextmanager
 async def _engine_scene(
     engine_id: str, make: Callable[..., LinkedEngine], clock: MediaClock, last_words: str = "the game engine is gone"
 ) -> AsyncIterator[Scene]:
-    """Show the avatar of a game engine; `last_words` say why there are no pictures as long as none has been there."""
+    """Show the avatar of a game engine; `last_words` say why there are no pictures before it has connected."""
     async with AsyncExitStack() as stack:
-        sound = AvatarSound(clock)
+        sound = BodySound(clock)
         health = Health("the game engine", clock.now())
 
-        # The body speaks through the engine and hears from it: it is made first and finds the engine when it is there.
+        # Body and engine need each other: the body is made first, and finds the engine when that is made.
         body = Body(lambda command: engine.send(command))
         world = World(engine_id)
         legs = Legs(lambda command: engine.send(command), lambda: walks(), lambda: world.place, clock)
@@ -171,24 +216,21 @@ async def _engine_scene(
         pauses = Pauses()
         announced: Listeners[VideoShape] = Listeners()
 
-        def told(event: Event) -> None:
-            pauses.take(event)
-            body.take(event)
-            world.take(event)
-            legs.take(event)
+        def told(event: LinkEvent) -> None:
+            _pass_on(event, (pauses.handle_event, body.handle_event, world.handle_event, legs.handle_event))
 
         def lost(reason: str) -> None:
             nonlocal last_words
             last_words = f"the game engine is gone: {reason}"
             _log.warning("%s", last_words)
-            body.lost()
-            legs.lost()
+            body.engine_lost()
+            legs.engine_lost()
             world.clear()
             pauses.clear()
 
         def back(hello: Hello) -> None:
-            body.back(hello.viewpoints)
-            announced.tell(hello.video)
+            body.engine_returned(hello.viewpoints)
+            announced.notify_all(hello.video)
 
         engine = make(on_audio=sound.feed, on_event=told, on_lost=lost, on_back=back, clock=clock)
         await stack.enter_async_context(engine)
@@ -214,14 +256,14 @@ async def _engine_scene(
             return engine.hello.viewpoints if engine.hello is not None else ()
 
         voice = Voice(synthesizer, sound, body)
-        seat = Seat(reference(engine_id, Teleoperation.component_type.name), clock)
+        operator_control = OperatorControl(reference(engine_id, Teleoperation.component_type.name), clock)
         figure = Figure(legs, world, Ways(world), status)
         components = (
             SpeechSynthesis(voice),
             Reaction(body, reactions, status),
             Gaze(body, status),
             Viewpoint(body, viewpoints, status),
-            Teleoperation(seat, FigureControls(legs, body, engine.send, takes_input), status, clock),
+            Teleoperation(operator_control, FigureControls(legs, body, engine.send, takes_input), status, clock),
             Navigation(figure),
             Follow(figure),
             Move(figure),
@@ -239,11 +281,11 @@ async def _engine_scene(
             health,
             observe,
             pauses,
-            engine.hear,
+            engine.send_audio,
             world,
             legs,
             voice,
             announced,
-            seat,
+            operator_control,
             engine.encoded,
         )

@@ -13,7 +13,7 @@ _ROOT: Final = Path(__file__).parents[2]
 
 
 def main(arguments: list[str] | None = None, root: Path = _ROOT) -> int:
-    """Write or check every generated file; return what the process exits with."""
+    """Write or check every generated file; return the exit status of the process."""
     parser = argparse.ArgumentParser("openrois_codegen", description=__doc__)
     parser.add_argument("--check", action="store_true", help="write nothing; fail where a file is out of date")
     checking = parser.parse_args(arguments).check

@@ -1,4 +1,4 @@
-"""Cases of the corpus that do not follow from the types: whole profiles, and rules that a schema cannot say."""
+"""Cases of the corpus that do not follow from the types: whole profiles, and rules that a schema cannot express."""
 
 from openrois_signaling.messages import ID_LIMIT
 

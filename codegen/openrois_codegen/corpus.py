@@ -1,4 +1,4 @@
-"""A corpus of messages, valid and invalid by construction, that the tests of every language read.
+"""A corpus of messages, valid and invalid by construction, that the tests of every language read. Pure.
 
 Each type has a file. Its own fields are gone through one by one; what stands in them has a file of its own, and is here
 only once right and once wrong. Random messages, always the same ones, go deeper.

@@ -1,4 +1,7 @@
-"""C#: the wire's types with Newtonsoft's attributes, typed method names, and names of the catalog; C# 6 for Unity."""
+"""C#: the wire's types with Newtonsoft's attributes, typed method names, and names of the catalog; C# 6 for Unity.
+
+Pure.
+"""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""What is generated from: types, methods, notifications and components as plain data, free of Pydantic."""
+"""The generator's input: types, methods, notifications and components as plain data, free of Pydantic. Pure."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -56,7 +56,7 @@ class Truth:
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """What names a request of JSON-RPC: text or a number, whatever its sender chose."""
+    """The id of a JSON-RPC request: text or a number, as its sender chose."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +147,7 @@ Definition: TypeAlias = Enumeration | Structure | Union
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """What an application asks an engine, and a gateway its adapters.
+    """A method that an application calls at an engine, and a gateway at its adapters.
 
     Attributes:
         name: on the wire.
@@ -167,7 +167,7 @@ class Method:
 
 @dataclass(frozen=True, slots=True)
 class Notification:
-    """What an engine tells an application, and an adapter its gateway; the attributes are those of `Method`."""
+    """A notification of an engine to an application, and of an adapter to its gateway; attributes as of `Method`."""
 
     name: str
     doc: str
@@ -203,7 +203,7 @@ class Component:
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """Everything that is generated from.
+    """Everything that files are generated from.
 
     Attributes:
         version: the date that the schema's folder is named after.

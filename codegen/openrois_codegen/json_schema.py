@@ -1,4 +1,4 @@
-"""JSON Schema (2020-12): every type of the wire under `$defs`, in one document."""
+"""JSON Schema (2020-12): every type of the wire under `$defs`, in one document. Pure."""
 
 import json
 from collections.abc import Mapping

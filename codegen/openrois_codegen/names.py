@@ -1,4 +1,4 @@
-"""Names and sentences as other languages write them."""
+"""Names and sentences as other languages write them. Pure."""
 
 import re
 import textwrap

@@ -1,4 +1,4 @@
-"""OpenRPC 1.3.2: the methods; and in `x-notifications`, for which OpenRPC has no place, what an engine tells."""
+"""OpenRPC 1.3.2: the methods; and in `x-notifications`, for which OpenRPC has no place, the notifications. Pure."""
 
 from typing import Any, Final
 

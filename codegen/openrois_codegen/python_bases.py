@@ -23,7 +23,7 @@ from `openrois.catalog`.
 _BASIC: Final = "BasicComponent"
 
 _MOVING: Final = frozenset({"Navigation", "Follow", "Move"})
-"""What moves a robot has a dead man's switch unless its author says otherwise."""
+"""Components that move a robot have a dead man's switch unless their author decides otherwise."""
 
 
 def emit(types: Iterable[ComponentType]) -> str:
@@ -52,7 +52,7 @@ def _imports(kinds: tuple[ComponentType, ...]) -> str:
 
 
 def _constant(kind: ComponentType) -> tuple[str, str]:
-    """Return the name of a type's object and its module, which are found by looking."""
+    """Return the name of a type's object and its module, found among the modules of the catalog."""
     for module_name, module in sorted(sys.modules.items()):
         if module_name.startswith("openrois.catalog.") and module_name != "openrois.catalog.basic":
             for name, value in vars(module).items():
@@ -150,7 +150,7 @@ def _fields(payload: type[Payload] | None) -> dict[str, Any]:
 
 
 def _returned(payload: type[Payload] | None) -> Any:
-    """Return what a method returns: nothing, the only value itself, or the payload."""
+    """Return the type of a method's result: nothing, the only value itself, or the payload."""
     if payload is None:
         return NoneType
     fields = list(payload.model_fields.values())

@@ -38,12 +38,12 @@ def _with_included(types: Iterable[ComponentType]) -> list[ComponentType]:
 
 
 class _Imports:
-    """The names that a module needs from others."""
+    """The imports that a module needs."""
 
     def __init__(self) -> None:
         self._wanted: dict[str, set[str]] = {}
 
-    def take(self, module: str, name: str) -> str:
+    def import_name(self, module: str, name: str) -> str:
         """Import a name and return it."""
         if module != "builtins":
             self._wanted.setdefault(module, set()).add(name)
@@ -65,8 +65,8 @@ def _component(kind: ComponentType, imports: _Imports) -> str:
     streams = {command.name for command in kind.commands} >= STREAM_METHODS.keys()
     bases = [included.code for included in kind.includes]
     if streams:
-        bases.insert(0, imports.take("openrois.client.streaming", "Streaming"))
-    bases = bases or [imports.take("openrois.client.component", "ComponentProxy")]
+        bases.insert(0, imports.import_name("openrois.client.streaming", "Streaming"))
+    bases = bases or [imports.import_name("openrois.client.component", "ComponentProxy")]
     sections = [
         f"class {kind.code}({', '.join(bases)}):\n{_docstring(kind.description, 4)}",
         f"    component_type = {_constant(kind, imports)}",
@@ -90,7 +90,7 @@ def _members(kind: ComponentType, imports: _Imports, *, streams: bool) -> Iterat
 
 
 def _setter(parameters: type[Payload], names: list[str], imports: _Imports) -> str:
-    step = imports.take("openrois.client.steps", "Step")
+    step = imports.import_name("openrois.client.steps", "Step")
     fields = parameters.model_fields
     arguments = [f"{name}: {_taken(fields[name].annotation, imports)} | None = None" for name in names]
     values = [f"{name}={name}" for name in names]
@@ -120,7 +120,7 @@ def _getter(parameters: type[Payload], imports: _Imports) -> str:
 
 
 def _command(command: CommandType, imports: _Imports) -> str:
-    step = imports.take("openrois.client.steps", "Step")
+    step = imports.import_name("openrois.client.steps", "Step")
     results = "None" if command.results is None else _type_of(command.results, imports)
     fields = {} if command.arguments is None else command.arguments.model_fields
     required = [f"{name}: {_taken(field.annotation, imports)}" for name, field in fields.items() if field.is_required()]
@@ -159,8 +159,8 @@ def _query(query: QueryType, imports: _Imports) -> str:
 
 def _event(event: EventType, imports: _Imports) -> str:
     name = _type_of(event.results, imports)
-    subscription = imports.take("openrois.client.subscription", "Subscription")
-    buffer = imports.take("openrois.client.feed", "BUFFER")
+    subscription = imports.import_name("openrois.client.subscription", "Subscription")
+    buffer = imports.import_name("openrois.client.feed", "BUFFER")
     return "\n".join(
         [
             call(f"    def {event.name}", ["self", "*", f"buffer: int = {buffer}"], f" -> {subscription}[{name}]:", 4),
@@ -171,17 +171,17 @@ def _event(event: EventType, imports: _Imports) -> str:
 
 
 def _constant(kind: ComponentType, imports: _Imports) -> str:
-    """Return the name of a type's object, which is found by looking."""
+    """Return the name of a type's object, found among the modules of the catalog."""
     for module_name, module in sorted(sys.modules.items()):
         if module_name.startswith("openrois.catalog.") and module_name != "openrois.catalog.basic":
             for name, value in vars(module).items():
                 if value is kind and name in module.__all__:
-                    return imports.take(module_name, name)
+                    return imports.import_name(module_name, name)
     raise LookupError(f"{kind.code} is the object of no module")
 
 
 def _type_of(kind: type, imports: _Imports) -> str:
-    return imports.take(kind.__module__, kind.__name__)
+    return imports.import_name(kind.__module__, kind.__name__)
 
 
 def _given(annotation: Any, imports: _Imports) -> str:

@@ -1,4 +1,4 @@
-"""Reads Pydantic models into definitions: their fields, constraints, defaults and docstrings."""
+"""Reads Pydantic models into definitions: their fields, constraints, defaults and docstrings. Pure."""
 
 import inspect
 import types

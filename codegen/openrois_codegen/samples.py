@@ -1,4 +1,4 @@
-"""Values of each type, and values that are not quite: at the edges, of another type, with something null."""
+"""Values of each type, and values just outside of it: beyond its limits, of another type, with a null. Pure."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -51,7 +51,7 @@ _COMPANIONS: Final[Mapping[tuple[str, str], Mapping[str, Any]]] = {
 
 @dataclass(frozen=True, slots=True)
 class Bad:
-    """A value that does not fit, what is special about it, and the kind of its fault."""
+    """A value that does not fit, its peculiarity, and the kind of its fault."""
 
     name: str
     value: Any

@@ -1,4 +1,4 @@
-"""Which files are generated, and with what."""
+"""The generated files, and the function that makes each."""
 
 from pathlib import Path
 from typing import Final
@@ -32,7 +32,7 @@ GENERATED: Final = (
 )
 """Where nothing stands but what is generated."""
 
-_PAGE: Final = "docs/conformance.md"
+_PAGE: Final = "docs/reference/conformance.md"
 _MADE_BY: Final = "<!-- made by: openrois conformance --markdown -->"
 """Of a page that is written by hand, what stands after this line is generated."""
 

@@ -1,4 +1,7 @@
-"""TypeScript: the wire's types, the methods by name, and a typed proxy for each component; as prettier formats it."""
+"""TypeScript: the wire's types, the methods by name, and a typed proxy for each component; as prettier formats it.
+
+Pure.
+"""
 
 from collections.abc import Iterator, Sequence
 from typing import Final
@@ -47,7 +50,7 @@ def types(document: Document) -> str:
 
 
 def methods(document: Document) -> str:
-    """Return the module that says what each method and notification carries."""
+    """Return the module of what each method and notification carries."""
     names = {name for method in document.methods for name in (method.params, method.result)}
     names |= {notification.params for notification in document.notifications}
     requests = [

@@ -1,4 +1,4 @@
-"""TypeScript: what is checked of each message that comes in, over the checks of `web_demo/sdk/rois/check.ts`."""
+"""TypeScript: checks of each incoming message, on top of the checks of `web_demo/sdk/rois/check.ts`."""
 
 from collections.abc import Iterator
 from typing import Final

@@ -1,4 +1,4 @@
-"""Texts of values for the corpus: what each type reads, and as what; and what it refuses."""
+"""Texts of values for the corpus: what each type reads, and as what; and what it refuses. Pure."""
 
 import json
 from collections.abc import Iterator, Mapping

@@ -1,4 +1,4 @@
-"""Gathers what is generated from: the tables of methods, the signaling messages, and the catalog."""
+"""Gathers the generator's input: the tables of methods, the signaling messages, and the catalog."""
 
 from typing import Any, Final
 
@@ -67,7 +67,7 @@ def sources() -> dict[str, Any]:
 
 
 def document() -> Document:
-    """Return everything that is generated from."""
+    """Return everything that files are generated from."""
     of_wire, methods, notifications = _read_wire()
     of_values, components = _read_catalog()
     return Document(

@@ -1,1 +1,1 @@
-"""What RoIS 2.0 and the wire require, how each requirement is checked, and a suite to try any gateway with."""
+"""The requirements of RoIS 2.0 and of the wire, how each is checked, and a suite to try any gateway with."""

@@ -1,4 +1,4 @@
-"""An application that is nothing but a WebSocket: it speaks raw JSON and judges whatever it hears."""
+"""An application that is nothing but a WebSocket: it speaks raw JSON and judges every message it receives."""
 
 import json
 from typing import Any, Final
@@ -36,7 +36,7 @@ class Application(Connection):
         ids: of the commands of the check.
 
     Attributes:
-        told: the notifications that nobody asked for yet: method and params, in order.
+        unread: the notifications that no check has awaited yet: method and params, in order.
         reasons: why something was refused or failed, by the request's id or the command's.
     """
 
@@ -45,7 +45,7 @@ class Application(Connection):
     ) -> None:
         super().__init__(socket, name, transcript, patience)
         self._ids = ids
-        self.told: list[tuple[str, dict[str, Any]]] = []
+        self.unread: list[tuple[str, dict[str, Any]]] = []
         self.reasons: dict[Any, str] = {}
         self.extended = False
         self._explained: dict[str, Any] | None = None
@@ -55,7 +55,7 @@ class Application(Connection):
         self._last_id = 0
 
     async def hear(self) -> dict[str, Any]:
-        """Return the next frame, checked: a response as it came, a notification kept in `told` as well."""
+        """Return the next frame, checked: a response as it came, a notification kept in `unread` as well."""
         message: dict[str, Any] = await self.receive()
         check_envelope(message)
         told, self._explained = self._explained, None
@@ -69,7 +69,7 @@ class Application(Connection):
                 return await self.hear()
             params = self._ids.incoming(params)
             self._count(message["method"], params)
-            self.told.append((message["method"], params))
+            self.unread.append((message["method"], params))
         return message
 
     def _count(self, method: str, params: dict[str, Any]) -> None:
@@ -88,7 +88,7 @@ class Application(Connection):
         return request_id
 
     def expect_answer_to(self, request_id: Any) -> None:
-        """Say that a request with this id was or will be sent."""
+        """Note that a request with this id was or will be sent."""
         self._asked.add(json.dumps(request_id))
 
     async def response(self, request_id: Any) -> dict[str, Any]:
@@ -122,28 +122,28 @@ class Application(Connection):
         return self._ids.incoming(read_result(method, response["result"]))
 
     async def ask(self, method: str, **params: Any) -> dict[str, Any]:
-        """Ask and return the result, checked and with every field."""
+        """Send a request and return its result, checked and with every field."""
         return await self.result(method, await self.begin(method, **params))
 
     async def code(self, method: str, **params: Any) -> str:
-        """Ask and return the return code."""
+        """Send a request and return its return code."""
         return str((await self.ask(method, **params))["return_code"])
 
     async def granted(self, method: str, **params: Any) -> dict[str, Any]:
-        """Ask what has to be answered OK and return the result."""
+        """Send a request that has to be answered OK and return the result."""
         result = await self.ask(method, **params)
         expect(f"the return_code of {method}", result["return_code"], "OK")
         return result
 
     async def tree(self) -> HRIEngineProfile:
-        """Ask for the gateway's profile and return the tree of engines."""
+        """Return the tree of engines in the gateway's profile."""
         profile = (await self.granted("rois.system.get_profile"))["profile"]
         if profile is None:
             raise Deviation("a profile of the engine", "null")
         return HRIEngineProfile.model_validate(profile)
 
     async def refused(self, method: str, *codes: str, **params: Any) -> dict[str, Any]:
-        """Ask what has to be answered with one of `codes`, and with nothing in the other fields; return the result."""
+        """Send a request that has to be answered with one of `codes` and empty out parameters; return the result."""
         result = await self.ask(method, **params)
         expect(f"the return_code of {method}", result["return_code"], *codes)
         left = {name: value for name, value in result.items() if name != "return_code" and value}
@@ -152,7 +152,7 @@ class Application(Connection):
         return result
 
     async def error(self, method: str, *codes: int, **params: Any) -> dict[str, Any]:
-        """Ask what has to be answered with a JSON-RPC error of one of `codes` and return the error."""
+        """Send a request that has to be answered with a JSON-RPC error of one of `codes` and return the error."""
         response = await self.response(await self.begin(method, **params))
         if "error" not in response:
             raise Deviation(f"the error {' or '.join(map(str, codes))}", shown(response))
@@ -161,11 +161,11 @@ class Application(Connection):
         return error
 
     async def next(self, method: str) -> dict[str, Any]:
-        """Return the params of the next notification of `method`; those of other methods stay in `told`."""
+        """Return the params of the next notification of `method`; those of other methods stay in `unread`."""
         while True:
-            for index, (name, params) in enumerate(self.told):
+            for index, (name, params) in enumerate(self.unread):
                 if name == method:
-                    del self.told[index]
+                    del self.unread[index]
                     return params
             message = await self.hear()
             if "method" not in message:
@@ -182,19 +182,19 @@ class Application(Connection):
         return ended
 
     def left(self) -> list[str]:
-        """Return what the notifications are called that nobody asked for; changes of the tree are nobody's."""
-        return [method for method, _ in self.told if method != "rois.system.profile_changed"]
+        """Return the methods of unexpected notifications; changes of the tree are always allowed."""
+        return [method for method, _ in self.unread if method != "rois.system.profile_changed"]
 
-    def forget(self, method: str) -> None:
-        """Drop the notifications of `method` that nobody asked for."""
-        self.told = [(name, params) for name, params in self.told if name != method]
+    def drop_notifications(self, method: str) -> None:
+        """Drop the unexpected notifications of `method`."""
+        self.unread = [(name, params) for name, params in self.unread if name != method]
 
     async def settled(self) -> list[str]:
-        """Ask something harmless and return what came up to its answer and nobody asked for."""
+        """Send a harmless request and return the unexpected notifications up to its answer."""
         await self.ask("rois.command.search", condition="component_ref = ''")
         return self.left()
 
     async def silent(self, why: str) -> None:
-        """Refuse any notification, up to now, that nobody asked for."""
+        """Refuse any unexpected notification up to now."""
         if await self.settled():
-            raise Deviation(f"no notification: {why}", shown(self.told))
+            raise Deviation(f"no notification: {why}", shown(self.unread))

@@ -23,13 +23,13 @@ from openrois_conformance.suite import Verdict, Visit, run_checks, visit
 __all__ = ["main"]
 
 _EPILOG = """\
-Without --url the manifest is printed: every requirement with its clause, who asks for it (shall and should: the
+Without --url the manifest is printed: every requirement with its clause, its source (shall and should: the
 standard; wire: the base wire; extension: an extension of it), and how it is checked.
 
 With --url the gateway there is tried from both sides: connections of applications are opened and closed, and adapters
-of the suite's own dial /adapter, so that nobody's components are touched. Every application of the gateway hears these
-adapters come and go. Where the gateway asks for tokens, one of an administrator does, for the adapters too; one of an
-operator does for applications, and tries less. The scope of both has to hold 'conformance-*'.
+of the suite's own dial /adapter, so that other components stay untouched. Every application of the gateway is notified
+when these adapters come and go. Where the gateway asks for tokens, one of an administrator does, for the adapters too;
+one of an operator does for applications, and tries less. The scope of both has to hold 'conformance-*'.
 
 The exit status is 0 when nothing failed, 1 when something did, 2 for wrong usage.
 """
@@ -47,7 +47,7 @@ def main(arguments: Sequence[str]) -> int:
             return asyncio.run(_try(chosen, areas))
         return _print(chosen, areas)
     except BrokenPipeError:
-        # Whoever reads has seen enough. What is left to be flushed when Python ends has to go somewhere.
+        # The reader of a pipe has closed it. What is left to be flushed when Python ends has to go somewhere.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
@@ -95,14 +95,14 @@ def _read(arguments: Sequence[str]) -> argparse.Namespace:
     except ValueError as error:
         parser.error(str(error))
     if not 0 < chosen.timeout <= 60:
-        parser.error("a wait takes more than 0 and at most 60 seconds")
+        parser.error(f"--timeout must be more than 0 and at most 60 seconds, not {chosen.timeout:g}")
     if chosen.url is not None and chosen.markdown:
-        parser.error("--markdown is for the manifest, without --url")
+        parser.error("--markdown prints the manifest: leave out --url")
     return chosen
 
 
 class _Once(argparse.Action):
-    """An option that may stand once: of two the first would not be tried, and nothing would say so."""
+    """An option that may be given once: of two the first would be dropped without a message."""
 
     def __call__(
         self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option: str | None = None
@@ -113,7 +113,7 @@ class _Once(argparse.Action):
 
 
 def _read_gateway(chosen: argparse.Namespace) -> None:
-    """Read what there is to know of the gateway. Raises ValueError."""
+    """Read the description of the gateway. Raises ValueError."""
     chosen.url = gateway_url(chosen.url)
     chosen.credentials = chosen.adapter_credentials = credentials(chosen)
     if chosen.adapter_token_file is not None:

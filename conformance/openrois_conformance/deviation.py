@@ -1,4 +1,4 @@
-"""What is said of a gateway that does something else than it shall."""
+"""Deviation of a gateway from a requirement."""
 
 import json
 from typing import Any, Final
@@ -9,7 +9,7 @@ _LONGEST: Final = 240
 
 
 class Deviation(Exception):
-    """The gateway did something else than it shall.
+    """The gateway did something else than is required.
 
     Attributes:
         expected: what it should have done.
@@ -33,10 +33,10 @@ def _plain(value: Any) -> Any:
 
 
 def expect(what: str, came: Any, *wanted: Any) -> None:
-    """Raise `Deviation` unless what came is one of the things that are wanted, type and all.
+    """Raise `Deviation` unless the value is one of the wanted ones, of the same type.
 
     Args:
-        what: what is looked at, such as `the return_code of bind`.
+        what: the name of the value, such as `the return_code of bind`.
         came: what it is.
         wanted: what it may be.
     """

@@ -1,4 +1,4 @@
-"""How the suite comes in: to which address, with which token, and over TLS where the address says so."""
+"""The way to a gateway: the address, the token, and TLS where the address asks for it."""
 
 import logging
 import ssl
@@ -18,7 +18,7 @@ _frames.setLevel(logging.WARNING)
 
 @dataclass(frozen=True, slots=True)
 class Door:
-    """Where applications connect, or where adapters dial.
+    """The address where applications or adapters connect, with credentials.
 
     Attributes:
         url: the address.
@@ -39,7 +39,7 @@ class Door:
             options: of the WebSocket.
 
         Raises:
-            ValueError: the token cannot be had.
+            ValueError: the token cannot be read.
         """
         return connect(
             self.url,

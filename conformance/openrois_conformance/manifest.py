@@ -1,4 +1,4 @@
-"""The requirements manifest: every clause of the standard and of the wire, and how each is checked."""
+"""The requirements manifest: every clause of the standard and of the wire, and how each is checked. Pure."""
 
 import tomllib
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ __all__ = ["Area", "Level", "Requirement", "check_of_type", "read_manifest"]
 
 
 class Level(StrEnum):
-    """Who asks for it, and how firmly."""
+    """The source of a requirement, and how firm it is."""
 
     SHALL = "shall"
     SHOULD = "should"
@@ -25,13 +25,13 @@ class Level(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Requirement:
-    """One thing that is required.
+    """One requirement.
 
     Attributes:
         id: its area, a full stop, and its name.
         text: one sentence.
-        clause: of the standard, or the section of docs/wire.md.
-        level: who asks for it: the standard (shall, should), the base wire, or an extension of it.
+        clause: of the standard, or the section of docs/reference/wire.md or adapter-wire.md.
+        level: its source: the standard (shall, should), the base wire, or an extension of it.
         covers: what of the catalog it is about: methods, notifications, types, messages of components.
         checks: what tries it from outside.
         tests: what tries it in the repository: pytest's node ids below `tests/`.
@@ -49,7 +49,7 @@ class Requirement:
 
     @property
     def is_checked(self) -> bool:
-        """Whether anything checks it at all."""
+        """Whether any check or test covers it."""
         return bool(self.checks or self.tests)
 
 

@@ -1,4 +1,4 @@
-"""The suite's own adapter: it dials the gateway, answers what it is asked, and does what a check tells it to."""
+"""The suite's own adapter: it dials the gateway, answers its requests, and does what a check orders."""
 
 import asyncio
 import json
@@ -47,7 +47,7 @@ class Probe(Connection):
         self._change = asyncio.Event()
 
     def reset(self) -> None:
-        """Forget what earlier checks did."""
+        """Drop the records of earlier checks."""
         self.asked.clear()
         self.refusals.clear()
         self.engine.reset()
@@ -62,10 +62,10 @@ class Probe(Connection):
             while True:
                 text = str(await self.socket.recv())
                 self._transcript.note(self.name, text, outgoing=False)
-                await self._take(json.loads(text))
+                await self._handle_message(json.loads(text))
                 self._change.set()
 
-    async def _take(self, message: dict[str, Any]) -> None:
+    async def _handle_message(self, message: dict[str, Any]) -> None:
         if "error" in message:
             self.refusals.append(message["error"]["code"])
         if "method" not in message:
@@ -74,13 +74,13 @@ class Probe(Connection):
         self.asked.append((method, params))
         if "id" not in message:
             return
-        answer = self.engine.answer(method, params)
+        answer = self.engine.answer_request(method, params)
         if answer.result is None and answer.error is None:
             self._held.append(message["id"])
         else:
-            await self._answer(message["id"], answer)
+            await self._send_answer(message["id"], answer)
 
-    async def _answer(self, request_id: Any, answer: Answer) -> None:
+    async def _send_answer(self, request_id: Any, answer: Answer) -> None:
         envelope = {"jsonrpc": "2.0", "id": request_id}
         if answer.error is not None:
             envelope["error"] = {"code": answer.error, "message": "the suite's adapter refuses"}
@@ -88,14 +88,14 @@ class Probe(Connection):
             envelope["result"] = answer.result
         await self.send(envelope)
         for method, params in answer.then:
-            await self.tell(method, **params)
+            await self.send_notification(method, **params)
 
-    async def tell(self, method: str, **params: Any) -> None:
+    async def send_notification(self, method: str, **params: Any) -> None:
         """Send a notification."""
         await self.send({"jsonrpc": "2.0", "method": method, "params": params})
 
     async def until(self, condition: Callable[[], bool], what: str) -> None:
-        """Wait until a condition on what the gateway asked holds."""
+        """Wait until a condition on the gateway's requests holds."""
         try:
             async with asyncio.timeout(self.patience):
                 while not condition():
@@ -119,7 +119,7 @@ class Probe(Connection):
         """Announce an event to every subscription to it and return its id."""
         event_id, notices = self.engine.event(component_ref, event_type)
         for method, params in notices:
-            await self.tell(method, **params)
+            await self.send_notification(method, **params)
         return event_id
 
     async def hangs(self, component_ref: str) -> None:
@@ -129,13 +129,13 @@ class Probe(Connection):
     async def finish(self, component_ref: str, status: str = "OK") -> None:
         """End the commands of a component that hang."""
         for method, params in self.engine.finish(component_ref, status):
-            await self.tell(method, **params)
+            await self.send_notification(method, **params)
 
     async def answer_held(self, result: dict[str, Any] | None = None) -> None:
         """Answer the requests that were not answered, all with one result."""
         held, self._held = self._held, []
         for request_id in held:
-            await self._answer(request_id, Answer(result or {"return_code": "OK", "results": []}))
+            await self._send_answer(request_id, Answer(result or {"return_code": "OK", "results": []}))
 
     async def let_go(self) -> None:
         """End whatever hangs, so that nothing of a check outlives it."""
@@ -156,7 +156,7 @@ async def dialled(door: Door, transcript: Transcript, patience: float, engine: P
         engine: answers what the gateway asks.
 
     Raises:
-        ValueError: the token cannot be had.
+        ValueError: the token cannot be read.
         OSError: nothing listens there.
         websockets.exceptions.InvalidHandshake: adapters are not let in.
     """

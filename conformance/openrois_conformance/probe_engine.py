@@ -1,4 +1,4 @@
-"""How the suite's own adapter answers. Pure: a request goes in, the answer and what is told after it come out."""
+"""The answers of the suite's own adapter. Pure: a request goes in, the answer and its notifications come out."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ Notices = tuple[tuple[str, dict[str, Any]], ...]
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a request is answered: a result, or an error, or with neither nothing at all; and what is told next."""
+    """The answer to a request: a result, or an error, or with neither none at all; and the notifications after it."""
 
     result: Mapping[str, Any] | None = None
     error: int | None = None
@@ -88,7 +88,7 @@ class ProbeEngine:
         self.reset()
 
     def reset(self) -> None:
-        """Forget what earlier checks did."""
+        """Drop the records of earlier checks."""
         self.answers.clear()
         self.violations.clear()
         self._stored = {
@@ -101,8 +101,8 @@ class ProbeEngine:
         self._minted += 1
         return f"{self.engine_id}/{kind}-{self._minted}"
 
-    def answer(self, method: str, params: dict[str, Any]) -> Answer:
-        """Return what a request is answered."""
+    def answer_request(self, method: str, params: dict[str, Any]) -> Answer:
+        """Return the answer to a request."""
         if method in self.answers:
             return self.answers[method]
         if method in self._methods:
@@ -111,7 +111,7 @@ class ProbeEngine:
         return found or Answer(error=_METHOD_NOT_FOUND)
 
     def event(self, component_ref: str, event_type: str) -> tuple[str, Notices]:
-        """Return the id of a new event, and what its subscribers are told."""
+        """Return the id of a new event, and the notifications of its subscribers."""
         event_id = self.mint("evt")
         profile = next(p for p in self.profiles[component_ref].event_profiles if p.name == event_type)
         self._details[event_id] = _samples(profile.results)
@@ -140,7 +140,7 @@ class ProbeEngine:
         return "rois.system.notify_error", {"error_id": error_id, "error_type": error_type}
 
     def finish(self, component_ref: str, status: str) -> Notices:
-        """End the commands of a component that hang; return what is told of them."""
+        """End the commands of a component that hang; return their notifications."""
         return tuple(_completed(command_id, status) for command_id in self._hanging.pop(component_ref, []))
 
     def hanging(self) -> dict[str, list[str]]:

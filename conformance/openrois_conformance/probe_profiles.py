@@ -1,4 +1,4 @@
-"""What the suite's own adapter offers: components of every class, and one of each type of the standard."""
+"""The components of the suite's own adapter: some of every class, and one of each type of the standard."""
 
 from typing import Any, Final
 
@@ -28,7 +28,7 @@ FATES: Final = {
     "time_out": "TIMEOUT",
     "overload": "OUT_OF_RESOURCES",
 }
-"""Commands of the probes that end badly, and how; what is not here ends OK."""
+"""Commands of the probes that end badly, and how; all others end OK."""
 
 _SAMPLES: Final = {
     "int": "-7",
@@ -118,7 +118,7 @@ def engine_profile(engine_id: str, refs: tuple[str, ...], *below: HRIEngineProfi
 
 
 def profile_result(engine_id: str, profiles: dict[str, HRIComponentProfile]) -> dict[str, Any]:
-    """Return what get_profile answers."""
+    """Return the result of get_profile."""
     refs = tuple(profiles)
     below = engine_profile(f"{engine_id}-below", refs)
     tree = engine_profile(engine_id, refs, *((below,) if below.component_ids else ()))

@@ -1,14 +1,15 @@
-"""Streams without media: what an adapter of the suite answers to the methods of the extensions."""
+"""Streams without media: the answers of an adapter of the suite to the methods of the extensions."""
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 from openrois_conformance.deviation import Deviation
 from openrois_conformance.probe_engine import Answer, Notices, ProbeEngine
 
-__all__ = ["ProbeStreams"]
+__all__ = ["NOW", "ProbeStreams"]
 
-_NOW = "2026-11-21T00:00:00+00:00"
+NOW: Final = "2026-11-21T00:00:00+00:00"
+"""The time of every status that is notified."""
 _VERBS = {
     "rois.stream.disconnect_stream": ("NOT_CONNECTED",),
     "rois.stream.suspend_stream": ("SUSPENDED",),
@@ -31,8 +32,8 @@ class ProbeStreams:
     reports: list[dict[str, Any]] = field(default_factory=list)
     _streams: dict[str, dict[str, str]] = field(default_factory=dict)
 
-    def answer(self, method: str, params: dict[str, Any]) -> Answer | None:
-        """Return what a method of an extension is answered, or None where there is no such method."""
+    def answer_request(self, method: str, params: dict[str, Any]) -> Answer | None:
+        """Return the answer to a method of an extension, or None where there is no such method."""
         if method == "openrois.hello":
             return Answer({"return_code": "OK", "version": "1", "extensions": ["rois.stream", "signaling"]})
         if method == "rois.stream.connect_stream":
@@ -81,6 +82,6 @@ class ProbeStreams:
         for status in (f"STREAMING_{status}" for status in statuses):
             if status != "STREAMING_RESUMED":
                 stream["status"] = status
-            notice = {**stream, "stream_id": stream_id, "status": status, "timestamp": _NOW}
+            notice = {**stream, "stream_id": stream_id, "status": status, "timestamp": NOW}
             told.append(("rois.stream.notify_stream_status", notice))
         return tuple(told)

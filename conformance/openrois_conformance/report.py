@@ -1,4 +1,4 @@
-"""What came of a run, requirement by requirement, for people and for machines."""
+"""The result of a run, requirement by requirement, for people and for machines."""
 
 import textwrap
 from collections import Counter
@@ -15,11 +15,11 @@ __all__ = ["Report", "Standing", "as_json"]
 
 _MARGIN = 9
 _FRAMES = 12
-"""How many of the last frames show what went wrong."""
+"""How many of the last frames are shown for a failure."""
 
 
 class Standing(Enum):
-    """How a requirement is met, as far as it was tried."""
+    """The result of a requirement, as far as it was tried."""
 
     PASSED = "pass"
     FAILED = "FAIL"
@@ -55,7 +55,7 @@ class Report:
     _shown: set[str] = field(default_factory=set)
 
     def lines(self, requirement: Requirement, verdicts: Sequence[Verdict], column: int) -> Iterator[str]:
-        """Count a requirement and yield what is said of it.
+        """Count a requirement and yield its lines.
 
         Args:
             requirement: which.

@@ -1,4 +1,4 @@
-"""Where a check plays: the gateway's address, the suite's adapter, and connections that end with the check."""
+"""The surroundings of a check: the gateway's address, the suite's adapter, and connections that end with the check."""
 
 from collections.abc import Awaitable, Callable
 from contextlib import AsyncExitStack, suppress
@@ -25,7 +25,7 @@ _CLOSE_TIMEOUT: Final = 1.0
 
 
 class Needs(Enum):
-    """What a check cannot do without. The value says why it was not run."""
+    """Preconditions of a check. The value says why it was not run."""
 
     APPLICATION = "nothing"
     ADAPTER = "the suite's own adapter was not allowed (--no-adapter)"
@@ -36,14 +36,14 @@ class Needs(Enum):
 
 
 def adapter_url(url: str) -> str:
-    """Return where adapters dial, given where applications do."""
+    """Return the address of adapters, given that of applications."""
     parts = urlsplit(url)
     return f"{parts.scheme}://{parts.netloc}/adapter"
 
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """What all checks of a run share.
+    """Common settings of all checks of a run.
 
     Attributes:
         applications: where applications connect.
@@ -66,7 +66,7 @@ class Setting:
 
 @dataclass
 class Stage:
-    """What one check has. Whatever is opened here is closed when the check ends.
+    """The means of one check. Every connection that is opened here is closed when the check ends.
 
     Attributes:
         remarks: what a user should know although the check passed.
@@ -104,7 +104,7 @@ class Stage:
         return self._ids.sent(command_id)
 
     def remark(self, text: str) -> None:
-        """Say something although the check passes."""
+        """Note a remark although the check passes."""
         self.remarks.append(text)
 
     async def application(self, **options: Any) -> Application:
@@ -152,11 +152,11 @@ class Stage:
         condition = f"component_ref = '{self.ref('eye')}'"
         await app.granted("rois.query.query", query_type="component_status", condition=condition)
         for method in allowed:
-            app.forget(method)
+            app.drop_notifications(method)
         await app.silent("nothing that was done causes one")
 
     async def strike(self) -> None:
-        """End the check: what it left running is ended, and nobody may have heard what they should not."""
+        """End the check: end what it left running, and check what every application received."""
         if self.setting.probe is not None:
             await self.setting.probe.let_go()
         for app in self._applications:
@@ -164,7 +164,7 @@ class Stage:
                 await app.settled()
 
     async def clear(self) -> None:
-        """Give everything back, whatever state it is in."""
+        """Release everything, whatever state it is in."""
         for app in self._applications:
             with suppress(Deviation):
                 if app.is_open:
@@ -193,7 +193,7 @@ class Check:
 
 
 class Checks(list[Check]):
-    """The checks of one module, in the order they stand there."""
+    """The checks of one module, in their order there."""
 
     def __call__(self, check_id: str, *needs: Needs) -> Callable[[_Play], _Play]:
         """Mark a function as a check; the first line of its docstring is the title."""

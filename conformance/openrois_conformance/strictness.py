@@ -1,4 +1,7 @@
-"""The wire as the strictest client reads it: no field beside the catalog's, no null for a list, names for numbers."""
+"""The wire as the strictest client reads it: no field beside the catalog's, no null for a list, names for numbers.
+
+Pure.
+"""
 
 from collections.abc import Mapping
 from typing import Any, Final

@@ -31,7 +31,7 @@ _WHOLE: Final = "a check that comes to its end"
 
 
 class Outcome(Enum):
-    """How a check went."""
+    """The result of a check."""
 
     PASSED = "pass"
     FAILED = "FAIL"
@@ -40,7 +40,7 @@ class Outcome(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What came of one check.
+    """The outcome of one check.
 
     Attributes:
         check: which.
@@ -84,7 +84,7 @@ async def visit(
     credentials: Credentials = NO_CREDENTIALS,
     adapter_credentials: Credentials | None = None,
 ) -> AsyncIterator[Visit]:
-    """Look at a gateway, and put the suite's adapter behind it for as long as the block runs.
+    """Examine a gateway, and put the suite's adapter behind it while the block runs.
 
     Args:
         url: where applications connect.
@@ -136,7 +136,7 @@ async def _look(setting: Setting) -> tuple[tuple[str, ...], tuple[str, ...], boo
 
 
 async def _is_administrator(app: Application) -> bool:
-    """Tell whether a method of administrators is refused for what its params are, and not for who asks."""
+    """Tell whether a method of administrators is refused for its params, and not for the principal."""
     return "error" in await app.response(await app.begin("openrois.lease.take"))
 
 

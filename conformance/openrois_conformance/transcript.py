@@ -1,4 +1,4 @@
-"""Every frame of a conversation with a gateway, so that a verdict can show what was said."""
+"""Every frame of a conversation with a gateway, so that a verdict can show it."""
 
 import time
 from collections.abc import Callable
@@ -16,7 +16,7 @@ class Frame:
 
     Attributes:
         at: seconds since the check began.
-        who: whose connection, such as `application 1`.
+        who: the name of the connection, such as `application 1`.
         outgoing: whether the suite sent it.
         text: what it held.
     """
@@ -33,7 +33,7 @@ class Frame:
 
 @dataclass
 class Transcript:
-    """The frames of one check, in the order they were sent and heard, without secrets."""
+    """The frames of one check, in the order they were sent and received, without secrets."""
 
     clock: Callable[[], float] = time.monotonic
     frames: list[Frame] = field(default_factory=list)
@@ -41,12 +41,12 @@ class Transcript:
     hidden: set[str] = field(default_factory=set)
 
     def begin(self) -> None:
-        """Forget what was said and start the time again."""
+        """Drop all frames and start the time again."""
         self.frames = []
         self.began = self.clock()
 
     def hide(self, secret: str) -> None:
-        """Keep no frame with this text in it as it is."""
+        """Replace this text in every frame."""
         self.hidden.add(secret)
 
     def note(self, who: str, text: str, *, outgoing: bool) -> None:

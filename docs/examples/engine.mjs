@@ -116,7 +116,7 @@ function connect() {
     unread = Buffer.concat([unread, data]);
     while (unread.length >= 16 && unread.length >= 16 + unread.readUInt32LE(8)) {
       const type = unread[4], end = 16 + unread.readUInt32LE(8);
-      const body = JSON.parse(unread.subarray(16, end)); // this engine says `hears` to nobody: there is no AUDIO
+      const body = JSON.parse(unread.subarray(16, end)); // this engine never says `hears`: there is no AUDIO
       unread = unread.subarray(end);
       if (type === WELCOME) clock = setInterval(tick, 1000 / FPS);
       else if (type === COMMAND && body.command === "demand") want(body.consumers > 0);

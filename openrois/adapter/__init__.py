@@ -1,9 +1,9 @@
-"""What an adapter is written with: components as classes, and `run`, which connects them to a gateway.
+"""Tools of an adapter's author: components as classes, and `run`, which connects them to a gateway.
 
     from openrois.adapter import Component, command, event, parameter, query, run
 
-`openrois.adapter.components` has a class to extend for each of the standard's basic components; docs/adapter.md tells
-the rest.
+`openrois.adapter.components` has a class to extend for each of the standard's basic components; the rest is in
+docs/how-to/adapter.md.
 """
 
 from openrois.adapter.command import main

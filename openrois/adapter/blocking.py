@@ -1,4 +1,4 @@
-"""Telling an author what blocks the adapter: while one component blocks, all of them and the connection stand still."""
+"""Warns an author about code that blocks the adapter: while one component blocks, everything in the process waits."""
 
 import asyncio
 import logging
@@ -15,14 +15,14 @@ __all__ = ["told_of_blocking"]
 _log = logging.getLogger(__name__)
 
 PATIENCE: Final = 1.0
-"""Seconds that the loop may be busy with one thing."""
+"""Seconds that one callback may keep the loop busy."""
 
 _PACKAGE: Final = str(Path(__file__).parents[1])
 
 
 @contextmanager
 def told_of_blocking(patience: float = PATIENCE) -> Iterator[None]:
-    """Log where the loop of this thread is stuck whenever it is for longer than `patience`, once each time.
+    """Log where the loop of this thread is stuck when it is for longer than `patience`, once each time.
 
     It takes a second thread to see that: the first one has no time.
     """
@@ -56,6 +56,6 @@ def _where(thread: int) -> str:
     theirs = frames[ours[-1] + 1 :] if ours else []
     place = "".join(traceback.format_list(theirs or frames[-1:])).rstrip()
     return (
-        "the adapter stands still, and its gateway may give it up: something blocks; "
+        "this call blocks the adapter, and its gateway may drop the connection: "
         f"write `await asyncio.to_thread(...)`\n{place}"
     )

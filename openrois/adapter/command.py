@@ -1,4 +1,4 @@
-"""The command line of an adapter: where its gateway is, and what it shows there."""
+"""The command line of an adapter: the gateway's address, and the credentials for it."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,7 @@ __all__ = ["main"]
 
 
 def main(*components: Component, engine_id: str, arguments: Sequence[str] | None = None) -> None:
-    """Serve components as `run` does, where the options of the command line say; `--help` tells them.
+    """Serve components as `run` does, with the options of the command line; `--help` lists them.
 
     Args:
         components: each with a name of its own.

@@ -1,4 +1,4 @@
-"""The dead man's switch: what moves is stopped when nobody is in control of it any more, or nobody can tell."""
+"""The dead man's switch: motion stops when no application is in control any more, or when that cannot be known."""
 
 import asyncio
 import logging
@@ -22,10 +22,10 @@ __all__ = ["DeadMan", "HolderExtension"]
 _log = logging.getLogger(__name__)
 
 ALLOWANCE: Final = 0.1
-"""Seconds that are left for calling `stop` once the last sign of life is too old."""
+"""Seconds left for calling `stop` once the last sign of life is too old."""
 
 _LATE: Final = 0.02
-"""Seconds after which this process has slept itself: what came meanwhile is read first."""
+"""Seconds after which this process counts as having been suspended itself: it reads what came meanwhile first."""
 
 _AT_ONCE: Final = frozenset({"stop", "set_parameter"})
 """Commands that move nothing, or end it."""
@@ -51,7 +51,7 @@ class DeadMan:
     called at once, and its commands end with ABORT. A command whose turn comes only then begins nothing.
 
     Args:
-        lifeline: to the gateway.
+        heartbeat: to the gateway.
         tasks: owns the watching.
         clock: monotonic seconds.
         sleep: waits for some seconds.
@@ -59,12 +59,12 @@ class DeadMan:
 
     def __init__(
         self,
-        lifeline: Heartbeat,
+        heartbeat: Heartbeat,
         tasks: TaskScope,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
     ) -> None:
-        self._lifeline = lifeline
+        self._heartbeat = heartbeat
         self._tasks = tasks
         self._clock = clock
         self._sleep = sleep
@@ -72,7 +72,7 @@ class DeadMan:
         self._watching: asyncio.Task[None] | None = None
         self._stopping: dict[Component, asyncio.Task[None]] = {}
         self._holders: dict[str, tuple[Client, int]] = {}
-        lifeline.on_cut.add(lambda reason: self._trip(self._moving, reason))
+        heartbeat.on_cut.add(lambda reason: self._trip(self._moving, reason))
 
     async def guard(
         self, component_ref: str, component: Component, command_type: str, work: Coroutine[Any, Any, Outcome]
@@ -94,7 +94,7 @@ class DeadMan:
             raise Aborted(f"{component.name} does not move: no application has control")
         moving = _Moving(component_ref, component, max(component.dead_man - ALLOWANCE, 0.0))
         task = asyncio.ensure_future(work)
-        self._begin(moving)
+        self._begin_watching(moving)
         try:
             either: set[asyncio.Future[Any]] = {task, moving.tripped}
             await asyncio.wait(either, return_when=asyncio.FIRST_COMPLETED)
@@ -103,28 +103,28 @@ class DeadMan:
                 raise Aborted(moving.tripped.result())
             return await task
         finally:
-            self._end(moving)
+            self._end_watching(moving)
             task.cancel()
             await asyncio.gather(task, return_exceptions=True)
 
     def _is_uncontrolled(self, component_ref: str, component: Component) -> bool:
-        """Tell whether a gateway that says who holds what has named nobody: who began a sequence may have left."""
+        """Tell whether a gateway that reports holders has reported none: the one that began it may have left."""
         held = component_ref in self._holders or component.profile.function is not ComponentFunction.ACTUATION
-        return self._lifeline.is_alive and not held
+        return self._heartbeat.is_alive and not held
 
-    def take_holder(self, told: HolderNotification, client: Client) -> None:
-        """Learn who holds a component: what moves for somebody else stops."""
-        held = self._holders.get(told.component_ref)
-        if told.holds:
-            self._holders[told.component_ref] = client, told.epoch
-            if held is not None and held[1] < told.epoch:
-                self._trip_component(told.component_ref, "control has changed hands, or connections")
+    def take_holder(self, notice: HolderNotification, client: Client) -> None:
+        """Note the holder of a component: what moves for another application stops."""
+        held = self._holders.get(notice.component_ref)
+        if notice.holds:
+            self._holders[notice.component_ref] = client, notice.epoch
+            if held is not None and held[1] < notice.epoch:
+                self._trip_component(notice.component_ref, "control has changed hands, or connections")
         elif held is not None and held[0] is client:
-            del self._holders[told.component_ref]
-            self._trip_component(told.component_ref, "no application has control any more")
+            del self._holders[notice.component_ref]
+            self._trip_component(notice.component_ref, "no application has control any more")
 
-    def forget(self, client: Client) -> None:
-        """Learn that an application is gone: what moves for it stops."""
+    def forget_client(self, client: Client) -> None:
+        """Stop what moves for an application that is gone."""
         for component_ref in [ref for ref, (holder, _) in self._holders.items() if holder is client]:
             del self._holders[component_ref]
             self._trip_component(component_ref, "the application that had control is gone")
@@ -148,42 +148,42 @@ class DeadMan:
         except (RoISError, TimeoutError) as error:
             _log.error("%s did not stop: %s", component.name, str(error) or f"no answer within {STOP_TIMEOUT:g} s")
 
-    def _begin(self, moving: _Moving) -> None:
+    def _begin_watching(self, moving: _Moving) -> None:
         self._moving.add(moving)
-        self._lifeline.want(True)
+        self._heartbeat.want(True)
         if self._watching is None:
             self._watching = self._tasks.start(self._watch())
 
-    def _end(self, moving: _Moving) -> None:
+    def _end_watching(self, moving: _Moving) -> None:
         self._moving.discard(moving)
         if all(other.component is not moving.component for other in self._moving):
             self._stopping.pop(moving.component, None)
         if not self._moving:
-            self._lifeline.want(False)
+            self._heartbeat.want(False)
 
     async def _watch(self) -> None:
         """Trip what has waited too long for a sign of life, while anything moves."""
         while free := [moving for moving in self._moving if not moving.tripped.done()]:
-            due = self._lifeline.seen_at + min(moving.patience for moving in free)
+            due = self._heartbeat.seen_at + min(moving.patience for moving in free)
             left = due - self._clock()
             await self._sleep(max(left, 0.0))
             if left > 0 and self._clock() - due > _LATE:
                 # This process did not run itself.
                 await self._sleep(_LATE)
-            if not self._lifeline.is_alive:
+            if not self._heartbeat.is_alive:
                 # A gateway that gives none is missed when its connection ends; until then there is nothing to see.
-                self._lifeline.sign()
+                self._heartbeat.sign()
             now = self._clock()
-            overdue = (moving for moving in self._moving if now >= self._lifeline.seen_at + moving.patience)
-            self._trip(overdue, f"no sign of life from the gateway for {now - self._lifeline.seen_at:.2f} s")
+            overdue = (moving for moving in self._moving if now >= self._heartbeat.seen_at + moving.patience)
+            self._trip(overdue, f"no sign of life from the gateway for {now - self._heartbeat.seen_at:.2f} s")
         self._watching = None
 
 
 class HolderExtension:
-    """The extension of an engine, with somebody who also hears who holds its components; an `Extension`.
+    """The extension of an engine that passes the holders of components to the dead man's switch; an `Extension`.
 
     Args:
-        deadman: hears it.
+        deadman: gets the holders.
         inner: answers the streaming and signaling methods, where the engine has streams.
     """
 
@@ -196,17 +196,19 @@ class HolderExtension:
         return frozenset() if self._inner is None else self._inner.engines()
 
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
-        """Hear who holds a component; pass on what is of streams."""
-        if method == HolderNotification.method:
-            self._deadman.take_holder(HolderNotification.model_validate(params), client)
+        """Pass on streaming and signaling."""
         if self._inner is None:
-            if method != HolderNotification.method:
-                raise Unsupported("the engine has no streams")
-            return {}
+            raise Unsupported("the engine has no streams")
         return await self._inner.call(method, params, client)
 
-    async def forget(self, client: Client) -> None:
-        """Hear that an application is gone, and pass it on."""
-        self._deadman.forget(client)
+    async def set_holder(self, notification: HolderNotification, client: Client) -> None:
+        """Note the holder of a component, and pass it on."""
+        self._deadman.take_holder(notification, client)
         if self._inner is not None:
-            await self._inner.forget(client)
+            await self._inner.set_holder(notification, client)
+
+    async def forget_client(self, client: Client) -> None:
+        """Stop what moves for the application, and pass the call on."""
+        self._deadman.forget_client(client)
+        if self._inner is not None:
+            await self._inner.forget_client(client)

@@ -23,12 +23,12 @@ __all__ = ["LONGEST_WAIT", "serve_parent"]
 _log = logging.getLogger(__name__)
 
 LONGEST_WAIT: Final = 1.0
-"""Seconds between two attempts at most while there is no gateway: adapters are back before applications crowd in."""
+"""Seconds between two attempts at most while there is no gateway: adapters are back before the applications."""
 
 _FIRST_WAIT: Final = 0.25
 _LONGEST_REFUSED: Final = 5.0
 _NOT_NOW: Final = range(500, 600)
-"""Status codes of a gateway that is about to end or is full, and of what stands before one that is not there yet."""
+"""Status codes of a gateway that is about to end or is full, and of a proxy before one that is not there yet."""
 
 
 async def serve_parent(
@@ -41,7 +41,7 @@ async def serve_parent(
     chance: Callable[[], float] = random.random,
     attached: Callable[[bool], None] = lambda _is_attached: None,
 ) -> None:
-    """Serve an engine to the gateway at `url` until cancelled; a connection that ends is made again.
+    """Serve an engine to the gateway at `url` until cancelled; a lost connection is made again.
 
     Args:
         host: the engine.
@@ -49,10 +49,10 @@ async def serve_parent(
         credentials: what is shown to the gateway; a token is read at every attempt.
         sleep: waits for some seconds between attempts: up to 0.25 s, then half as long again each time, at most
             `LONGEST_WAIT`, and by chance less, so that a fleet does not come at once; longer by what a gateway that
-            restarts asks for. Where somebody answers and refuses the adapter it is up to 1 s, later up to 5 s.
+            restarts asks for. Where a gateway answers and refuses the adapter it is up to 1 s, later up to 5 s.
         clock: monotonic seconds, to tell a connection that lasted from one that did not.
         chance: a number from 0 up to 1.
-        attached: told when the gateway has taken the engine in, and when the connection ends after that.
+        attached: called with True when the gateway has attached the engine, with False when that connection ends.
 
     Raises:
         websockets.exceptions.InvalidURI: `url` is no WebSocket address.
@@ -62,7 +62,7 @@ async def serve_parent(
     while True:
         lasted, asked, backoff = 0.0, 0.0, absent
         attempts += 1
-        # Somebody who looks at it sees soon what it waits for, and nobody's disk is filled.
+        # The first attempts are shown soon, and later ones rarely: they must not fill a disk.
         news = logging.INFO if attempts.bit_count() == 1 else logging.DEBUG
         try:
             async with dial(url, credentials=credentials) as stream:
@@ -76,7 +76,7 @@ async def serve_parent(
                 else:
                     _log.info("the gateway is gone: %s", closed)
         except (InvalidHandshake, ValueError, OSError) as error:
-            # A gateway may come later; what has to be set right by somebody is a warning.
+            # A gateway may come later; what an operator has to correct is a warning.
             may_come = _may_come(error)
             said = unreachable(url, error, remedies=(TOKEN_FILE_VARIABLE, CA_FILE_VARIABLE))
             _log.log(news if may_come else logging.WARNING, "%s", said)
@@ -87,7 +87,7 @@ async def serve_parent(
 
 
 def _may_come(error: Exception) -> bool:
-    """Tell whether there is no gateway, or one that begins or ends just now, and nobody who refuses this adapter."""
+    """Tell whether there is no gateway, or one that starts or ends, as opposed to one that refuses the adapter."""
     if isinstance(error, InvalidStatus):
         return error.response.status_code in _NOT_NOW
     if isinstance(error, InvalidMessage):

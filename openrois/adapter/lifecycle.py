@@ -1,4 +1,4 @@
-"""The life of components: connected to what they depend on, tried again where that fails, and let go in the end."""
+"""The life of components: connected to what they depend on, retried where that fails, and disconnected at the end."""
 
 import asyncio
 import logging
@@ -18,7 +18,7 @@ _log = logging.getLogger(__name__)
 async def connected(
     components: Iterable[Component], *, sleep: Callable[[float], Awaitable[None]] = asyncio.sleep
 ) -> AsyncIterator[None]:
-    """Keep components connected for as long as the block runs; it does not wait for them, their status tells.
+    """Keep components connected while the block runs; it does not wait for them, their status tells.
 
     A `connect` that fails is tried again after 1 s, then half as long again each time, at most 30 s. In the end
     `disconnect` is run of all that were connected, side by side, each for a few seconds at most.

@@ -1,4 +1,4 @@
-"""Running an adapter: components become an engine, which dials its gateway for as long as it lives."""
+"""Running an adapter: makes an engine of components, and dials its gateway for as long as it runs."""
 
 import asyncio
 import logging
@@ -30,10 +30,10 @@ __all__ = ["GATEWAY", "GATEWAY_VARIABLE", "hosted", "run", "serve"]
 _log = logging.getLogger(__name__)
 
 GATEWAY: Final = "ws://127.0.0.1:8765/adapter"
-"""Where a gateway of this machine takes adapters unless it is told otherwise."""
+"""Address at which a gateway of this machine takes adapters: the default."""
 
 GATEWAY_VARIABLE: Final = "OPENROIS_GATEWAY"
-"""The environment's word for where the gateway is: one program for every place."""
+"""Environment variable with the gateway's address: one program for every place."""
 
 
 _STOP_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
@@ -58,10 +58,10 @@ async def hosted(
     await engine.attach(registry)
     # What runs is cancelled before anything is disconnected.
     async with connected(components), TaskScope() as tasks:
-        lifeline = Heartbeat()
-        deadman = DeadMan(lifeline, tasks)
+        heartbeat = Heartbeat()
+        deadman = DeadMan(heartbeat, tasks)
         registry.guard, registry.extension = deadman.guard, HolderExtension(deadman, extension)
-        yield EngineHost(engine, tasks, lifeline=lifeline)
+        yield EngineHost(engine, tasks, heartbeat=heartbeat)
 
 
 @asynccontextmanager
@@ -136,10 +136,10 @@ def run(
 
 
 def _quick_loop() -> Callable[[], asyncio.AbstractEventLoop] | None:
-    """Return what makes loops that take half the time for what comes and goes; None where there is only asyncio's."""
+    """Return a factory of faster event loops; None where there is only asyncio's."""
     try:
         import uvloop
-    except ImportError:
+    except ModuleNotFoundError:
         return None
     return uvloop.new_event_loop
 
@@ -156,6 +156,6 @@ async def _serve_until_stopped(serving: AbstractAsyncContextManager[EngineHost],
         await stopped.wait()
         for name in _STOP_SIGNALS:
             with suppress(NotImplementedError):
-                # Who tells it twice does not wait for components that do not end.
+                # A second signal ends the process without waiting for components that do not end.
                 loop.remove_signal_handler(name)
     _log.info("%s has stopped", engine_id)

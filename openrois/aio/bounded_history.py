@@ -1,4 +1,4 @@
-"""What is kept for an application that may ask for it later: so many entries, and so much text."""
+"""Bounded memory of what an application may ask for later: so many entries, and so much text. Pure."""
 
 from collections import OrderedDict
 from collections.abc import Iterator

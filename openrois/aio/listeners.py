@@ -1,4 +1,4 @@
-"""Those who want to hear of something, and leave again."""
+"""Listeners to one kind of occurrence, which come and go. Pure."""
 
 from collections.abc import Callable
 from typing import Generic, TypeVarTuple
@@ -9,13 +9,13 @@ What = TypeVarTuple("What")
 
 
 class Listeners(Generic[*What]):
-    """Functions that are called, in the order in which they came; they must not block and must not raise."""
+    """Functions that are called in the order in which they were added; they must not block and must not raise."""
 
     def __init__(self) -> None:
         self._listeners: dict[object, Callable[[*What], None]] = {}
 
     def add(self, listener: Callable[[*What], None]) -> Callable[[], None]:
-        """Call `listener` from now on; return what ends that, however often it is called."""
+        """Call `listener` from now on; return a function that removes it, which may be called more than once."""
         key = object()
         self._listeners[key] = listener
 
@@ -24,7 +24,7 @@ class Listeners(Generic[*What]):
 
         return leave
 
-    def tell(self, *what: *What) -> None:
-        """Call everybody who listened when this began."""
+    def notify_all(self, *what: *What) -> None:
+        """Call every listener that was there when the call began."""
         for listener in tuple(self._listeners.values()):
             listener(*what)

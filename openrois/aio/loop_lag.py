@@ -1,4 +1,4 @@
-"""How late the event loop is: what blocks it delays everybody, STOP too."""
+"""Measures how late the event loop is: what blocks it delays every connection, STOP too."""
 
 import asyncio
 import time
@@ -9,17 +9,17 @@ from typing import Final
 __all__ = ["LoopLag"]
 
 PERIOD: Final = 0.25
-"""Seconds between two looks."""
+"""Seconds between two measurements."""
 
 STOOD_STILL: Final = 0.5
-"""Seconds by which the loop is late when the process itself has stood still: nobody else is blamed for that time."""
+"""Seconds of lateness beyond which the process itself was suspended: no callback is blamed for that time."""
 
 _LOOKS: Final = round(60 / PERIOD)
-"""Looks that are kept: those of a minute, so that whoever scrapes once a minute misses none."""
+"""Measurements that are kept: those of a minute, so that a scrape each minute misses none."""
 
 
 class LoopLag:
-    """Sleeps again and again, and sees how much too late it wakes.
+    """Sleeps in a loop, and measures how much too late it wakes.
 
     Args:
         clock: monotonic seconds.
@@ -44,7 +44,7 @@ class LoopLag:
         self.turns = 0
 
     async def watch(self) -> None:
-        """Watch for ever."""
+        """Measure for ever."""
         while True:
             due = self._clock() + PERIOD
             await self._sleep(PERIOD)
@@ -55,5 +55,5 @@ class LoopLag:
 
     @property
     def most(self) -> float:
-        """Seconds by which it was late at most in the last minute; whoever asks changes nothing for others."""
+        """The greatest lateness of the last minute in seconds; reading it changes nothing."""
         return max(self._latest, default=0.0)

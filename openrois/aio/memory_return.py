@@ -3,7 +3,7 @@
 import asyncio
 import ctypes
 import logging
-import resource
+import mmap
 import time
 from collections.abc import Awaitable, Callable
 from pathlib import Path
@@ -14,7 +14,7 @@ __all__ = ["MemoryReturn", "returning_memory", "trim_memory"]
 _log = logging.getLogger(__name__)
 
 PERIOD: Final = 5.0
-"""Seconds between two looks."""
+"""Seconds between two measurements."""
 
 AT_REST: Final = 0.2
 """Share of a processor below which a process is at rest: whatever allocates waits while memory is given back."""
@@ -63,7 +63,7 @@ class MemoryReturn:
 
 def resident_memory() -> int:
     """Return the bytes that this process has in memory, as Linux tells them."""
-    return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+    return int(Path("/proc/self/statm").read_text().split()[1]) * mmap.PAGESIZE
 
 
 def trim_memory() -> None:
@@ -79,7 +79,7 @@ def can_trim() -> bool:
 async def returning_memory(
     clock: Callable[[], float] = time.monotonic, sleep: Callable[[float], Awaitable[None]] = asyncio.sleep
 ) -> None:
-    """Look for ever, and give memory back when that is due.
+    """Measure for ever, and give memory back when that is due.
 
     Args:
         clock: monotonic seconds.

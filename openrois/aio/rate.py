@@ -1,4 +1,4 @@
-"""How often something may happen: some at once, and so many a second from then on. The clock is an argument."""
+"""Rate limit: some at once, and so many a second from then on. The clock is an argument. Pure."""
 
 from collections.abc import Callable
 

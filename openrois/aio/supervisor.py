@@ -1,4 +1,4 @@
-"""Telling the supervisor that a process is ready, lives, and stops: systemd's protocol, where it is spoken."""
+"""Notifies the supervisor of a process that it is ready, alive or stopping, by systemd's protocol."""
 
 import asyncio
 import logging
@@ -11,10 +11,10 @@ _log = logging.getLogger(__name__)
 
 
 class Supervisor:
-    """Whoever started the process and watches over it; without one nothing is told.
+    """The supervisor that started the process; without one nothing is sent.
 
     Args:
-        environment: names its socket (`NOTIFY_SOCKET`), and how often it wants to hear (`WATCHDOG_USEC`).
+        environment: names its socket (`NOTIFY_SOCKET`), and how often it wants a sign of life (`WATCHDOG_USEC`).
         sleep: waits for some seconds.
     """
 
@@ -28,8 +28,8 @@ class Supervisor:
         self._period = int(microseconds) / 2e6 if microseconds.isdecimal() else 0.0
         self._sleep = sleep
 
-    def tell(self, state: str) -> None:
-        """Send `READY=1`, `STOPPING=1` or the like; one that is gone is no fault of ours."""
+    def notify_state(self, state: str) -> None:
+        """Send `READY=1`, `STOPPING=1` or the like; a supervisor that is gone is ignored."""
         if not self._address:
             return
         try:
@@ -39,7 +39,7 @@ class Supervisor:
             _log.debug("the supervisor does not hear %s: %s", state, error)
 
     async def watch(self) -> None:
-        """Tell it for ever that the event loop turns; when that stays away, it starts the process again."""
+        """Send for ever that the event loop turns; when that stays away, the supervisor restarts the process."""
         while self._address and self._period:
-            self.tell("WATCHDOG=1")
+            self.notify_state("WATCHDOG=1")
             await self._sleep(self._period)

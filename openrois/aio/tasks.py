@@ -45,7 +45,7 @@ class TaskScope:
         """
         if self._left:
             work.close()
-            raise RuntimeError("nothing can be started in a scope that has ended")
+            raise RuntimeError("this task scope has ended: start tasks within its `async with` block")
         task = asyncio.ensure_future(work)
         self._tasks.add(task)
         task.add_done_callback(self._ended)
@@ -84,6 +84,6 @@ class Deadline:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._expiry.cancel()
-        # Who cancelled the task besides wants it to end, and not to hear of a timeout.
+        # A task that was also cancelled from outside ends as cancelled, not with a timeout.
         if self._expired and self._task.uncancel() <= self._cancelling and kind is asyncio.CancelledError:
             raise TimeoutError from error

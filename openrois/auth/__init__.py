@@ -1,1 +1,1 @@
-"""Who is at the other end of a connection, what that one may do, and how it is proven by a token."""
+"""Authentication and authorization: tokens and their keys, principals with roles and scope."""

@@ -1,4 +1,4 @@
-"""The claims of a genuine token, read strictly: who it is for, what that one is, and for how long."""
+"""The claims of a genuine token, read strictly: subject, roles, scope and life time. Pure."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ LEEWAY: Final = 30.0
 """Seconds by which the clocks of issuer and gateway may differ."""
 
 MAX_LIFETIME: Final = 3600.0
-"""Seconds that a token lasts at most, unless the gateway is told otherwise."""
+"""Seconds that a token lasts at most, unless the gateway is configured otherwise."""
 
 MAX_NAME: Final = 128
 """Characters of a subject, an issuer's or audience's name beside it, or a token's id."""
@@ -29,7 +29,7 @@ _YEAR_5000: Final = 95_617_584_000
 
 @dataclass(frozen=True, slots=True)
 class ClaimRules:
-    """What is asked of every token.
+    """Rules that every token has to meet.
 
     Attributes:
         issuer: what `iss` has to be; empty for whatever it is.
@@ -45,7 +45,7 @@ class ClaimRules:
 
 
 def read_claims(claims: Mapping[str, Any], rules: ClaimRules, now: float) -> Principal:
-    """Return whom the claims of a genuine token are about.
+    """Return the principal that the claims of a genuine token describe.
 
     Args:
         claims: the token's payload.
@@ -72,7 +72,7 @@ def read_claims(claims: Mapping[str, Any], rules: ClaimRules, now: float) -> Pri
 
 
 def _check_times(claims: Mapping[str, Any], rules: ClaimRules, now: float) -> float:
-    """Return from when on the token does not hold any more."""
+    """Return the time from which on the token is not valid any more."""
     issued, expires = _time(claims.get("iat")), _time(claims.get("exp"))
     not_before = issued if claims.get("nbf") is None else _time(claims["nbf"])
     if expires + rules.leeway <= now:
@@ -93,7 +93,7 @@ def _check_issuer(claims: Mapping[str, Any], rules: ClaimRules) -> None:
         if not isinstance(named, list) or rules.audience not in named:
             raise TokenRefused(Refusal.AUDIENCE)
     elif named is not None:
-        # RFC 7519, 4.1.3: who does not know its own name must refuse a token that is for somebody named.
+        # RFC 7519, 4.1.3: a party that does not know its own name must refuse a token with an audience.
         raise TokenRefused(Refusal.AUDIENCE)
 
 
@@ -108,8 +108,8 @@ def _time(value: object) -> float:
 
 
 def _text(value: object, longest: int = MAX_NAME) -> str:
-    # It stands in logs: a line break in it would look like a line of its own. In a list of who is revoked blanks at its
-    # ends mean nothing: whoever had some could not be revoked.
+    # It stands in logs: a line break in it would look like a line of its own. In the list of revoked subjects blanks at
+    # its ends are dropped: a subject with some could not be revoked.
     is_name = isinstance(value, str) and 0 < len(value) <= longest and value.isprintable() and value == value.strip()
     if not is_name:
         raise TokenRefused(Refusal.CLAIM)

@@ -19,11 +19,11 @@ __all__ = ["main"]
 _DURATION = re.compile(r"(\d{1,6})([smhd]?)")
 _UNITS = {"": 1, "s": 1, "m": 60, "h": 3600, "d": 86400}
 _LONGEST = _UNITS["d"]
-"""Seconds: what a gateway's `auth_max_lifetime` may be at most."""
+"""Seconds: the highest `auth_max_lifetime` that a gateway accepts."""
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run the command and return its exit status: 0 when done, 1 when it could not be done, 2 for wrong usage."""
+    """Run the command and return its exit status: 0 for success, 1 for failure, 2 for wrong usage."""
     parser = CommandLine("openrois token", description="Keys and tokens for a gateway.")
     parts = parser.add_subparsers(dest="part", required=True, metavar="COMMAND")
     new_key = parts.add_parser("new-key", help="make a key")
@@ -63,10 +63,10 @@ def _tell(sentence: str) -> None:
 def _seconds(text: str) -> int:
     found = _DURATION.fullmatch(text)
     if found is None or int(found[1]) == 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is no time, such as 90s, 15m or 1h")
+        raise argparse.ArgumentTypeError(f"{text!r} is no duration: write it as 90s, 15m or 1h")
     seconds = int(found[1]) * _UNITS[found[2]]
     if seconds > _LONGEST:
-        raise argparse.ArgumentTypeError(f"no gateway takes a token that lasts longer than a day, and {text!r} does")
+        raise argparse.ArgumentTypeError(f"a token may last for a day at most, not {text}")
     return seconds
 
 

@@ -29,10 +29,10 @@ def issue_token(
     """Return a new token.
 
     Args:
-        key: the file with what it is signed with: a private key, or a secret for HS256.
-        subject: who it is for.
-        roles: what that one is.
-        scope: patterns of component references; without one an administrator sees everything, everybody else nothing.
+        key: file of the key that signs it: a private key, or a secret for HS256.
+        subject: the name of the application, adapter or person.
+        roles: roles of the subject.
+        scope: patterns of component references; without one an administrator sees everything, any other role nothing.
         now: epoch seconds.
         ttl: for how many seconds it is good.
         issuer: the claim `iss`; empty for none.
@@ -56,7 +56,7 @@ def issue_token(
         read_claims(claims, ClaimRules(issuer, audience, ttl), now)
     except TokenRefused:
         raise ValueError(
-            f"no gateway would take such a token: --sub has 1 to {MAX_NAME} printable characters, "
+            f"a gateway would refuse this token: --sub must have 1 to {MAX_NAME} printable characters, "
             f"each pattern of a scope 1 to {MAX_PATTERN}, {MAX_PATTERNS} times at most"
         ) from None
     return jwt.encode(claims, material, algorithm)

@@ -1,4 +1,4 @@
-"""The issuer's JSON Web Key Set, kept: looked up by `kid`, and fetched again neither often nor on demand."""
+"""The issuer's JSON Web Key Set in a cache: keys by `kid`, fetched rarely and never by what a token says."""
 
 import asyncio
 import logging
@@ -19,10 +19,10 @@ __all__ = ["Fetch", "KeySetCache", "fetch_from_file", "fetch_from_url", "flaw_of
 _log = logging.getLogger(__name__)
 
 REFETCH_PAUSE: Final = 30.0
-"""Seconds between two attempts to fetch the keys, whoever asks for whatever."""
+"""Seconds between two attempts to fetch the keys, whatever the tokens ask for."""
 
 FRESH: Final = 300.0
-"""Seconds for which fetched keys are used without a look at whether they are others now."""
+"""Seconds for which fetched keys are used without checking whether they have changed."""
 
 KEPT: Final = 3600.0
 """Seconds for which fetched keys are used while the issuer cannot be reached."""
@@ -34,12 +34,12 @@ Fetch = Callable[[], Awaitable[str]]
 
 
 class KeySetCache:
-    """Keys by their ids, fetched when they are needed. Many who ask at once cause one fetch.
+    """Keys by their ids, fetched when they are needed; requests that come together share one fetch.
 
     Args:
         fetch: gets the key set.
         clock: monotonic seconds.
-        tasks: owns the fetch, which goes on when who asked is gone.
+        tasks: owns the fetch, which goes on when the request that caused it is gone.
     """
 
     def __init__(self, fetch: Fetch, clock: Callable[[], float], tasks: TaskScope) -> None:
@@ -53,7 +53,7 @@ class KeySetCache:
         self.failures = 0
 
     async def find(self, key_id: str) -> tuple[VerificationKey, ...]:
-        """Return the key of that name; nothing where the issuer has none. Only a look-up: a name is never an address.
+        """Return the key with that id; nothing where the issuer has none. Only a look-up: an id is never an address.
 
         Raises:
             KeysUnavailable: the issuer cannot be reached, and there are no keys from the last hour.
@@ -62,7 +62,7 @@ class KeySetCache:
         if key is None or self._clock() - self._fetched >= FRESH:
             self._begin()
         if key is None and self._fetching is not None:
-            # Whoever comes with a good key does not wait for the issuer.
+            # A client with a known key does not wait for the issuer.
             await asyncio.wait({self._fetching})
             key = self._usable().get(key_id)
         if key is not None:
@@ -72,7 +72,7 @@ class KeySetCache:
         return ()
 
     def is_usable(self) -> bool:
-        """Tell whether there are keys; where there are none they are fetched, if that was not tried just now."""
+        """Tell whether there are keys; where there are none they are fetched, unless that was just tried."""
         if not self._usable():
             self._begin()
         return bool(self._usable())
@@ -98,27 +98,27 @@ class KeySetCache:
 
 
 def flaw_of_address(url: str) -> str:
-    """Return what keeps `url` from being an address of keys; empty where nothing does."""
+    """Return why `url` cannot be an address of keys; empty where it can."""
     try:
         parts = urlsplit(url)
         host = parts.hostname or ""
     except ValueError:
         return "it is no address"
     if parts.scheme == "http" and not is_loopback(host):
-        return "what comes over http can come from anyone on the way: only https, except from this machine"
+        return "http can be changed on its way: give an https address, except for this machine"
     if parts.scheme not in ("http", "https") or not host:
-        return "it is no https address"
+        return "it is no https address, such as https://issuer.example.org/jwks.json"
     return "it carries a password" if parts.username is not None else ""
 
 
 def fetch_from_url(url: str) -> Fetch:
-    """Return what gets the key set at an address: no redirects, 5 s, 256 KiB.
+    """Return a function that fetches the key set from an address: no redirects, 5 s, 256 KiB.
 
     Raises:
         ValueError: `url` is no address that keys may come from.
     """
     if flaw := flaw_of_address(url):
-        raise ValueError(f"{url[:200]!r} cannot be where the issuer's keys are: {flaw}")
+        raise ValueError(f"{url[:200]!r} cannot be the address of the issuer's keys: {flaw}")
 
     async def fetch() -> str:
         timeout = aiohttp.ClientTimeout(total=FETCH_TIMEOUT)
@@ -139,13 +139,13 @@ def fetch_from_url(url: str) -> Fetch:
         except TimeoutError:
             raise ValueError(f"{url} did not answer within {FETCH_TIMEOUT:g} s") from None
         except (aiohttp.ClientError, OSError, UnicodeDecodeError) as error:
-            raise ValueError(f"{url} cannot be asked: {error}") from None
+            raise ValueError(f"{url} cannot be fetched: {error}") from None
 
     return fetch
 
 
 def fetch_from_file(path: Path) -> Fetch:
-    """Return what reads the key set from a file."""
+    """Return a function that reads the key set from a file."""
 
     async def fetch() -> str:
         return read_key_file(path)

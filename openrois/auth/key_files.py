@@ -1,4 +1,4 @@
-"""Keys in files: read for the gateway, made and used by who issues tokens."""
+"""Keys in files: read by a gateway, made and used by an issuer of tokens."""
 
 import logging
 import os
@@ -20,9 +20,14 @@ from cryptography.hazmat.primitives.serialization import (
 )
 
 from openrois.auth.keys import MAX_KEY_FILE, VerificationKey, parse_key, parse_keys, public_key
-from openrois.cli.secret_files import is_exposed
 
-__all__ = ["make_key_files", "read_key_file", "read_keys", "read_signing_key"]
+__all__ = [
+    "is_exposed",
+    "make_key_files",
+    "read_key_file",
+    "read_keys",
+    "read_signing_key",
+]
 
 _log = logging.getLogger(__name__)
 
@@ -79,7 +84,7 @@ def read_signing_key(path: Path) -> tuple[str, Any]:
         if _PRIVATE not in text:
             key = parse_key(text)
             if key.algorithm != "HS256":
-                raise ValueError("a public key cannot sign: give the private one")
+                raise ValueError("a public key cannot sign: give the private key")
             _warn_of_readers(path)
             return key.algorithm, key.material
         _warn_of_readers(path)
@@ -90,7 +95,7 @@ def read_signing_key(path: Path) -> tuple[str, Any]:
 
 
 def make_key_files(path: Path, algorithm: str) -> tuple[Path, ...]:
-    """Make a new key: `path` is for who issues tokens, and beside it `.pub` for gateways, where they need not share it.
+    """Make a new key: `path` is for the issuer, and beside it `.pub` for gateways, where they need not share it.
 
     Args:
         path: the new file; only its owner can read it.
@@ -125,3 +130,13 @@ def _write(path: Path, text: str, mode: int) -> None:
 def _warn_of_readers(path: Path) -> None:
     if is_exposed(path):
         _log.warning("%s can be read by others on this machine; chmod 600 keeps the key a secret", path)
+
+
+def is_exposed(path: Path) -> bool:
+    """Tell whether a secret file is readable by more than its owner; root's files may also be readable by a group.
+
+    Raises:
+        OSError: there is no such file.
+    """
+    found = path.stat()
+    return bool(found.st_mode & (0o007 if found.st_uid == 0 else 0o077))

@@ -1,4 +1,4 @@
-"""Keys that tokens are signed with: each is for one algorithm, told by what the key is and never by the token."""
+"""Keys that tokens are signed with; the algorithm follows from the key, never from the token. Pure."""
 
 import json
 import re
@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 ALGORITHMS: Final = ("HS256", "RS256", "ES256", "EdDSA")
-"""What tokens may be signed with."""
+"""Algorithms that tokens may be signed with."""
 
 MIN_SECRET: Final = 32
 """Characters of a secret for HS256 at least: as many bytes as its hash has."""
@@ -48,7 +48,7 @@ _BLOCK: Final = re.compile(r"-----BEGIN ([A-Z0-9 ]{0,40})")
 
 
 class KeysUnavailable(Exception):
-    """The keys of the issuer could not be had, and there are none from before."""
+    """The keys of the issuer could not be fetched, and none are cached."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,26 +68,26 @@ class VerificationKey:
 
 
 class KeySource(Protocol):
-    """Where keys come from."""
+    """A source of keys."""
 
     async def find(self, key_id: str) -> tuple[VerificationKey, ...]:
-        """Return the keys that a token may have been signed with; none where nobody knows its key.
+        """Return the keys that a token may have been signed with; none where its key is unknown.
 
         Args:
             key_id: what the token calls its key; empty where it does not say.
 
         Raises:
-            KeysUnavailable: the issuer's keys could not be had.
+            KeysUnavailable: the issuer's keys could not be fetched.
         """
         ...
 
     def is_usable(self) -> bool:
-        """Tell whether there are keys now; where there are none they are asked for meanwhile."""
+        """Tell whether there are keys now; where there are none they are fetched meanwhile."""
         ...
 
 
 class StoredKeys:
-    """Keys that were read from files. They have no names: a token is tried with each that is for its algorithm.
+    """Keys that were read from files. They have no ids: a token is tried with each that is for its algorithm.
 
     Attributes:
         keys: what they are now.
@@ -97,7 +97,7 @@ class StoredKeys:
         self.keys = keys
 
     async def find(self, key_id: str) -> tuple[VerificationKey, ...]:
-        """Return all of them, whatever the token calls its own."""
+        """Return all of them, whatever id the token names."""
         return self.keys
 
     def is_usable(self) -> bool:
@@ -116,7 +116,9 @@ def parse_key(text: str) -> VerificationKey:
         return public_key(_load_pem(text.encode()))
     secret = text.strip()
     if len(secret) < MIN_SECRET:
-        raise ValueError(f"a secret for HS256 has at least {MIN_SECRET} characters; `openrois token new-key` makes one")
+        raise ValueError(
+            f"a secret for HS256 must have at least {MIN_SECRET} characters; `openrois token new-key` makes one"
+        )
     if not secret.isprintable() or " " in secret:
         raise ValueError("a secret for HS256 is one line without spaces, and a public key begins with -----BEGIN")
     return VerificationKey("HS256", secret.encode())
@@ -125,7 +127,7 @@ def parse_key(text: str) -> VerificationKey:
 def parse_keys(text: str) -> tuple[VerificationKey, ...]:
     """Return the keys that a text holds: public keys in PEM, one after the other, or what `parse_key` reads.
 
-    Of a certificate with its chain the first one counts: whoever signed that signs no tokens. Nothing else in PEM is
+    Of a certificate with its chain the first one counts: its signer signs no tokens. Nothing else in PEM is
     passed over.
 
     Raises:
@@ -146,7 +148,7 @@ def parse_keys(text: str) -> tuple[VerificationKey, ...]:
 
 def _refuse_private(text: str) -> None:
     if "PRIVATE KEY-----" in text:
-        raise ValueError("a gateway needs the public key only: the private one belongs to who issues tokens")
+        raise ValueError("this is a private key, which belongs to the issuer alone: give a gateway the public key")
 
 
 def _load_pem(pem: bytes) -> object:
@@ -155,7 +157,7 @@ def _load_pem(pem: bytes) -> object:
             return load_pem_x509_certificate(pem).public_key()
         return load_pem_public_key(pem)
     except (ValueError, UnsupportedAlgorithm):
-        raise ValueError("it begins like a public key in PEM and is none") from None
+        raise ValueError("it begins like a public key in PEM and is damaged") from None
 
 
 def public_key(key: object) -> VerificationKey:
@@ -168,7 +170,7 @@ def public_key(key: object) -> VerificationKey:
         case RSAPublicKey() if key.key_size >= MIN_RSA:
             return VerificationKey("RS256", key)
         case RSAPublicKey():
-            raise ValueError(f"an RSA key has at least {MIN_RSA} bits")
+            raise ValueError(f"an RSA key must have at least {MIN_RSA} bits, not {key.key_size}")
         case EllipticCurvePublicKey() if isinstance(key.curve, SECP256R1):
             return VerificationKey("ES256", key)
         case Ed25519PublicKey():
@@ -185,7 +187,7 @@ def parse_key_set(text: str | bytes) -> Mapping[str, VerificationKey]:
     try:
         document = json.loads(text)
     except (ValueError, RecursionError):
-        raise ValueError("it is no JSON Web Key Set: it is no JSON") from None
+        raise ValueError("it is no JSON Web Key Set: it is not JSON") from None
     entries = document.get("keys") if isinstance(document, dict) else None
     if not isinstance(entries, list):
         raise ValueError('it is no JSON Web Key Set: it has no list "keys"')

@@ -1,4 +1,4 @@
-"""What counts as this machine."""
+"""Addresses of this machine. Pure."""
 
 import ipaddress
 
@@ -6,7 +6,7 @@ __all__ = ["is_loopback"]
 
 
 def is_loopback(host: str) -> bool:
-    """Tell whether `host` is `localhost` or a loopback address: a name that only looks like one may be rebound."""
+    """Tell whether `host` is `localhost` or a loopback address: any other name may be rebound by DNS."""
     if host == "localhost":
         return True
     try:

@@ -1,4 +1,4 @@
-"""Who asks: roles, the one table of what each role may call, and which components a principal is shown."""
+"""Principals: roles, the one table of what each role may call, and scopes of components. Pure."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -13,7 +13,7 @@ __all__ = ["ALLOWED", "LOCAL", "Principal", "Role", "quota_name"]
 
 
 class Role(StrEnum):
-    """What somebody is to the system."""
+    """The roles of a principal."""
 
     VIEWER = "viewer"
     MAINTENANCE = "maintenance"
@@ -67,7 +67,7 @@ ALLOWED: Final[Mapping[str, frozenset[Role]]] = MappingProxyType(
         "openrois.stop_all": _OPERATORS,
     }
 )
-"""Every method of the gateway and the roles that may call it. What does not stand here nobody may call."""
+"""Every method of the gateway and the roles that may call it. A method that is missing here is refused."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ class Principal:
     """A subject that has proven its identity.
 
     Attributes:
-        subject: who it is.
+        subject: its name.
         roles: what it is to the system; it may do what any of them may.
         scope: patterns of component references (`avatar/*`), case-sensitive; `*` stands for any text, slashes too.
         expires: epoch seconds from which on this does not hold any more; None for always.
@@ -91,16 +91,16 @@ class Principal:
     _shown: Callable[[str], object] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        # Asked for every call and every event: both are one look-up.
+        # Looked up for every call and every event, so both are cached.
         object.__setattr__(self, "_methods", _methods_of(self.roles))
         object.__setattr__(self, "_shown", _matcher(self.scope))
 
     def may_call(self, method: str) -> bool:
-        """Tell whether a role of this principal may call the method; an unknown one nobody may."""
+        """Tell whether a role of this principal may call the method; an unknown method is refused."""
         return method in self._methods
 
     def sees(self, component_ref: str) -> bool:
-        """Tell whether the component is in scope; to this principal one that is not does not exist."""
+        """Tell whether the component is in scope; to this principal a component out of scope does not exist."""
         return self._shown(component_ref) is not None
 
     @property
@@ -131,9 +131,9 @@ def _matcher(scope: tuple[str, ...]) -> Callable[[str], object]:
 
 
 LOCAL: Final = Principal("local", frozenset({Role.ADMINISTRATOR, Role.ADAPTER}), ("*",))
-"""Whoever reaches a gateway of this machine that runs without authentication, and the parent of an engine."""
+"""Every client of a gateway of this machine that runs without authentication, and the parent of an engine."""
 
 
 def quota_name(principal: Principal, connection_id: str) -> str:
-    """Return whose quotas a connection counts against: its subject's; without tokens it is a subject of its own."""
+    """Return the name that a connection's quotas count against: its subject; without tokens it is on its own."""
     return f"connection {connection_id}" if principal is LOCAL else f"subject {principal.subject}"

@@ -1,4 +1,4 @@
-"""Why a token or a connection is refused: for the audit and the log; who is refused learns nothing of it."""
+"""Reasons of refused tokens and connections: for the audit trail and the log, never for the client. Pure."""
 
 from enum import StrEnum
 
@@ -13,13 +13,13 @@ class Refusal(StrEnum):
     MALFORMED = "malformed"
     """It is no token: its size, its parts, its JSON, or it came twice."""
     HEADER = "header"
-    """Its header asks for what nobody here does, such as `crit` or a key of its own."""
+    """Its header asks for what is not supported here, such as `crit` or a key of its own."""
     ALGORITHM = "algorithm"
     """No key here is for its algorithm."""
     UNKNOWN_KEY = "unknown-key"
     """The key that it names is not known here."""
     KEYS_UNAVAILABLE = "keys-unavailable"
-    """The issuer's keys cannot be had."""
+    """The issuer's keys cannot be fetched."""
     SIGNATURE = "signature"
     """It was not signed with that key."""
     CLAIM = "claim"
@@ -31,7 +31,7 @@ class Refusal(StrEnum):
     """It lasts longer than tokens may here."""
     ISSUER = "issuer"
     AUDIENCE = "audience"
-    """It is for somebody else."""
+    """Its audience is another one."""
     REVOKED = "revoked"
     SUBJECT = "subject"
     """A session is renewed by a token of the same subject only."""
@@ -42,15 +42,15 @@ class Refusal(StrEnum):
     HOST = "host"
     """The gateway was called by a name that is not its own."""
     IN_ADDRESS = "token-in-address"
-    """A token stood in the address, where logs keep it."""
+    """A token was part of the URL, where logs keep it."""
 
 
 class TokenRefused(Exception):
-    """A token is not good here.
+    """A token was refused.
 
     Attributes:
         reason: the class of the reason.
-        subject: who the token was for, where it was genuine; else empty.
+        subject: the token's subject, where it was genuine; else empty.
     """
 
     def __init__(self, reason: Refusal, subject: str = "") -> None:

@@ -1,4 +1,4 @@
-"""Tokens and subjects that are not let in any more, as a text of lines: `sub NAME` or `jti ID`."""
+"""Revoked tokens and subjects, as a text of lines: `sub NAME` or `jti ID`. Pure."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -13,10 +13,10 @@ MAX_REVOCATIONS: Final = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Revocations:
-    """What is revoked.
+    """The revoked subjects and tokens.
 
     Attributes:
-        subjects: nobody of these is let in, whatever token there is.
+        subjects: none of their tokens is accepted.
         token_ids: no token with one of these ids (`jti`) holds.
     """
 
@@ -32,7 +32,7 @@ NOTHING_REVOKED: Final = Revocations()
 
 
 def parse_revocations(text: str) -> Revocations:
-    """Read a text of lines `sub NAME` and `jti ID`; empty lines and those that begin with `#` say nothing.
+    """Read a text of lines `sub NAME` and `jti ID`; empty lines and comments (`#`) are skipped.
 
     Raises:
         ValueError: a line says something else; the message tells which.

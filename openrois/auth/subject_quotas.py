@@ -1,4 +1,4 @@
-"""What one subject may have at a gateway, over all of its connections: connections, sessions and streams. Pure."""
+"""Quotas of one subject at a gateway, over all of its connections: connections, sessions and streams. Pure."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sized
@@ -18,7 +18,7 @@ SESSIONS_OF_SUBJECT: Final = 512
 Twice as many as connections, so that all of them can come back at once."""
 
 STREAMS_OF_SUBJECT: Final = 32
-"""Streams of all of them; less than the places that an adapter has for those who may not bind."""
+"""Streams of all of them; less than an adapter has places for applications that may not bind."""
 
 
 class QuotaSession(Protocol):
@@ -26,22 +26,22 @@ class QuotaSession(Protocol):
 
     @property
     def quota_name(self) -> str:
-        """Whose quotas it counts against."""
+        """The name that it counts against."""
         ...
 
     @property
     def streams(self) -> Sized:
-        """What is connected."""
+        """The ids of its streams."""
         ...
 
     @property
     def connecting(self) -> int:
-        """How many streams are being connected."""
+        """Number of streams that are being connected."""
         ...
 
 
 class SubjectQuotas:
-    """What the applications of each subject have.
+    """Connections, sessions and streams of each subject.
 
     Args:
         connections: how many one subject may have.
@@ -67,18 +67,18 @@ class SubjectQuotas:
 
     @property
     def most_connections(self) -> int:
-        """How many connections the subject has that has most."""
+        """Largest number of connections that a subject has."""
         return max(self._connections.values(), default=0)
 
     @property
     def most_sessions(self) -> int:
-        """How many sessions the subject has that has most."""
+        """Largest number of sessions that a subject has."""
         absent = Counter(session.quota_name for session in self.absent())
         return max((self._connections + absent).values(), default=0)
 
     @property
     def most_streams(self) -> int:
-        """How many streams the subject has that has most."""
+        """Largest number of streams that a subject has."""
         return max(map(self._streams_of, self._sessions), default=0)
 
     @contextmanager
@@ -86,7 +86,7 @@ class SubjectQuotas:
         """Count a connection while the block runs.
 
         Args:
-            name: whose quotas it counts against.
+            name: the name that it counts against.
 
         Raises:
             OutOfResources: the subject has as many connections, or sessions, as it may have.

@@ -1,4 +1,4 @@
-"""Verifying JSON Web Tokens: the header without trust, the signature with a key of ours, then the claims."""
+"""Verifying JSON Web Tokens: the header without trust, the signature with a key of ours, then the claims. Pure."""
 
 import json
 import re
@@ -25,13 +25,13 @@ _SIGNATURES: Final = jwt.PyJWS()
 
 @dataclass(frozen=True, slots=True)
 class TokenVerifier:
-    """Tells whom a token is for.
+    """Verifies tokens and returns their principals.
 
     Attributes:
         keys: where the issuer's keys come from.
         rules: what is asked of the claims.
         clock: epoch seconds.
-        is_revoked: whether somebody's token does not hold any more although it is genuine.
+        is_revoked: whether a principal's token is revoked although it is genuine.
     """
 
     keys: KeySource
@@ -40,7 +40,7 @@ class TokenVerifier:
     is_revoked: Callable[[Principal], bool] = lambda _principal: False
 
     async def verify(self, token: str) -> Principal:
-        """Return whom the token is for.
+        """Return the principal of a token.
 
         Raises:
             TokenRefused: it is not good; nothing tells the other side why.
@@ -60,10 +60,10 @@ class TokenVerifier:
 
 
 def read_header(token: str) -> tuple[str, str]:
-    """Return what a token says of its signature: the algorithm, and the key's id or nothing. Nothing is believed.
+    """Return what the header of a token names: the algorithm, and the key's id or nothing. Nothing of it is trusted.
 
     Raises:
-        TokenRefused: it is no token, or asks for what nobody here does.
+        TokenRefused: it is no token, or asks for what is not supported here.
     """
     if len(token) > MAX_TOKEN or _SHAPE.fullmatch(token) is None:
         raise TokenRefused(Refusal.MALFORMED)

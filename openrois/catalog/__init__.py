@@ -2,4 +2,6 @@
 
 Profiles, client proxies, adapter base classes and the types of other languages are all derived from here. Where the
 standard's files differ, XML beats IDL beats text, and the field says so.
+
+Pure.
 """

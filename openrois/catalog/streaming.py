@@ -54,7 +54,7 @@ class NotifyStreamStatus(Payload):
     ] = None
 
 
-_SET: Final = "the standard leaves the syntax open, ours is JSON (docs/wire.md); the IDL's get_parameter lacks it"
+_SET: Final = "the standard leaves the syntax open, ours is JSON (see wire.md); the IDL's get_parameter lacks it"
 _READ: Final = "the standard leaves the syntax open, ours is JSON; the IDL's set_parameter lacks it"
 
 

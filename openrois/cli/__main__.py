@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from openrois.cli.command_line import suggestion
+from openrois.extras import name_missing_extra
 from openrois.version import __version__
 
 __all__ = ["main"]
@@ -27,8 +28,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         close = suggestion(given[0], commands)
         print(f"openrois: there is no command {given[0]!r}{close} (`openrois --help` lists them)", file=sys.stderr)
         return 2
-    run: Callable[[Sequence[str]], int] = commands[given[0]].load()
-    return run(given[1:])
+    try:
+        run: Callable[[Sequence[str]], int] = commands[given[0]].load()
+        return run(given[1:])
+    except ModuleNotFoundError as error:
+        sentence = name_missing_extra(error, given[0])
+        if sentence is None:
+            raise
+        print(f"openrois {given[0]}: {sentence}", file=sys.stderr)
+        return 1
 
 
 def _usage(commands: dict[str, EntryPoint]) -> str:
@@ -49,7 +57,7 @@ def _usage(commands: dict[str, EntryPoint]) -> str:
 
 
 def _purpose(entry: EntryPoint) -> str:
-    """Return the first line of a command's module, which is read but not run: to import them all takes seconds."""
+    """Return the first line of a command's module, which is read but not run: importing them all takes seconds."""
     try:
         spec = find_spec(entry.module)
         source = Path(spec.origin or "").read_text(encoding="utf-8") if spec is not None else ""

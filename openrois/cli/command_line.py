@@ -1,4 +1,4 @@
-"""The arguments of a command: what is wrong with them is said in one line, with the option that was meant."""
+"""Arguments of a command; a mistake is answered in one line, with the option that was probably meant."""
 
 import argparse
 import difflib
@@ -11,17 +11,17 @@ _WRONG_USAGE: Final = 2
 
 
 class CommandLine(argparse.ArgumentParser):
-    """An `argparse.ArgumentParser` that takes no abbreviations, and does not answer a slip with all of its usage."""
+    """An `argparse.ArgumentParser` that takes no abbreviations, and answers a mistake in one line."""
 
     def __init__(self, prog: str | None, **more: Any) -> None:
         super().__init__(prog, allow_abbrev=False, **more)
 
     def error(self, message: str) -> NoReturn:
-        """End the program with status 2, and one line that says what is wrong and where to read what is right."""
+        """End the program with status 2, and one line with the mistake and where to read more."""
         self.exit(_WRONG_USAGE, f"{self.prog}: {message} (`{self.prog} --help` says what there is)\n")
 
     def parse_known_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> Any:  # type: ignore[override]
-        """Parse arguments; also a sub-command's parser refuses here what it does not know."""
+        """Parse arguments; the parser of a sub-command also refuses an unknown option here."""
         found, unknown = super().parse_known_args(args, namespace)
         if unknown:
             known = [option for action in self._actions for option in action.option_strings]
@@ -41,6 +41,6 @@ def port_number(text: str) -> int:
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
-    """Return a question to put behind a complaint: whether the most similar of known names is meant; or nothing."""
+    """Return a question to add to an error: whether the most similar of the known names is meant; or nothing."""
     close = difflib.get_close_matches(name, known, n=1)
     return f"; is it {close[0]}?" if close else ""

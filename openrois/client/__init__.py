@@ -15,7 +15,6 @@ async with Client("ws://127.0.0.1:8765/") as client:
 from openrois.client.client import Client
 from openrois.client.commands import Command, Execution
 from openrois.client.component import ComponentProxy
-from openrois.client.conditions import where
 from openrois.client.connection import ConnectionState
 from openrois.client.control import Control
 from openrois.client.dialling import Dial
@@ -40,6 +39,7 @@ from openrois.client.notices import (
 from openrois.client.reconnect import Reconnect
 from openrois.client.steps import Concurrent, Step, concurrent
 from openrois.client.subscription import Event, Subscription
+from openrois.client.values import where
 from openrois.errors import (
     Aborted,
     BadParameter,

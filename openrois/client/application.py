@@ -1,4 +1,4 @@
-"""What an application has at its gateway: it moves to the next connection with all of it, and hears what is told."""
+"""State of an application at its gateway, carried over from connection to connection, and the routing of notices."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
@@ -31,14 +31,14 @@ __all__ = ["Application"]
 
 
 class Application:
-    """The tenant of a client's connection.
+    """Owner of a client's connection.
 
     Attributes:
         commands, bindings, subscriptions: what it has at the gateway.
         extensions: what the gateway speaks beyond RoIS.
         generation: counts how often components came or went, as far as that can be known.
-        notices, listeners: who reads notices, and notifications as they come.
-        notifications: takes whatever the gateway tells.
+        notices, listeners: feeds of notices, and of notifications as they come.
+        notifications: handlers of the gateway's notifications.
     """
 
     def __init__(
@@ -49,13 +49,13 @@ class Application:
         credentials: Credentials = NO_CREDENTIALS,
     ) -> None:
         self.commands = Commands()
-        self.bindings = Bindings(self.tell)
-        self.subscriptions = Subscriptions(asker, self.tell)
+        self.bindings = Bindings(self.handle_notice)
+        self.subscriptions = Subscriptions(asker, self.handle_notice)
         self.extensions: frozenset[str] = frozenset()
         self.generation = 0
         self.notices: WeakSet[Feed[Any]] = WeakSet()
         self.listeners: WeakSet[Feed[Any]] = WeakSet()
-        self.notifications: Mapping[str, NotificationHandler] = _EveryName(self._take)
+        self.notifications: Mapping[str, NotificationHandler] = _EveryName(self._handle_notification)
         self._restorer = Restorer(self.bindings, self.subscriptions, reconnect, request_timeout)
         self._resumption = Resumption(self.commands, self.bindings, request_timeout)
         self._timeout = request_timeout
@@ -63,13 +63,13 @@ class Application:
         self._credentials = credentials
         self._expiring: Mapping[str, NotificationHandler] = {}
 
-    async def move_in(self, session: RpcSession) -> None:
-        """Say who is there and learn what the gateway speaks."""
+    async def greet_gateway(self, session: RpcSession) -> None:
+        """Connect as an application and learn which extensions the gateway has."""
         self.generation += 1
         self._session = session
         await ask(session, "rois.system.connect", NoParams(), ReturnResult, timeout=self._timeout)
         self.extensions = await self._hello(session)
-        await self._resumption.move_in(session, extended=LEASES in self.extensions)
+        await self._resumption.greet_gateway(session, extended=LEASES in self.extensions)
 
     async def _hello(self, session: RpcSession) -> frozenset[str]:
         params = HelloParams(version=EXTENSION_VERSION, extensions=EXTENSIONS)
@@ -81,12 +81,12 @@ class Application:
             raise
         return frozenset(answer.extensions)
 
-    async def take_back(self, session: RpcSession) -> None:
-        """Bind again what was bound, as far as it can be."""
+    async def restore_state(self, session: RpcSession) -> None:
+        """Bind again what was bound, as far as that is possible."""
         await self.bindings.renew(session, self._timeout)
 
-    async def stay(self, session: RpcSession) -> None:
-        """Keep bindings and subscriptions as they should be."""
+    async def run_background(self, session: RpcSession) -> None:
+        """Keep bindings and subscriptions complete for as long as the connection lasts."""
         async with TaskScope() as tasks:
             self._expiring = renew_token(session, self._credentials, tasks)
             tasks.start(self._find_ends(session))
@@ -97,33 +97,33 @@ class Application:
 
     async def _find_ends(self, session: RpcSession) -> None:
         with suppress(ConnectionLost, TimeoutError):
-            await self._resumption.stay(session)
+            await self._resumption.run_background(session)
 
-    def move_out(self, reason: str, *, lost: bool = False, again: bool = False) -> None:
-        """Lose what the connection held; of its commands the next one may tell."""
-        self._resumption.move_out(reason, lost=lost, again=again)
+    def end_connection(self, reason: str, *, lost: bool = False, again: bool = False) -> None:
+        """Mark what the connection held as lost; the next one may still report how its commands end."""
+        self._resumption.end_connection(reason, lost=lost, again=again)
         self.bindings.lost()
         self.subscriptions.lost()
 
-    def end(self, error: Exception | None) -> None:
-        """Stop every reader: there will be no connection any more."""
-        self.subscriptions.end(error)
+    def handle_closed(self, error: Exception | None) -> None:
+        """End every feed: there will be no connection any more."""
+        self.subscriptions.end_feeds(error)
         for feed in (*self.notices, *self.listeners):
-            feed.end(error)
+            feed.end_feed(error)
 
-    def tell(self, notice: Notice) -> None:
-        """Give a notice to whoever reads notices."""
+    def handle_notice(self, notice: Notice) -> None:
+        """Put a notice into every feed of notices."""
         for feed in tuple(self.notices):
             feed.offer(notice)
 
-    def _take(self, method: str, params: dict[str, Any]) -> None:
+    def _handle_notification(self, method: str, params: dict[str, Any]) -> None:
         for feed in tuple(self.listeners):
             feed.offer(Notification(method, params))
         if method in self._expiring:
             self._expiring[method](params)
         match method:
             case ReasonNotification.method:
-                self._take_reason(read_message(ReasonNotification, params))
+                self._handle_reason(read_message(ReasonNotification, params))
             case "rois.command.completed":
                 self.commands.completed(read_message(Completed, params))
             case "rois.event.notify_event":
@@ -131,31 +131,31 @@ class Application:
             case "rois.system.profile_changed":
                 self.generation += 1
                 self._restorer.profile_changed()
-                self.tell(ProfileChanged())
+                self.handle_notice(ProfileChanged())
             case "rois.system.notify_error":
                 fault = read_message(ErrorNotification, params)
-                self.tell(Fault(fault.error_id, fault.error_type))
+                self.handle_notice(Fault(fault.error_id, fault.error_type))
             case _:
-                self._take_lease(method, params)
+                self._handle_lease(method, params)
 
-    def _take_lease(self, method: str, params: dict[str, Any]) -> None:
+    def _handle_lease(self, method: str, params: dict[str, Any]) -> None:
         notice = control_notice(method, params)
         if notice is None:
             return
         if isinstance(notice, ControlChanged) and notice.state is LeaseState.HELD:
             self.bindings.taken(notice.component_ref, notice.reason)
-        self.tell(notice)
+        self.handle_notice(notice)
 
-    def _take_reason(self, told: ReasonNotification) -> None:
-        line = sentence(told.reason)
-        if told.command_id is not None:
-            self.commands.explain(told.command_id, line)
+    def _handle_reason(self, notification: ReasonNotification) -> None:
+        line = sentence(notification.reason)
+        if notification.command_id is not None:
+            self.commands.explain(notification.command_id, line)
         if self._session is not None:
-            self._session.take_reason(told.request_id, line)
+            self._session.handle_reason(notification.request_id, line)
 
 
 class _EveryName(Mapping[str, NotificationHandler]):
-    """A table of handlers in which every name stands: notifications of extensions that nobody knows yet, too."""
+    """A table of handlers that has every name: notifications of unknown extensions go to the feeds, too."""
 
     _known: Final = (
         "rois.command.completed",

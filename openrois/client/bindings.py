@@ -1,4 +1,4 @@
-"""The components that an application wants to have for itself, over as many connections as it takes."""
+"""The components that an application wants bound, over as many connections as that takes."""
 
 import asyncio
 from collections.abc import Callable
@@ -20,7 +20,7 @@ class _Binding:
 
     Attributes:
         held: whether the gateway has it bound, as far as is known.
-        missed: whether the application was told that it is not.
+        missed: whether the application was notified that it is not.
         uses: how many blocks and calls of `bind` want it.
     """
 
@@ -30,7 +30,7 @@ class _Binding:
 
 
 class Bindings:
-    """What is bound, and is to be bound again on the next connection.
+    """Components that are bound, and are to be bound again on the next connection.
 
     Args:
         tell: takes what the application should know.
@@ -43,11 +43,11 @@ class Bindings:
 
     @property
     def incomplete(self) -> bool:
-        """Whether something that is wanted is not held."""
+        """Whether a wanted component is not bound."""
         return not all(binding.held for binding in self._wanted.values())
 
     def turn(self, component_ref: str) -> asyncio.Lock:
-        """Return what is held while one binds or gives back: a release must not overtake the bind of another."""
+        """Return the lock of a component for bind and release: a release must not overtake the bind of another task."""
         return self._turns.setdefault(component_ref, asyncio.Lock())
 
     def wants(self, component_ref: str) -> bool:
@@ -65,14 +65,14 @@ class Bindings:
         self._wanted.pop(component_ref, None)
 
     def taken(self, component_ref: str, reason: str) -> None:
-        """Learn that another application has a component now that was held: it is not fought for."""
+        """Note that another application has a component now: it is not bound again."""
         binding = self._wanted.get(component_ref)
         if binding is not None and binding.held:
             del self._wanted[component_ref]
             self._tell(BindingLost(component_ref, OutOfResources(f"another application holds it now: {reason}")))
 
     def unuse(self, component_ref: str) -> bool:
-        """Note that one of them needs it no more; tell whether nobody does."""
+        """Note that one user of the component needs it no more; tell whether that was the last."""
         binding = self._wanted.get(component_ref)
         if binding is None:
             return False
@@ -80,12 +80,12 @@ class Bindings:
         return binding.uses <= 0
 
     def lost(self) -> None:
-        """Learn that the connection has ended, and with it what was bound."""
+        """Note that the connection has ended, and with it every binding."""
         for binding in self._wanted.values():
             binding.held = False
 
     async def renew(self, session: RpcSession, timeout: float) -> None:
-        """Bind everything again; binding what is held already changes nothing.
+        """Bind everything again; binding what is bound already changes nothing.
 
         Raises:
             ConnectionLost: the connection ended.
@@ -110,7 +110,7 @@ class Bindings:
 
     def _restored(self, session: RpcSession, component_ref: str, binding: _Binding) -> None:
         if self._wanted.get(component_ref) is not binding:
-            # It was given back meanwhile, and the gateway may have heard of that first.
+            # It was given back meanwhile, and the gateway may have processed that first.
             session.post("rois.command.release", {"component_ref": component_ref})
         elif not binding.held:
             binding.held, binding.missed = True, False

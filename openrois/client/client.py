@@ -1,18 +1,14 @@
-"""The client: an application's end of a gateway, on which everything else of this package hangs."""
+"""The client: an application's connection to a gateway, from which everything else of this package is reached."""
 
 import asyncio
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Self, TypeVar, overload
 
-from pydantic import ConfigDict
-
 from openrois.catalog.component_type import ComponentType
 from openrois.client.application import Application
 from openrois.client.component import ComponentProxy
-from openrois.client.conditions import where
 from openrois.client.connection import Connection, ConnectionState
 from openrois.client.control import Control
 from openrois.client.dialling import Dial, websocket
@@ -20,12 +16,11 @@ from openrois.client.feed import BUFFER, Feed
 from openrois.client.notices import Connected, Notice, Notification, ProfileChanged
 from openrois.client.operations import Operations
 from openrois.client.reconnect import Reconnect
+from openrois.client.values import where
 from openrois.errors import BadParameter, RoISError, Unsupported
 from openrois.transport.backoff import Backoff
 from openrois.transport.credentials import Credentials, Token
 from openrois.types.codes import ComponentStatus
-from openrois.types.messages import ReturnResult
-from openrois.types.model import Model
 
 __all__ = ["Client"]
 
@@ -36,11 +31,12 @@ Told = TypeVar("Told", bound=Notice)
 
 
 class Client(Operations):
-    """An application at a gateway: `async with Client() as client:`.
+    """An application at a gateway: `async with Client() as client:`, or `connect` and `close` in a notebook.
 
     The block begins when the gateway has answered, and fails with `ConnectionFailed` when it does not. From then on a
-    lost connection is made again, with what was bound and subscribed; `notices` tells of it. When the block ends the
-    gateway forgets the application: nothing stays bound, commands that run go on.
+    lost connection is made again, with what was bound and subscribed; `notices` reports it. When the block ends the
+    gateway forgets the application: nothing stays bound, commands that run go on. Before it, and after it, everything
+    that needs the gateway fails with `ConnectionLost` at once.
 
     Args:
         url: the gateway's address.
@@ -77,46 +73,51 @@ class Client(Operations):
             reconnect=reconnect,
             renewable=callable(token),
         )
-        super().__init__(
-            connection, self._application.commands, self._application.bindings, self._application.subscriptions
-        )
+        super().__init__(connection, self._application)
         self.control = Control(connection, self._application.bindings, self.notices)
 
     async def __aenter__(self) -> Self:
-        await self._connection.open()
-        return self
+        return await self.connect()
 
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        await self.close()
+
+    async def connect(self) -> Self:
+        """Connect, and stay connected until `close`: `client = await Client().connect()`.
+
+        Raises:
+            ConnectionFailed: there is no gateway, or it does not let this application in.
+            RuntimeError: this client was connected or closed before.
+        """
+        await self._connection.open()
+        return self
+
+    async def close(self) -> None:
+        """Take leave of the gateway, for at most a second, and end the connection. Idempotent."""
         await self._connection.close()
 
     @property
     def state(self) -> ConnectionState:
-        """What the connection does."""
+        """The state of the connection."""
         return self._connection.state
-
-    @property
-    def extensions(self) -> frozenset[str]:
-        """What the gateway speaks beyond RoIS; nothing where it does not know `openrois.hello`."""
-        return self._application.extensions
-
-    @property
-    def generation(self) -> int:
-        """Counts how often components came or went, as far as that can be known: a profile is good for one of them."""
-        return self._application.generation
 
     @overload
     def notices(self, *, buffer: int = BUFFER) -> Feed[Notice]: ...
     @overload
     def notices(self, *kinds: type[Told], buffer: int = BUFFER) -> Feed[Told]: ...
     def notices(self, *kinds: type[Any], buffer: int = BUFFER) -> Feed[Any]:
-        """Return what the client tells from now on: `async for fault in client.notices(Fault)`.
+        """Return the client's notices from now on: `async for fault in client.notices(Fault)`.
 
         Args:
             kinds: only notices of these types; all unless given.
             buffer: how many may wait to be read.
+
+        Raises:
+            ConnectionLost: the client is not connected yet, or was closed.
         """
+        self._connection.require_open("notices")
         wanted = kinds or (Notice,)
         feed: Feed[Any] = Feed(buffer, lambda notice: isinstance(notice, wanted))
         self._application.notices.add(feed)
@@ -128,22 +129,14 @@ class Client(Operations):
         Args:
             methods: only these, such as `"signaling.offer"`; all unless given.
             buffer: how many may wait to be read.
+
+        Raises:
+            ConnectionLost: the client is not connected yet, or was closed.
         """
+        self._connection.require_open("notifications")
         feed: Feed[Notification] = Feed(buffer, lambda told: not methods or told.method in methods)
         self._application.listeners.add(feed)
         return feed
-
-    async def call(self, method: str, /, **params: Any) -> dict[str, Any]:
-        """Call any method, such as one of an extension, and return its result.
-
-        Raises:
-            RoISError: its return code is not OK.
-            RpcError: the gateway does not know it, or not with these params.
-            ConnectionLost: there is no connection, or it ended first.
-            TimeoutError: no answer in time.
-        """
-        result = await self._connection.act(method, _Params.model_validate(params), _Result)
-        return result.model_dump(mode="json")
 
     @overload
     def component(self, kind: type[Proxy], component_ref: str, /) -> Proxy: ...
@@ -152,7 +145,7 @@ class Client(Operations):
     @overload
     def component(self, component_ref: str, /) -> ComponentProxy: ...
     def component(self, kind: Any, component_ref: str | None = None, /) -> ComponentProxy:
-        """Return a component by its reference. Nothing is asked: whether it is there shows when it is used.
+        """Return a component by its reference, without a request: whether it exists shows when it is used.
 
         Args:
             kind: a class of `openrois.client.components` or one's own; a `ComponentType`; or left out for a component
@@ -228,28 +221,9 @@ class Client(Operations):
             refs = tuple(ref for ref, profile in profiles.items() if profile.component_type == _type_of(kind).urn)
         return [self.component(kind, component_ref) for component_ref in refs]
 
-    @asynccontextmanager
-    async def bound(self, component_ref: str) -> AsyncIterator[None]:
-        """Reserve a component for as long as the block runs.
-
-        Of blocks inside each other and in several tasks the last one gives it back; what `bind` has bound stays bound.
-
-        Raises:
-            OutOfResources: another application has it.
-        """
-        await self.bind(component_ref)
-        try:
-            yield
-        finally:
-            async with self._bindings.turn(component_ref):
-                if self._bindings.unuse(component_ref):
-                    # A component that is gone meanwhile need not be given back.
-                    with suppress(RoISError, TimeoutError):
-                        await self.release(component_ref)
-
 
 async def _until_usable(component: ComponentProxy) -> None:
-    """Wait until a component is connected to what it depends on; of that nobody tells."""
+    """Wait until a component is connected to what it depends on; RoIS has no notification of that."""
     backoff = Backoff(first=0.05, limit=1)
     with suppress(RoISError):
         # Not every component answers this.
@@ -265,15 +239,3 @@ def _type_of(kind: type[ComponentProxy] | ComponentType) -> ComponentType:
     if found is None:
         raise TypeError(f"{kind} has no component_type to look for")
     return found
-
-
-class _Params(Model):
-    """Params of any method."""
-
-    model_config = ConfigDict(extra="allow")
-
-
-class _Result(ReturnResult):
-    """The result of any method."""
-
-    model_config = ConfigDict(extra="allow")

@@ -12,7 +12,7 @@ from openrois.types.messages import Completed
 __all__ = ["Command", "Commands", "Execution"]
 
 MAX_RUNNING: Final = 4096
-"""Commands of one client that may be unfinished; a gateway of ours takes fewer."""
+"""Commands of one client that may be unfinished; this project's gateway accepts fewer."""
 
 T = TypeVar("T")
 
@@ -25,10 +25,10 @@ _ERRORS: Final[dict[CompletedStatus, type[RoISError]]] = {
 
 
 class Command(Generic[T]):
-    """A command that the gateway has accepted. Await it for its end and what it gave; any number may, at any time.
+    """A command that the gateway has accepted. Await it for its end and its results; any task may, at any time.
 
     It raises `Aborted`, `TimedOut`, `OutOfResources` or `ComponentFailed` where the command ended otherwise than OK,
-    and `ConnectionLost` where the connection ended first: then the command may go on, and nobody will say how it ends.
+    and `ConnectionLost` where the connection ended first: then the command may go on, and its end stays unknown.
     Cancelling the wait does not stop the command.
 
     Attributes:
@@ -58,27 +58,27 @@ class Command(Generic[T]):
 
     @property
     def done(self) -> bool:
-        """Whether it has ended, or nobody can say any more."""
+        """Whether it has ended, or its end cannot be known any more."""
         return self._outcome is not None
 
     @property
     def status(self) -> CompletedStatus | None:
-        """How it ended; None while it runs and when the connection ended first."""
+        """Its status at the end; None while it runs and when the connection ended first."""
         return self._outcome if isinstance(self._outcome, CompletedStatus) else None
 
     def explain(self, reason: str) -> None:
-        """Note why it is about to end otherwise than OK."""
+        """Note the reason of an end other than OK, which follows."""
         self._reason = reason
 
     def settle(self, outcome: CompletedStatus | ConnectionLost) -> None:
-        """Note how it ended; only the first time counts."""
+        """Note its end; only the first time counts."""
         if self._outcome is None:
             self._outcome = outcome
             self._ended.set()
 
     @property
     def error(self) -> Exception | None:
-        """What awaiting it raises, once it is done; None if it ended OK."""
+        """The error that awaiting it raises, once it is done; None if it ended OK."""
         if isinstance(self._outcome, ConnectionLost):
             return self._outcome
         if self._outcome in (None, CompletedStatus.OK):
@@ -88,7 +88,7 @@ class Command(Generic[T]):
         return _ERRORS[self._outcome](f"{self.command_type} of {self.component_ref} ended {self._outcome}{why}")
 
     async def wait(self) -> None:
-        """Wait until it has ended, however."""
+        """Wait until it has ended, with any status."""
         await self._ended.wait()
 
     def __await__(self) -> Generator[Any, None, T]:
@@ -147,19 +147,19 @@ class Commands:
             raise OutOfResources(f"{MAX_RUNNING} commands of this client are unfinished")
         self._running.update(new)
 
-    def forget(self, commands: Iterable[Command[Any]]) -> None:
-        """Forget commands that were not accepted."""
+    def drop_commands(self, commands: Iterable[Command[Any]]) -> None:
+        """Drop commands that were not accepted."""
         for command in commands:
             self._running.pop(command.command_id, None)
 
     def explain(self, command_id: str, reason: str) -> None:
-        """Take why a command is about to end otherwise than OK; of one that is not ours it is forgotten."""
+        """Note the reason of an end other than OK; unknown commands are ignored."""
         command = self._running.get(command_id)
         if command is not None:
             command.explain(reason)
 
     def completed(self, told: Completed) -> None:
-        """Take what the gateway says of a command; of one that is not ours it may say what it likes."""
+        """Note the end of a command; unknown commands are ignored."""
         command = self._running.pop(told.command_id, None)
         if command is not None:
             command.settle(told.status)
@@ -169,7 +169,7 @@ class Commands:
         return tuple(self._running)
 
     def lost(self, reason: str, command_ids: Iterable[str] | None = None) -> None:
-        """End commands, all unless some are given: nobody will tell of them any more."""
+        """Fail commands, all unless some are given: their end cannot be known any more."""
         for command_id in self.ids() if command_ids is None else command_ids:
             command = self._running.pop(command_id, None)
             if command is None:

@@ -3,21 +3,18 @@
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from functools import cache
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, overload
+from typing import Any, ClassVar, TypeVar, overload
 
 from openrois.catalog.component_type import ComponentType
 from openrois.catalog.payload import Payload
-from openrois.client.conditions import where
 from openrois.client.feed import BUFFER
+from openrois.client.operations import Operations
 from openrois.client.steps import Step
 from openrois.client.subscription import Subscription
-from openrois.client.values import read, write
+from openrois.client.values import read, where, write
 from openrois.errors import Unsupported
 from openrois.types.messages import Argument, EventNotification
 from openrois.types.profiles import HRIComponentProfile
-
-if TYPE_CHECKING:
-    from openrois.client.client import Client
 
 __all__ = ["ComponentProxy"]
 
@@ -30,7 +27,7 @@ def _profile_of(kind: ComponentType) -> HRIComponentProfile:
 
 
 class ComponentProxy:
-    """One component of any type. What it understands is read from its type, or else asked for once.
+    """One component of any type. Its messages follow from its type, or else from its profile, which is read once.
 
     Its messages are named: `await lamp.command("switch", times=3)`, `await lamp.query("power")`,
     `async for data in lamp.event("switched")`. A subclass gives them methods of their own; the basic components have
@@ -44,7 +41,7 @@ class ComponentProxy:
 
     component_type: ClassVar[ComponentType | None] = None
 
-    def __init__(self, client: "Client", component_ref: str, component_type: ComponentType | None = None) -> None:
+    def __init__(self, client: Operations, component_ref: str, component_type: ComponentType | None = None) -> None:
         self.client = client
         self.component_ref = component_ref
         self._type = component_type or self.component_type
@@ -55,7 +52,7 @@ class ComponentProxy:
         return f"<{type(self).__name__} {self.component_ref}>"
 
     async def profile(self) -> HRIComponentProfile:
-        """Return what the component says that it understands.
+        """Return the component's profile.
 
         Raises:
             Unsupported: there is no such component.
@@ -67,7 +64,7 @@ class ComponentProxy:
         return profile
 
     async def _shape(self) -> HRIComponentProfile:
-        """Return the names and types of the messages: of the type, or of the component as it is now."""
+        """Return the names and types of the messages: of the type, or of the component's profile now."""
         if self._type is not None:
             return _profile_of(self._type)
         if self._profile is None or self._read_in != self.client.generation:
@@ -139,7 +136,7 @@ class ComponentProxy:
     @overload
     async def query(self, name: str, results: type[P], /) -> P: ...
     async def query(self, name: str, results: Any = dict, /) -> Any:
-        """Ask the component something; the answer is a payload, or values by name."""
+        """Query the component; the answer is a payload, or values by name."""
         answer = await self.client.query(name, where(component_ref=self.component_ref))
         return read(f"{name} of {self.component_ref}", results, answer)
 
@@ -159,7 +156,7 @@ class ComponentProxy:
 
 
 def _results_of(component: ComponentProxy, name: str, kind: Any) -> Callable[[str], Awaitable[Any]]:
-    """Return what reads the results of a command once it is completed."""
+    """Return a function that reads the results of a completed command."""
 
     async def read_results(command_id: str) -> Any:
         if kind is None:
@@ -170,7 +167,7 @@ def _results_of(component: ComponentProxy, name: str, kind: Any) -> Callable[[st
 
 
 def _data_of(component: ComponentProxy, name: str, kind: Any) -> Callable[[EventNotification], Awaitable[Any]]:
-    """Return what reads the data of an event."""
+    """Return a function that reads the data of an event."""
     tells_nothing = kind is not dict and not kind.data()
 
     async def read_data(notification: EventNotification) -> Any:

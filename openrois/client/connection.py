@@ -21,17 +21,18 @@ from openrois.transport.stream import StreamClosed
 from openrois.types.messages import NoParams, ReturnResult
 from openrois.types.model import Model
 
-__all__ = ["Connection", "ConnectionState", "Tenant"]
+__all__ = ["Connection", "ConnectionOwner", "ConnectionState"]
 
 _log = logging.getLogger(__name__)
 
 _FAREWELL: Final = 1.0
 _NO_HANDSHAKE: Final = 1006
 _TOKEN_ENDED: Final = 4401
+_NOT_OPENED: Final = "the client is not connected: use it in `async with client:`, or `await client.connect()` first"
 
 
 class ConnectionState(Enum):
-    """What a client's connection does."""
+    """The state of a client's connection."""
 
     CONNECTING = "connecting"
     CONNECTED = "connected"
@@ -41,42 +42,42 @@ class ConnectionState(Enum):
     """It is not open yet, or will not be again."""
 
 
-class Tenant(Protocol):
-    """Who lives on a connection and moves to the next when it ends."""
+class ConnectionOwner(Protocol):
+    """The state that is carried from one connection to the next."""
 
     notifications: Mapping[str, NotificationHandler]
 
-    async def move_in(self, session: RpcSession) -> None:
-        """Greet the gateway, which may take as long as connecting may. What it raises ends the attempt."""
+    async def greet_gateway(self, session: RpcSession) -> None:
+        """Greet the gateway, within the time for connecting. An exception ends the attempt."""
         ...
 
-    async def take_back(self, session: RpcSession) -> None:
-        """Have again what the last connection held; nobody else asks anything before this is over."""
+    async def restore_state(self, session: RpcSession) -> None:
+        """Restore what the last connection held; no other request is sent before this is over."""
         ...
 
-    async def stay(self, session: RpcSession) -> None:
-        """Do what there is to do for as long as the connection lasts; cancelled when it ends."""
+    async def run_background(self, session: RpcSession) -> None:
+        """Do the background work of a connection; cancelled when it ends."""
         ...
 
-    def move_out(self, reason: str, *, lost: bool = False, again: bool = False) -> None:
-        """Learn that the connection has ended; whether nobody has closed it, and whether another one will be made."""
+    def end_connection(self, reason: str, *, lost: bool = False, again: bool = False) -> None:
+        """Note that the connection has ended: whether it was lost, and whether another attempt follows."""
         ...
 
-    def tell(self, notice: Notice) -> None:
-        """Take a notice."""
+    def handle_notice(self, notice: Notice) -> None:
+        """Put a notice into the feeds."""
         ...
 
-    def end(self, error: Exception | None) -> None:
-        """Learn that there will be no connection any more: it was closed, or `error` says why."""
+    def handle_closed(self, error: Exception | None) -> None:
+        """End every feed: there will be no connection any more, as it was closed, or for `error`."""
         ...
 
 
 class Connection:
-    """A connection that its tenant need not care about.
+    """A connection that hides its interruptions from its owner.
 
     Args:
         dial: opens it.
-        tenant: lives on it.
+        owner: keeps its state from one connection to the next.
         connect_timeout: seconds that opening and greeting may take together.
         request_timeout: seconds that an answer may take.
         reconnect: when it is made again; None for never.
@@ -86,7 +87,7 @@ class Connection:
     def __init__(
         self,
         dial: Dial,
-        tenant: Tenant,
+        owner: ConnectionOwner,
         *,
         connect_timeout: float,
         request_timeout: float,
@@ -96,7 +97,7 @@ class Connection:
         self.state = ConnectionState.CLOSED
         self.request_timeout = request_timeout
         self._dial = dial
-        self._tenant = tenant
+        self._owner = owner
         self._connect_timeout = connect_timeout
         self._reconnect = reconnect
         self._renewable = renewable
@@ -110,10 +111,10 @@ class Connection:
 
         Raises:
             ConnectionFailed: there is no gateway, or it does not let this application in.
-            RuntimeError: it was opened before.
+            RuntimeError: it was opened or closed before.
         """
-        if self._supervising is not None:
-            raise RuntimeError("a client connects once: make another one")
+        if self._supervising is not None or self._over is not None:
+            raise RuntimeError("this client was used before: make another one with Client()")
         opened: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._supervising = asyncio.ensure_future(self._supervise(opened))
         try:
@@ -127,7 +128,7 @@ class Connection:
             raise
 
     async def close(self) -> None:
-        """Take leave of the gateway, for at most a second, and end the connection. Idempotent."""
+        """Disconnect from the gateway, for at most a second, and end the connection. Idempotent."""
         session, self._over = self._session, self._over or "the client is closed"
         try:
             if session is not None:
@@ -135,7 +136,7 @@ class Connection:
                     await ask(session, "rois.system.disconnect", NoParams(), ReturnResult, timeout=_FAREWELL)
                 await session.close(1000, "client closed")
         finally:
-            # Also where whoever closes it has no time for a farewell.
+            # Also where the caller is cancelled during the farewell.
             if self._supervising is not None:
                 self._supervising.cancel()
                 await asyncio.wait({self._supervising})
@@ -148,7 +149,7 @@ class Connection:
         accepted: Callable[[Outcome], None] | None = None,
         too_late: Callable[[Outcome], None] | None = None,
     ) -> Outcome:
-        """Ask what may be asked twice: without a connection it waits for one, and asks again where one ended.
+        """Send a request that may be repeated: without a connection it waits for one, and repeats it where one ended.
 
         Raises:
             RoISError, RpcError: as `openrois.client.rpc_call.ask`.
@@ -163,7 +164,7 @@ class Connection:
                 left = max(deadline - clock(), 0)
                 return await ask(session, method, params, model, timeout=left, accepted=accepted, too_late=too_late)
             except ConnectionLost:
-                self._forget(session)
+                self._drop_session(session)
             except TimeoutError:
                 raise self._too_long(method) from None
 
@@ -175,7 +176,7 @@ class Connection:
         accepted: Callable[[Outcome], None] | None = None,
         too_late: Callable[[Outcome], None] | None = None,
     ) -> Outcome:
-        """Ask what must not be done late or twice: without a connection it fails at once.
+        """Send a request that must not be late or repeated: without a connection it fails at once.
 
         Raises:
             RoISError, RpcError, ConnectionLost, TimeoutError: as `openrois.client.rpc_call.ask`.
@@ -185,18 +186,31 @@ class Connection:
         return await ask(session, method, params, model, timeout=timeout, accepted=accepted, too_late=too_late)
 
     def session(self, method: str) -> RpcSession:
-        """Return the connection that there is now, to ask `method` on it and on no other.
+        """Return the connection that there is now, to send `method` on it and on no other.
 
         Raises:
             ConnectionLost: there is none.
         """
+        self.require_open(method)
         if self._session is None:
-            reason = self._over or "there is no connection now, and what acts is not kept for later"
+            reason = "there is no connection, and commands are not kept for later: wait for `Connected`, or try again"
             raise ConnectionLost(f"{method}: {reason}")
         return self._session
 
+    def require_open(self, doing: str) -> None:
+        """Do nothing where there is a connection, or will be one again.
+
+        Args:
+            doing: what needs it.
+
+        Raises:
+            ConnectionLost: it was not opened yet, or is over.
+        """
+        if self._over is not None or self._supervising is None:
+            raise ConnectionLost(f"{doing}: {self._over or _NOT_OPENED}")
+
     def post(self, method: str, params: Model) -> None:
-        """Ask and let the answer be dropped; nothing happens without a connection."""
+        """Send a request and drop its answer; nothing happens without a connection."""
         if self._session is not None:
             self._session.post(method, params.model_dump(mode="json", exclude_none=True))
 
@@ -204,8 +218,7 @@ class Connection:
         try:
             async with asyncio.timeout(patience):
                 while self._session is None:
-                    if self._over is not None:
-                        raise ConnectionLost(f"{method}: {self._over}")
+                    self.require_open(method)
                     self._changed.clear()
                     await self._changed.wait()
         except TimeoutError:
@@ -215,8 +228,8 @@ class Connection:
     def _too_long(self, method: str) -> TimeoutError:
         return TimeoutError(f"{method}: no answer within {self.request_timeout:g} s")
 
-    def _forget(self, session: RpcSession) -> None:
-        """Take a session that has ended out of use, before the supervisor comes round to it."""
+    def _drop_session(self, session: RpcSession) -> None:
+        """Stop using a session that has ended, before the supervisor notices."""
         if self._session is session:
             self._session = None
 
@@ -234,9 +247,9 @@ class Connection:
             self._session, self.state = None, ConnectionState.CLOSED
             if failure is not None and not opened.done():
                 opened.set_exception(failure)
-            self._tenant.move_out(self._over)
-            self._tenant.tell(Disconnected(self._over, None))
-            self._tenant.end(None if closed else ConnectionLost(self._over))
+            self._owner.end_connection(self._over)
+            self._owner.handle_notice(Disconnected(self._over, None))
+            self._owner.handle_closed(None if closed else ConnectionLost(self._over))
             self._changed.set()
 
     async def _keep_connected(self, opened: asyncio.Future[None]) -> None:
@@ -255,7 +268,7 @@ class Connection:
             self.state = ConnectionState.WAITING
             # Of an attempt that failed the code is ours, and says nothing.
             reason = closed.reason if closed.code == _NO_HANDSHAKE and closed.reason else str(closed)
-            self._tenant.tell(Disconnected(reason, delay))
+            self._owner.handle_notice(Disconnected(reason, delay))
             _log.info("%s; trying again in %.1f s", reason, delay)
             await again.sleep(delay)
 
@@ -272,16 +285,16 @@ class Connection:
                 self._changed.set()
                 began = clock()
                 if opened.done():
-                    self._tenant.tell(Connected())
+                    self._owner.handle_notice(Connected())
                 else:
                     opened.set_result(None)
                 async with TaskScope() as tasks:
-                    tasks.start(self._tenant.stay(session))
+                    tasks.start(self._owner.run_background(session))
                     closed = await asyncio.shield(running)
-                    self._forget(session)
+                    self._drop_session(session)
                     again = self._reconnect is not None and self._over is None
                     lost = again and closed.code == _NO_HANDSHAKE
-                    self._tenant.move_out(f"the connection ended: {closed}", lost=lost, again=again)
+                    self._owner.end_connection(f"the connection ended: {closed}", lost=lost, again=again)
                     return closed, clock() - began
         except ConnectionFailed as error:
             if error.final or not opened.done():
@@ -292,12 +305,12 @@ class Connection:
         try:
             async with asyncio.timeout(self._connect_timeout):
                 stream = await stack.enter_async_context(self._dial())
-                session = RpcSession(stream, notifications=self._tenant.notifications)
+                session = RpcSession(stream, notifications=self._owner.notifications)
                 session.call_timeout = self.request_timeout
                 running = asyncio.ensure_future(session.run())
                 stack.push_async_callback(_ended, running)
-                await self._tenant.move_in(session)
-            await self._tenant.take_back(session)
+                await self._owner.greet_gateway(session)
+            await self._owner.restore_state(session)
         except ConnectionFailed:
             raise
         except TimeoutError:

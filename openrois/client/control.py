@@ -1,4 +1,4 @@
-"""Who controls which component: asking for it, handing it over, and stopping everything."""
+"""Leases in the client: requesting a component, handing it over, and stopping everything."""
 
 from collections.abc import Callable
 from typing import Any, Final
@@ -55,7 +55,7 @@ class Control:
         self._listen = listen
 
     async def status(self, component_ref: str) -> LeaseStatus:
-        """Return who controls a component; from then on `ControlChanged` tells when that changes.
+        """Return the lease of a component; from then on `ControlChanged` reports when that changes.
 
         Raises:
             Unsupported: there is no such component.
@@ -64,7 +64,7 @@ class Control:
         return result.lease or LeaseStatus()
 
     async def request(self, component_ref: str, *, wait: bool = False) -> None:
-        """Ask the holder of a component for it, and return once it is bound; of a free one nobody is asked.
+        """Request a component of its holder, and return once it is bound; a free one is bound at once.
 
         Args:
             component_ref: the component.
@@ -99,7 +99,7 @@ class Control:
         self._bindings.use(component_ref)
 
     def _give_up(self, component_ref: str) -> None:
-        """Leave the line for a component, which may have become ours in the same moment."""
+        """Leave the queue for a component, which may have become ours in the same moment."""
         self._connection.post("openrois.lease.leave", _params(component_ref))
         if not self._bindings.wants(component_ref):
             self._connection.post("rois.command.release", ComponentParams(component_ref=component_ref))
@@ -119,29 +119,29 @@ class Control:
         raise ConnectionLost("openrois.lease.request: the client is closed")
 
     async def _require_place(self, component_ref: str) -> None:
-        """Do nothing where one stands in line for a component, or has it by now."""
+        """Do nothing while waiting in the queue for a component, or once it is held."""
         lease = (await self._connection.act("openrois.lease.query", _params(component_ref), LeaseResult)).lease
         if lease is None or not (lease.position or lease.state is LeaseState.MINE):
-            raise OutOfResources(f"{component_ref}: one stands in line for it no more")
+            raise OutOfResources(f"{component_ref}: the request for it was dropped: request it again")
 
     async def grant(self, request_id: str) -> None:
-        """Let who asks (`ControlRequested`) have the component; what runs there ends with ABORT.
+        """Hand the component over to the application that requests it (`ControlRequested`); what runs ends with ABORT.
 
         Raises:
-            Unsupported: nobody asks so (any more).
+            Unsupported: there is no such request (any more).
         """
         await self._connection.act("openrois.lease.grant", LeaseRequestParams(request_id=request_id), ReturnResult)
 
     async def decline(self, request_id: str) -> None:
-        """Keep the component that somebody asks for (`ControlRequested`).
+        """Keep the component that another application requests (`ControlRequested`).
 
         Raises:
-            Unsupported: nobody asks so (any more).
+            Unsupported: there is no such request (any more).
         """
         await self._connection.act("openrois.lease.decline", LeaseRequestParams(request_id=request_id), ReturnResult)
 
     async def take(self, component_ref: str) -> None:
-        """Bind a component, as an administrator, whoever holds it; what runs there ends with ABORT.
+        """Bind a component as an administrator, also one that another application holds; its commands end with ABORT.
 
         Raises:
             Unsupported: there is no such component, or this application is no administrator.
@@ -166,7 +166,7 @@ class Control:
 
 
 def control_notice(method: str, params: dict[str, Any]) -> Notice | None:
-    """Return what a notification of leases tells an application; None for any other."""
+    """Return the notice for a notification of leases; None for any other."""
     match method:
         case LeaseChangedNotification.method:
             now = read_message(LeaseChangedNotification, params)

@@ -1,4 +1,4 @@
-"""How a client reaches its gateway: a WebSocket by address, or whatever else a `Dial` opens."""
+"""Opens connections from a client to its gateway: a WebSocket by address, or whatever else a `Dial` opens."""
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
@@ -16,7 +16,7 @@ from openrois.transport.websocket import dial
 __all__ = ["Dial", "websocket"]
 
 _FINAL: Final = (401, 403)
-"""Refusals after which trying again cannot help."""
+"""Refusals after which another attempt cannot help."""
 
 Dial = Callable[[], AbstractAsyncContextManager[MessageStream]]
 """Opens a connection for as long as the block runs; raises `OSError` or `TimeoutError` where there is none."""

@@ -1,10 +1,10 @@
-"""What can go wrong between an application and its gateway; what goes wrong in RoIS terms is in `openrois.errors`."""
+"""Errors between an application and its gateway; errors in RoIS terms are in `openrois.errors`."""
 
 __all__ = ["ConnectionFailed", "ConnectionLost"]
 
 
 class ConnectionFailed(ConnectionError):
-    """No connection came about; the message says at which address and why.
+    """No connection could be made; the message has the address and the cause.
 
     Attributes:
         final: whether trying again cannot help, because the gateway does not let this application in.
@@ -16,4 +16,4 @@ class ConnectionFailed(ConnectionError):
 
 
 class ConnectionLost(ConnectionError):
-    """There is no connection now, or it ended before the answer came: whether it was done is not known."""
+    """There is no connection, or it ended before the answer came: whether the request was carried out is unknown."""

@@ -3,12 +3,13 @@
 import asyncio
 from collections import deque
 from collections.abc import Callable
-from typing import Any, Final, Generic, TypeVar
+from types import TracebackType
+from typing import Any, Final, Generic, Self, TypeVar
 
 __all__ = ["BUFFER", "Feed"]
 
 BUFFER: Final = 256
-"""What may wait in a feed for its reader."""
+"""Items that may wait in a feed for its reader."""
 
 T = TypeVar("T")
 
@@ -18,14 +19,15 @@ def _everything(_item: Any) -> bool:
 
 
 class Feed(Generic[T]):
-    """What is told from now on, as an asynchronous iterator: `async for item in feed`.
+    """Items that arrive from now on, as an asynchronous iterator: `async for item in feed`.
 
-    It ends with the client. Nobody has to close it: one that nobody reads any more is forgotten.
+    It ends with the client, or with `close`, which `async with` calls. It need not be closed: a feed without a reader
+    is garbage-collected.
     """
 
     def __init__(self, buffer: int = BUFFER, wants: Callable[[Any], bool] = _everything) -> None:
         if buffer < 1:
-            raise ValueError("a buffer holds at least one item")
+            raise ValueError("buffer must be at least 1")
         self._items: deque[T] = deque()
         self._buffer = buffer
         self._wants = wants
@@ -36,11 +38,11 @@ class Feed(Generic[T]):
 
     @property
     def dropped(self) -> int:
-        """How many items the reader was too slow for."""
+        """Number of items that were dropped because the reader was too slow."""
         return self._dropped
 
     def offer(self, item: Any) -> None:
-        """Take an item if it is wanted; the oldest that waits makes room for it."""
+        """Add an item if it is wanted; the oldest that waits makes room for it."""
         if self._ended or not self._wants(item):
             return
         if len(self._items) >= self._buffer:
@@ -49,13 +51,25 @@ class Feed(Generic[T]):
         self._items.append(item)
         self._news.set()
 
-    def end(self, error: BaseException | None = None) -> None:
-        """Let the reader have what waits, and then stop it, with `error` if there is one."""
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self.close()
+
+    async def close(self) -> None:
+        """Accept no more items; those that came before can still be read."""
+        self.end_feed()
+
+    def end_feed(self, error: BaseException | None = None) -> None:
+        """End the feed once the reader has the items that wait, with `error` if there is one."""
         if not self._ended:
             self._ended, self._error = True, error
         self._news.set()
 
-    def __aiter__(self) -> "Feed[T]":
+    def __aiter__(self) -> Self:
         return self
 
     async def __anext__(self) -> T:

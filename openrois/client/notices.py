@@ -1,4 +1,4 @@
-"""What a client tells its application of its own accord, beside events and completed commands."""
+"""Notices of a client to its application, beside events and completed commands."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -26,7 +26,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """Something happened that concerns the whole client; `match` tells what."""
+    """A notice that concerns the whole client; `match` tells which."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class Connected(Notice):
 
 @dataclass(frozen=True, slots=True)
 class Disconnected(Notice):
-    """The connection ended. Commands that ran are told of after it was made again in time, or are `ConnectionLost`.
+    """The connection ended. Running commands are reported after it was made again in time, or are `ConnectionLost`.
 
     Attributes:
         reason: one sentence.
@@ -49,7 +49,7 @@ class Disconnected(Notice):
 
 @dataclass(frozen=True, slots=True)
 class ProfileChanged(Notice):
-    """The engines or components behind the gateway are others now."""
+    """The engines or components behind the gateway have changed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ class BindingLost(Notice):
 
 @dataclass(frozen=True, slots=True)
 class BindingRestored(Notice):
-    """A component is bound again. What runs there was not started by this connection.
+    """A component is bound again. This connection started none of the commands that run there.
 
     Attributes:
         component_ref: the component.
@@ -93,12 +93,12 @@ class BindingRestored(Notice):
 
 @dataclass(frozen=True, slots=True)
 class ControlChanged(Notice):
-    """A component has another holder, or another queue; see `Control.status` and docs/control.md.
+    """A component has another holder, or another queue; see `Control.status` and docs/explanation/control.md.
 
     Attributes:
         component_ref: the component.
-        state: who holds it, as this application sees it.
-        holder: the subject of who holds it.
+        state: whether this application, another one or none holds it.
+        holder: the subject of its holder.
         waiting: how many wait for it.
         position: of this application among them, from 1 on; 0 where it does not wait.
         reason: one sentence.
@@ -114,12 +114,12 @@ class ControlChanged(Notice):
 
 @dataclass(frozen=True, slots=True)
 class ControlRequested(Notice):
-    """Another application asks for a component that this one holds: `client.control.grant` or `decline` answers.
+    """Another application requests a component that this one holds: `client.control.grant` or `decline` answers.
 
     Attributes:
         component_ref: the component.
         request_id: what is answered.
-        subject: who asks.
+        subject: the subject of the application that requests it.
         within: seconds after which no answer is a no.
     """
 
@@ -131,7 +131,7 @@ class ControlRequested(Notice):
 
 @dataclass(frozen=True, slots=True)
 class ControlDeclined(Notice):
-    """The holder keeps a component that this application has asked for.
+    """The holder keeps a component that this application has requested.
 
     Attributes:
         component_ref: the component.
@@ -146,7 +146,7 @@ class ControlDeclined(Notice):
 
 @dataclass(frozen=True, slots=True)
 class ControlWithdrawn(Notice):
-    """Who has asked for a component does not any more.
+    """Another application has withdrawn its request for a component.
 
     Attributes:
         component_ref: the component.
@@ -163,7 +163,7 @@ class SubscriptionLost(Notice):
 
     Attributes:
         event_type: of what it is a subscription.
-        condition: whose events they are, as it was given.
+        condition: the components that it is to, as it was given.
         error: why, as `subscribe` would have raised it.
     """
 
@@ -174,11 +174,11 @@ class SubscriptionLost(Notice):
 
 @dataclass(frozen=True, slots=True)
 class SubscriptionRestored(Notice):
-    """A subscription is made again; what happened in between was not heard.
+    """A subscription is made again; events in between are missing.
 
     Attributes:
         event_type: of what it is a subscription.
-        condition: whose events they are, as it was given.
+        condition: the components that it is to, as it was given.
     """
 
     event_type: str

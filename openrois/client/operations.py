@@ -1,19 +1,21 @@
 """The operations of RoIS as typed methods: values come back, failures are raised."""
 
 import secrets
-from collections.abc import Awaitable, Callable, Iterable
-from contextlib import suppress
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
+from contextlib import asynccontextmanager, suppress
 from typing import Any, TypeVar
 
-from openrois.client.bindings import Bindings
-from openrois.client.commands import Command, Commands, Execution
+from pydantic import ConfigDict
+
+from openrois.client.application import Application
+from openrois.client.commands import Command, Execution
 from openrois.client.connection import Connection
 from openrois.client.errors import ConnectionLost
 from openrois.client.feed import BUFFER
 from openrois.client.rpc_call import Outcome, ask
 from openrois.client.steps import Concurrent, Step, no_step
 from openrois.client.subscription import Subscription
-from openrois.client.subscriptions import Subscriptions
+from openrois.errors import RoISError
 from openrois.types.messages import (
     CommandResultParams,
     CommandUnit,
@@ -55,13 +57,22 @@ class Operations:
     for later.
     """
 
-    def __init__(
-        self, connection: Connection, commands: Commands, bindings: Bindings, subscriptions: Subscriptions
-    ) -> None:
+    def __init__(self, connection: Connection, application: Application) -> None:
         self._connection = connection
-        self._commands = commands
-        self._bindings = bindings
-        self._subscriptions = subscriptions
+        self._application = application
+        self._commands = application.commands
+        self._bindings = application.bindings
+        self._subscriptions = application.subscriptions
+
+    @property
+    def extensions(self) -> frozenset[str]:
+        """The gateway's extensions beyond RoIS; none where it does not know `openrois.hello`."""
+        return self._application.extensions
+
+    @property
+    def generation(self) -> int:
+        """A count of how often components came or went, as far as is known; a profile is valid for one count."""
+        return self._application.generation
 
     async def get_profile(self, condition: str = "") -> ProfileResult:
         """Return the tree of engines and the profile of each component that meets a condition; of all without one.
@@ -74,7 +85,7 @@ class Operations:
         )
 
     async def get_error_detail(self, error_id: str, condition: str = "") -> Results:
-        """Return what is known of a `Fault`.
+        """Return the details of a `Fault`.
 
         Args:
             error_id: of the fault.
@@ -100,16 +111,20 @@ class Operations:
         """
         async with self._bindings.turn(component_ref):
             params = ComponentParams(component_ref=component_ref)
-            await self._take("rois.command.bind", params, ReturnResult, lambda _result: component_ref)
+            await self._bind_one("rois.command.bind", params, ReturnResult, lambda _result: component_ref)
 
     async def bind_any(self, condition: str = "") -> str:
         """Reserve one of the components that meet a condition and return its reference; raises as `bind`."""
         params = ConditionParams(condition=condition)
-        result = await self._take("rois.command.bind_any", params, ReferenceResult, lambda result: result.component_ref)
+        result = await self._bind_one(
+            "rois.command.bind_any", params, ReferenceResult, lambda result: result.component_ref
+        )
         return result.component_ref
 
-    async def _take(self, method: str, params: Model, model: type[Outcome], taken: Callable[[Outcome], str]) -> Outcome:
-        """Bind, and give back what is bound when its caller has given up, unless another one has bound it as well."""
+    async def _bind_one(
+        self, method: str, params: Model, model: type[Outcome], taken: Callable[[Outcome], str]
+    ) -> Outcome:
+        """Bind, and release again when the caller was cancelled meanwhile, unless another task has bound it as well."""
         used = False
 
         def accepted(result: Outcome) -> None:
@@ -122,7 +137,7 @@ class Operations:
             if used:
                 unwanted = self._bindings.unuse(component_ref)
             else:
-                # One that is binding it now would lose it to a release that is sent after its bind.
+                # A task that binds it now would lose it to a release that is sent after its bind.
                 unwanted = not self._bindings.wants(component_ref) and not self._bindings.turn(component_ref).locked()
             if unwanted:
                 self._bindings.gave_back(component_ref)
@@ -131,14 +146,33 @@ class Operations:
         return await self._connection.ask(method, params, model, accepted=accepted, too_late=too_late)
 
     async def release(self, component_ref: str) -> None:
-        """Give a component back; one that is not bound stays so. Without a connection it is given back already."""
+        """Release a component; one that is not bound stays so. Without a connection it is released already."""
         self._bindings.gave_back(component_ref)
         with suppress(ConnectionLost):
             params = ComponentParams(component_ref=component_ref)
             await self._connection.act("rois.command.release", params, ReturnResult)
 
+    @asynccontextmanager
+    async def bound(self, component_ref: str) -> AsyncIterator[None]:
+        """Reserve a component for as long as the block runs.
+
+        Of blocks inside each other and in several tasks the last one gives it back; what `bind` has bound stays bound.
+
+        Raises:
+            OutOfResources: another application has it.
+        """
+        await self.bind(component_ref)
+        try:
+            yield
+        finally:
+            async with self._bindings.turn(component_ref):
+                if self._bindings.unuse(component_ref):
+                    # A component that is gone meanwhile need not be given back.
+                    with suppress(RoISError, TimeoutError):
+                        await self.release(component_ref)
+
     async def connect_stream(self, component_ref: str, parameters: Iterable[Parameter] = ()) -> str:
-        """Connect a stream over the extension `rois.stream` and return its id; it ends if nobody waits for it."""
+        """Connect a stream over the extension `rois.stream` and return its id; it is ended if the caller has gone."""
 
         def too_late(result: ConnectStreamResult) -> None:
             self._connection.post("rois.stream.disconnect_stream", StreamParams(stream_id=result.stream_id))
@@ -220,7 +254,7 @@ class Operations:
             timeout = self._connection.request_timeout
             await ask(session, "rois.command.execute", params, ReturnResult, timeout=timeout)
         except BaseException:
-            self._commands.forget(commands)
+            self._commands.drop_commands(commands)
             raise
         return Execution(tuple(commands))
 
@@ -236,7 +270,7 @@ class Operations:
         await (await self.execute(*items))
 
     async def get_command_result(self, command_id: str, condition: str = "") -> Results:
-        """Return what a command of this application gave.
+        """Return the results of a command of this application.
 
         Args:
             command_id: of a command that has ended.
@@ -249,7 +283,7 @@ class Operations:
         return (await self._connection.ask("rois.command.get_command_result", params, ResultsResult)).results
 
     async def query(self, query_type: str, condition: str = "") -> Results:
-        """Ask the one component that answers a query and meets a condition.
+        """Query the one component that answers a query and meets a condition.
 
         Raises:
             Unsupported: there is none.
@@ -265,7 +299,7 @@ class Operations:
 
         Args:
             event_type: which event.
-            condition: whose; see `where`.
+            condition: of components; see `where`.
             buffer: how many events may wait to be read.
         """
         return self.listen(event_type, condition, _as_it_is, buffer)
@@ -277,10 +311,10 @@ class Operations:
         return Subscription(self._subscriptions, event_type, condition, read, buffer)
 
     async def get_event_detail(self, event_id: str, condition: str = "") -> Results:
-        """Return what an event tells, for as long as the gateway remembers it.
+        """Return the results of an event, for as long as the gateway keeps them.
 
         Args:
-            event_id: of an event that this application was told.
+            event_id: of an event that this application has received.
             condition: a gateway of ours takes none but the empty one.
 
         Raises:
@@ -289,9 +323,21 @@ class Operations:
         params = DetailParams(event_id=event_id, condition=condition)
         return (await self._connection.ask("rois.event.get_event_detail", params, ResultsResult)).results
 
+    async def call(self, method: str, /, **params: Any) -> dict[str, Any]:
+        """Call any method, such as one of an extension, and return its result.
+
+        Raises:
+            RoISError: its return code is not OK.
+            RpcError: the gateway does not know it, or not with these params.
+            ConnectionLost: there is no connection, or it ended first.
+            TimeoutError: no answer in time.
+        """
+        result = await self._connection.act(method, _Params.model_validate(params), _Result)
+        return result.model_dump(mode="json")
+
 
 def _new_id() -> str:
-    """Return a command_id that nobody else chooses; without a slash it is no engine's."""
+    """Return a new, unique command_id; without a slash it is no engine's."""
     return secrets.token_hex(16)
 
 
@@ -300,5 +346,17 @@ async def _nothing(_command_id: str) -> None:
 
 
 async def _as_it_is(notification: EventNotification) -> EventNotification:
-    """Read an event whose type is not known."""
+    """Read the results of an event of unknown type."""
     return notification
+
+
+class _Params(Model):
+    """Params of any method."""
+
+    model_config = ConfigDict(extra="allow")
+
+
+class _Result(ReturnResult):
+    """The result of any method."""
+
+    model_config = ConfigDict(extra="allow")

@@ -1,4 +1,4 @@
-"""When a lost connection is made again."""
+"""Waits between the attempts to make a lost connection again."""
 
 import asyncio
 import random
@@ -13,7 +13,7 @@ __all__ = ["Reconnect"]
 
 @dataclass(frozen=True, slots=True)
 class Reconnect:
-    """How long to wait between attempts: longer each time, and by chance, so that a thousand do not come at once.
+    """Waits between attempts: longer each time, and by chance, so that a thousand do not come at once.
 
     Attributes:
         first: the longest first wait, seconds.

@@ -14,11 +14,10 @@ __all__ = ["Restorer"]
 
 
 class Restorer:
-    """Keeps what an application has at a gateway as the application wants it.
+    """Keeps bindings and subscriptions at a gateway as the application wants them.
 
     Everything is renewed when the profile has changed: an engine that left and came back has forgotten it. What is
-    missing is tried again after a while: of a component that another application gives back, or that works again,
-    nobody tells.
+    missing is tried again after a while: RoIS has no notification that a component was given back, or works again.
     """
 
     def __init__(
@@ -31,7 +30,7 @@ class Restorer:
         self._changed = asyncio.Event()
 
     def profile_changed(self) -> None:
-        """Learn that components came or went."""
+        """Note that components came or went."""
         self._changed.set()
 
     async def run(self, session: RpcSession) -> None:

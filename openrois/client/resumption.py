@@ -1,4 +1,4 @@
-"""Going on where a connection ended: the token for it, and how the commands ended of which nobody told meanwhile."""
+"""Resuming a lost session: its token, and the ends of commands that completed meanwhile."""
 
 import asyncio
 import logging
@@ -17,14 +17,14 @@ __all__ = ["Resumption"]
 _log = logging.getLogger(__name__)
 
 PATIENCE: Final = 30.0
-"""Seconds after which commands are given up of which nobody tells: a gateway that has crashed is back by then."""
+"""Seconds after which commands of unknown end are given up: a gateway that has crashed is back by then."""
 
 _AT_ONCE: Final = 64
 _MILLISECOND: Final = 0.001
 
 
 class Resumption:
-    """What a client does about a connection that has ended beside making another one.
+    """Resumes the session of a lost connection on the next one.
 
     The gateway lets it resume its session, or else has been restarted, or waited long enough. Then its journal may
     know how commands have ended; it is asked for each whose handle still waits.
@@ -47,12 +47,12 @@ class Resumption:
         self._reason = ""
         self._giving_up: asyncio.TimerHandle | None = None
 
-    async def move_in(self, session: RpcSession, *, extended: bool) -> None:
+    async def greet_gateway(self, session: RpcSession, *, extended: bool) -> None:
         """Resume the lost session, or at least get a token for the next time.
 
         Args:
             session: the new connection.
-            extended: whether the gateway knows of leases; one that does not is not asked anything.
+            extended: whether the gateway knows of leases; one that does not gets no such requests.
 
         Raises:
             ConnectionLost: the connection ended.
@@ -70,11 +70,11 @@ class Resumption:
         if not self._token:
             await self._get_token(session)
 
-    async def stay(self, session: RpcSession) -> None:
-        """Ask how those commands have ended of which nobody will tell by himself; of each something is known then.
+    async def run_background(self, session: RpcSession) -> None:
+        """Query the ends of commands that the gateway will not notify; of each the end is known then.
 
         Raises:
-            ConnectionLost, TimeoutError: as `move_in`.
+            ConnectionLost, TimeoutError: as `greet_gateway`.
         """
         orphans = self._orphans
         for first in range(0, len(orphans), _AT_ONCE):
@@ -82,13 +82,13 @@ class Resumption:
         if self._orphans is orphans:
             self._give_up()
 
-    def move_out(self, reason: str, *, lost: bool, again: bool) -> None:
-        """Learn that the connection has ended.
+    def end_connection(self, reason: str, *, lost: bool, again: bool) -> None:
+        """Note that the connection has ended.
 
         Args:
             reason: why.
-            lost: nobody has closed it, so that it may be resumed.
-            again: there will be another one, where it may be told how commands have ended.
+            lost: it was not closed, so that its session may be resumed.
+            again: another connection follows, on which the ends of commands may be notified.
         """
         self._reason = reason
         self._former, self._token = self._token if lost else "", ""
@@ -120,16 +120,16 @@ class Resumption:
         try:
             self._keep(await ask(session, "openrois.lease.token", NoParams(), LeaseTokenResult, timeout=self._timeout))
         except (RoISError, RpcError) as error:
-            # Whoever may not hold anything needs none, and some gateways keep nothing.
+            # An application that may not bind needs no token, and some gateways have none.
             _log.debug("no resume token: %s", error)
 
     def _keep(self, told: LeaseTokenResult) -> None:
         self._token, self._grace = told.token, told.grace_ms * _MILLISECOND
 
     async def _find_end(self, session: RpcSession, command_id: str) -> None:
-        """Ask twice: what is told of the command comes right behind the first answer, and so before the second."""
+        """Query twice: a notification of the end comes right behind the first answer, and so before the second."""
         params = CommandResultParams(command_id=command_id, condition="")
-        why = "how it has ended was told before, and not heard"
+        why = "its end was notified over the lost connection, and never arrived"
         for _ in range(2):
             if command_id not in self._commands:
                 return
@@ -144,7 +144,7 @@ class Resumption:
         self._commands.lost(f"{self._reason}; {why}", (command_id,))
 
     def _give_up(self) -> None:
-        """Learn that nobody tells of the commands of the lost session any more."""
+        """Give up the commands of the lost session: their ends are not notified any more."""
         self._stop_timer()
         orphans, self._orphans, self._former = self._orphans, (), ""
         self._commands.lost(self._reason, orphans)

@@ -1,4 +1,4 @@
-"""One question to a gateway: a result whose code is OK becomes a value, everything else an exception."""
+"""One request to a gateway: a result whose code is OK becomes a value, everything else an exception."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, Final, TypeVar
@@ -37,7 +37,7 @@ _HINTS: Final[Mapping[tuple[str, ReturnCode], str]] = {
     ("rois.event.subscribe", ReturnCode.ERROR): "the component is not connected yet, or does not work",
     ("rois.event.get_event_detail", ReturnCode.BAD_PARAMETER): "there is no such event, or it was too long ago",
 }
-"""What a code most likely means, for a gateway that gives no reason: the base wire carries no more than the code."""
+"""The likely meaning of a code, for a gateway that gives no reason: the base wire carries no more than the code."""
 
 _NAMES: Final = ("component_ref", "query_type", "event_type", "event_id", "command_id", "condition")
 _LONGEST: Final = 200
@@ -53,7 +53,7 @@ async def ask(
     accepted: Callable[[Outcome], None] | None = None,
     too_late: Callable[[Outcome], None] | None = None,
 ) -> Outcome:
-    """Ask `method` over a session.
+    """Call `method` over a session.
 
     Args:
         session: the connection.
@@ -61,8 +61,8 @@ async def ask(
         params: its params.
         model: of its result.
         timeout: seconds to wait at most.
-        accepted: called with a result that is OK before any later message of the gateway is looked at.
-        too_late: called with a result that is OK and that nobody takes: the caller gave up before it came, or (after
+        accepted: called with a result that is OK before any later message of the gateway is read.
+        too_late: called with a result that is OK and comes too late: the caller gave up before it came, or (after
             `accepted`) in the same moment.
 
     Raises:
@@ -103,7 +103,7 @@ async def ask(
 
 
 def read_message(model: type[Message], raw: Any) -> Message:
-    """Read what a gateway says, and pass over members that this version of the client does not know.
+    """Read a message of a gateway, and ignore members that this version of the client does not know.
 
     Raises:
         pydantic.ValidationError: it is not what the model describes.
@@ -138,7 +138,7 @@ def read_result(method: str, model: type[Outcome], raw: Any, about: str = "", re
 
 
 def _about(params: Model) -> str:
-    """Return what was asked as in a call, `(start of robot/navigation)`, and nothing for what has no such names."""
+    """Return the subject of a request as in a call, `(start of robot/navigation)`; empty without such names."""
     if isinstance(params, ExecuteParams):
         units = [unit for item in params.command_unit_list for unit in _units(item)]
         named = [f"{unit.command_type} of {unit.component_ref}" for unit in units]

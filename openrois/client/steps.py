@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 
 class Executor(Protocol):
-    """Whoever can run steps: a client."""
+    """Runs steps: a client."""
 
     async def execute(self, *items: Any) -> Execution:
         """Send a sequence; returns once it was accepted."""
@@ -50,11 +50,11 @@ class Step(Generic[T]):
 
     def __del__(self) -> None:
         if not getattr(self, "_used", True):
-            # As of a coroutine: the robot does nothing, and without a word nobody would see why.
+            # As of a coroutine: the robot does nothing, and without a warning the cause stays hidden.
             warnings.warn(f"{self!r} was never run: await it", RuntimeWarning, stacklevel=2, source=self)
 
     def used(self) -> None:
-        """Note that somebody means to run it: whether that succeeds is told by an error."""
+        """Note that it is going to be run: whether that succeeds is told by an error."""
         self._used = True
 
     def after(self, seconds: float) -> "Step[T]":
@@ -103,7 +103,7 @@ class Concurrent:
         return Concurrent(self._steps, seconds)
 
     def used(self) -> None:
-        """Note that somebody means to run them."""
+        """Note that they are going to be run."""
         for step in self._steps:
             step.used()
 
@@ -133,7 +133,7 @@ def concurrent(*steps: Step[Any]) -> Concurrent:
 
 
 def no_step(taker: str, given: object) -> TypeError:
-    """Return the error for what was given in place of a step: mostly what awaiting one returned."""
+    """Return the error for a value given in place of a step: mostly what awaiting one returned."""
     return TypeError(f"{taker} takes steps, such as navigation.start() without await, not {type(given).__name__}")
 
 

@@ -9,12 +9,11 @@ from typing import Any
 
 from openrois.catalog.streaming import ConnectStreamResults, NotifyStreamStatus, StreamStatusResults
 from openrois.client.component import ComponentProxy
-from openrois.client.conditions import where
 from openrois.client.errors import ConnectionLost
 from openrois.client.feed import BUFFER
 from openrois.client.rpc_call import read_result
 from openrois.client.subscription import Subscription
-from openrois.client.values import read
+from openrois.client.values import read, where
 from openrois.errors import BadParameter, RoISError, Unsupported
 from openrois.types.codes import StreamStatus
 from openrois.types.messages import Parameter
@@ -29,7 +28,7 @@ _kept: set[asyncio.Task[None]] = set()
 
 
 class Streaming(ComponentProxy):
-    """A component with streams. Their media flow beside RoIS: what negotiates them is in `Client.notifications`."""
+    """A component with streams. Media do not pass through RoIS: their negotiation is in `Client.notifications`."""
 
     async def connect_stream(
         self, *, encoding: Mapping[str, Any] | None = None, transport: Mapping[str, Any] | None = None
@@ -80,7 +79,7 @@ class Streaming(ComponentProxy):
         await self._act_on("disconnect_stream", stream_id)
 
     async def suspend_stream(self, stream_id: str) -> None:
-        """Pause a stream; it stays connected, and nothing of it arrives.
+        """Suspend a stream; it stays connected, and no media arrive.
 
         Raises:
             Unsupported: there is no such stream.
@@ -88,7 +87,7 @@ class Streaming(ComponentProxy):
         await self._act_on("suspend_stream", stream_id)
 
     async def resume_stream(self, stream_id: str) -> None:
-        """Go on with a stream that was suspended.
+        """Resume a stream that was suspended.
 
         Raises:
             Unsupported: there is no such stream.
@@ -101,7 +100,7 @@ class Streaming(ComponentProxy):
                 await self.command(verb, None, stream_id=stream_id)
 
     async def get_stream_status(self, stream_id: str) -> StreamStatus:
-        """Return what a stream does (RoIS 2.0, table 8.10).
+        """Return the status of a stream (RoIS 2.0, table 8.10).
 
         Raises:
             Unsupported: there is no such stream.
@@ -120,7 +119,7 @@ class Streaming(ComponentProxy):
         return given.status
 
     async def report_playout(self, stream_id: str, seconds: float) -> None:
-        """Say how long what arrives of a stream waits here until it is heard: what plays it knows, its engine cannot.
+        """Report how long media of a stream wait here until they are played: only the player knows that delay.
 
         Worth saying again when it has changed, every two seconds at most.
 
@@ -134,10 +133,10 @@ class Streaming(ComponentProxy):
         """
         milliseconds = min(max(round(seconds * 1000), 0), MAX_PLAYOUT)
         if await self._extended("report_playout", stream_id=stream_id, milliseconds=milliseconds) is None:
-            raise Unsupported(f"{self.component_ref} is not told how late {stream_id} is played")
+            raise Unsupported(f"{self.component_ref} takes no playout reports for {stream_id}")
 
     def notify_stream_status(self, *, buffer: int = BUFFER) -> Subscription[NotifyStreamStatus]:
-        """Return what the streams do from now on; a gateway with the extension tells of this application's own."""
+        """Return status changes of streams from now on; a gateway with the extension reports this application's own."""
         return self.event("notify_stream_status", NotifyStreamStatus, buffer=buffer)
 
     @property
@@ -145,7 +144,7 @@ class Streaming(ComponentProxy):
         return "rois.stream" in self.client.extensions
 
     async def _extended(self, verb: str, **params: Any) -> dict[str, Any] | None:
-        """Call a verb as a method, or return None where it has to be said in strict RoIS.
+        """Call a verb as a method, or return None where it has to be sent in strict RoIS.
 
         That is where the gateway lacks the extension, and where the engine behind it does: it answers UNSUPPORTED then.
         """

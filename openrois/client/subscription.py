@@ -1,4 +1,4 @@
-"""What an application holds of a subscription: an iterator that survives reconnects."""
+"""A subscription for the application: an iterator that survives reconnects."""
 
 import asyncio
 import logging
@@ -27,7 +27,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Event(Generic[T]):
-    """An event with what RoIS says of it beside its data.
+    """An event with its id, type and time beside its data.
 
     Attributes:
         event_id: what `get_event_detail` takes.
@@ -48,7 +48,7 @@ class Subscription(Generic[T]):
     `async for person in detection.person_detected():` subscribes at its first turn, and leaving the loop ends it.
     `async with detection.person_detected() as persons:` subscribes at once and ends at a known time.
 
-    It survives reconnects: it is made again by itself, and what happened in between was not heard. Events wait in a
+    It survives reconnects: it is made again by itself, without the events in between. Events wait in a
     bounded buffer; the oldest makes room for the newest.
     """
 
@@ -73,27 +73,27 @@ class Subscription(Generic[T]):
 
     @property
     def dropped(self) -> int:
-        """How many events its reader was too slow for."""
+        """Number of events that were dropped because the reader was too slow."""
         return self._entry.feed.dropped
 
     @property
     def unreadable(self) -> int:
-        """How many events were passed over: they do not fit their type, or their details could not be had any more."""
+        """Number of events left out: they do not fit their type, or their details were not available any more."""
         return self._unreadable.count
 
     @property
     def interruptions(self) -> int:
-        """How often it ended and had to be made again: events may be missing as often."""
+        """Number of times it ended and had to be made again: events may be missing as often."""
         return self._entry.interruptions
 
     @property
     def active(self) -> bool:
-        """Whether the gateway tells of events now."""
+        """Whether the gateway has the subscription now."""
         return bool(self._entry.subscribe_id)
 
     async def __aenter__(self) -> Self:
         if self._closed:
-            raise RuntimeError("a subscription that was closed is over: make another one")
+            raise RuntimeError("this subscription was closed: subscribe again")
         await self._ensure_open()
         return self
 
@@ -103,9 +103,9 @@ class Subscription(Generic[T]):
         await self.close()
 
     async def close(self) -> None:
-        """Unsubscribe; what has come before can still be read."""
+        """Unsubscribe; events that came before can still be read."""
         self._closed = True
-        self._entry.feed.end()
+        self._entry.feed.end_feed()
         await self._table.close(self._entry)
 
     def __aiter__(self) -> Self:
@@ -143,9 +143,9 @@ class Subscription(Generic[T]):
 
 
 def _unread(loop: asyncio.AbstractEventLoop, table: Subscriptions, entry: Entry) -> None:
-    """Forget a subscription whose iterator is gone; that may be noticed in any thread, and after the loop's end."""
+    """Drop a subscription whose iterator was collected; that may happen in any thread, and after the loop's end."""
     with suppress(RuntimeError):
-        loop.call_soon_threadsafe(table.forget, entry)
+        loop.call_soon_threadsafe(table.abandon, entry)
 
 
 def _date_time(text: str) -> datetime | None:

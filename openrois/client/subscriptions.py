@@ -22,7 +22,7 @@ _OVERLAP: Final = 1024
 
 
 class Asker(Protocol):
-    """What subscriptions need of a connection."""
+    """The requests of a connection that subscriptions need."""
 
     async def ask(
         self,
@@ -32,15 +32,15 @@ class Asker(Protocol):
         accepted: Callable[[Outcome], None] | None = None,
         too_late: Callable[[Outcome], None] | None = None,
     ) -> Outcome:
-        """Ask, on the next connection where one ended."""
+        """Send a request, on the next connection where one ended."""
         ...
 
     async def act(self, method: str, params: Model, model: type[Outcome]) -> Outcome:
-        """Ask on this connection or not at all."""
+        """Send a request on this connection or not at all."""
         ...
 
     def post(self, method: str, params: Model) -> None:
-        """Ask and let the answer be dropped."""
+        """Send a request and drop its answer."""
         ...
 
 
@@ -52,7 +52,7 @@ class Entry:
         event_type, condition: what it is to.
         feed: where its events go.
         subscribe_id: the gateway's name for it; empty while the gateway does not know of it.
-        missed: whether the application was told that it could not be made again.
+        missed: whether the application was notified that it could not be made again.
         interruptions: how often it ended without being asked to.
         renewing: whether it is being made again beside the old one.
         overlap: the events that came by the old one meanwhile, and may come by the new one again.
@@ -83,7 +83,7 @@ class Subscriptions:
 
     @property
     def incomplete(self) -> bool:
-        """Whether a subscription is wanted that the gateway does not know of."""
+        """Whether the gateway lacks a subscription that is wanted."""
         return not all(entry.subscribe_id for entry in self._entries)
 
     async def open(self, entry: Entry) -> None:
@@ -107,7 +107,7 @@ class Subscriptions:
         await self._asker().ask(_SUBSCRIBE, params, SubscribeResult, accepted, too_late)
 
     async def close(self, entry: Entry) -> None:
-        """Unsubscribe. What waits can still be read."""
+        """Unsubscribe. Events that wait can still be read."""
         subscribe_id = self._drop(entry)
         if subscribe_id:
             try:
@@ -116,14 +116,14 @@ class Subscriptions:
                 # Then it ended with its connection, or will.
                 return
 
-    def forget(self, entry: Entry) -> None:
-        """Unsubscribe without waiting: nobody reads it any more."""
+    def abandon(self, entry: Entry) -> None:
+        """Unsubscribe without waiting, because there is no reader any more."""
         subscribe_id = self._drop(entry)
         if subscribe_id:
             self._asker().post(_UNSUBSCRIBE, UnsubscribeParams(subscribe_id=subscribe_id))
 
     def deliver(self, notification: EventNotification) -> None:
-        """Put an event where it belongs; one of a subscription that is over is dropped."""
+        """Put an event into its feed; one of a subscription that is over is dropped."""
         entry = self._by_id.get(notification.subscribe_id)
         if entry is None:
             return
@@ -136,15 +136,15 @@ class Subscriptions:
         entry.feed.offer(notification)
 
     def lost(self) -> None:
-        """Learn that the connection has ended, and with it every subscription."""
+        """Note that the connection has ended, and with it every subscription."""
         self._by_id.clear()
         for entry in self._entries:
             self._interrupt(entry)
 
-    def end(self, error: Exception | None) -> None:
-        """Stop every reader: the client is closed, or gave up with `error`."""
+    def end_feeds(self, error: Exception | None) -> None:
+        """End every feed: the client is closed, or gave up with `error`."""
         for entry in self._entries:
-            entry.feed.end(error)
+            entry.feed.end_feed(error)
 
     async def renew(self, session: RpcSession, timeout: float, *, everything: bool) -> None:
         """Subscribe again, to everything or only to what the gateway does not know of.
@@ -214,5 +214,5 @@ class Subscriptions:
         return subscribe_id
 
     def _end_late(self, result: SubscribeResult) -> None:
-        """End a subscription that came when nobody wanted it any more."""
+        """End a subscription that was made too late for its caller."""
         self._asker().post(_UNSUBSCRIBE, UnsubscribeParams(subscribe_id=result.subscribe_id))

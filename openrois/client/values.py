@@ -1,4 +1,4 @@
-"""Values of Python's types as the wire has them, and back, with a word on what does not fit."""
+"""Values of Python's types as texts of the wire and back, with errors that name what does not fit; conditions."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -8,7 +8,7 @@ from openrois.types.messages import Argument, Result
 from openrois.types.profiles import ParameterProfile
 from openrois.types.values import decode_value, encode_value
 
-__all__ = ["read", "write"]
+__all__ = ["read", "where", "write"]
 
 
 def write(what: str, profiles: Iterable[ParameterProfile], values: Mapping[str, Any]) -> tuple[Argument, ...]:
@@ -36,7 +36,7 @@ def _write(what: str, name: str, code: str, value: Any) -> Argument:
 
 
 def read(what: str, kind: Any, values: Iterable[Result]) -> Any:
-    """Read values as a payload, or by name as what they say that they are.
+    """Read values as a payload, or by name with the types that they carry.
 
     Args:
         what: gave them, for the message of an error.
@@ -51,4 +51,12 @@ def read(what: str, kind: Any, values: Iterable[Result]) -> Any:
             return {each.name: decode_value(each.data_type_ref, each.value) for each in values}
         return kind.from_results(values)
     except ValueError as error:
-        raise ComponentFailed(f"{what} gave what does not fit: {error}") from error
+        raise ComponentFailed(f"{what} returned a value that does not fit: {error}") from error
+
+
+def where(**properties: str) -> str:
+    """Return the condition that each property equals its text: `where(component_ref="robot/navigation")`.
+
+    `component_ref` and `component_type` (a URN) are what a gateway knows. Conditions are joined by ` AND `.
+    """
+    return " AND ".join(f"{name} = '{text.replace(chr(39), chr(39) * 2)}'" for name, text in properties.items())

@@ -1,4 +1,4 @@
-"""The commands of one application: which ids are taken, and what finished commands gave."""
+"""The commands of one application: ids in use, and results of finished commands. Pure."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ __all__ = ["MAX_ID", "MAX_RUNNING", "MAX_RUNNING_TEXT", "STOP_RESERVE", "Command
 MAX_FINISHED: Final = 4096
 MAX_RUNNING: Final = 1024
 MAX_RUNNING_TEXT: Final = 8 * 1024 * 1024
-"""Bytes that are kept of the commands of one application that have not finished."""
+"""Bytes that are kept of the unfinished commands of one application."""
 MAX_ID: Final = 1024
 """Characters of an id: those of unfinished commands are kept, however many applications choose them."""
 STOP_RESERVE: Final = 64
@@ -69,12 +69,12 @@ class CommandHistory:
             commands: the component_ref of each, by command_id.
             beyond: how many more than usual may run: for what ends others.
             text: bytes that are kept until the last of them has finished.
-            subject: whose share they count against; None for somebody who may take all there is.
+            subject: counts against its share; None for a client without a share.
 
         Raises:
             OutOfResources: more commands would run than are allowed, or more would be kept of them.
         """
-        together = self._budget.take(self._own, len(commands), text, subject, beyond)
+        together = self._budget.accept_commands(self._own, len(commands), text, subject, beyond)
         self._running.update(commands)
         self._together.update(dict.fromkeys(commands, together))
 
@@ -91,7 +91,7 @@ class CommandHistory:
         self._finished.put(command_id, _Finished(component_ref, self._clock(), results, status, reason), results)
 
     def results(self, command_id: str, sees: Callable[[str], bool] = lambda _component_ref: True) -> tuple[Result, ...]:
-        """Return what a command gave: empty while it runs and when it failed.
+        """Return the results of a command: none while it runs and when it failed.
 
         Args:
             command_id: the command.
@@ -108,11 +108,11 @@ class CommandHistory:
 
     @property
     def unfinished(self) -> int:
-        """How many commands were accepted and have not finished."""
+        """Number of commands that were accepted and have not finished."""
         return len(self._running)
 
     def ending(self, command_id: str) -> tuple[CompletedStatus, str] | None:
-        """Return how a command has finished and why so; None where none with this id that has is remembered."""
+        """Return the status and reason of a finished command; None where no such command is kept."""
         finished = self._finished.get(command_id)
         return None if finished is None else (finished.status, finished.reason)
 

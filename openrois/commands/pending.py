@@ -1,4 +1,4 @@
-"""Commands that were accepted and have not ended, of all applications: what can be ended from outside."""
+"""Commands that were accepted and have not ended, of all applications: they can be ended from outside."""
 
 import asyncio
 from collections.abc import Callable
@@ -71,7 +71,7 @@ class PendingCommands:
         self._by_component.setdefault(command.component_ref, set()).add(command)
 
     def remove(self, command: PendingCommand) -> None:
-        """Forget a command that has ended."""
+        """Remove a command that has ended."""
         commands = self._by_component[command.component_ref]
         commands.remove(command)
         if not commands:

@@ -1,4 +1,4 @@
-"""What unfinished commands may take: how many they are, and bytes of what is kept of them until they end."""
+"""Quotas of unfinished commands: their number, and the bytes that are kept of them until they end. Pure."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -23,13 +23,13 @@ __all__ = [
 ]
 
 MAX_UNFINISHED: Final = 16_384
-"""Commands of all applications, those that are gone included: what they started goes on, however long that takes."""
+"""Commands of all applications, those that are gone included: their commands run on, however long that takes."""
 
 MAX_UNFINISHED_TEXT: Final = 64 * 1024 * 1024
 """Bytes that are kept of them: a command may wait for a day, and its arguments with it."""
 
 MAX_OF_SUBJECT: Final = 3072
-"""Commands of all applications of one subject: whoever comes again and again leaves something to others."""
+"""Commands of all applications of one subject: one that reconnects again and again leaves some to others."""
 
 MAX_TEXT_OF_SUBJECT: Final = 12 * 1024 * 1024
 """Bytes that are kept of them."""
@@ -55,20 +55,20 @@ STOP_TEXT: Final = 16 * 1024
 
 
 class Allowance:
-    """What somebody's unfinished commands take, and may take.
+    """The unfinished commands of one owner, and how many it may have.
 
     Args:
-        whose: who it is, for the reason of a refusal.
+        owner: its name, for the reason of a refusal.
         most: commands.
         most_text: bytes that are kept of them.
     """
 
-    def __init__(self, whose: str, most: int, most_text: int) -> None:
+    def __init__(self, owner: str, most: int, most_text: int) -> None:
         self.most = most
         self.most_text = most_text
         self.taken = 0
         self.text = 0
-        self._whose = whose
+        self._owner = owner
 
     def check(self, count: int, text: int, beyond: int = 0) -> None:
         """Do nothing where so many more commands fit, or fit `beyond` so many.
@@ -77,9 +77,9 @@ class Allowance:
             OutOfResources: they are too many, or too much would be kept of them.
         """
         if self.taken + count > self.most + beyond:
-            raise OutOfResources(f"{self._whose} has at most {self.most} unfinished commands")
+            raise OutOfResources(f"{self._owner} has at most {self.most} unfinished commands")
         if self.text + text > self.most_text + beyond * STOP_TEXT:
-            raise OutOfResources(f"at most {self.most_text} bytes are kept of the unfinished commands of {self._whose}")
+            raise OutOfResources(f"at most {self.most_text} bytes are kept of the unfinished commands of {self._owner}")
 
 
 class AcceptedTogether:
@@ -94,7 +94,7 @@ class AcceptedTogether:
             allowance.text += text
 
     def end_one(self) -> None:
-        """Give back what one of them has taken; called once for each."""
+        """Give back the share of one of them; called once for each."""
         self._left -= 1
         for allowance in self._allowances:
             allowance.taken -= 1
@@ -103,7 +103,7 @@ class AcceptedTogether:
 
 
 class CommandQuota(Allowance):
-    """What the unfinished commands of an engine take, whoever started them, and the share of each subject.
+    """The unfinished commands of an engine, of all applications, and the share of each subject.
 
     Args:
         most: commands.
@@ -115,7 +115,7 @@ class CommandQuota(Allowance):
         # The commands that count against a share are what keeps it.
         self._shares: WeakValueDictionary[str, Allowance] = WeakValueDictionary()
 
-    def take(
+    def accept_commands(
         self, own: Allowance, count: int, text: int = 0, subject: str | None = None, beyond: int = 0
     ) -> AcceptedTogether:
         """Count commands that are accepted, all or none.
@@ -124,7 +124,7 @@ class CommandQuota(Allowance):
             own: what their application may take.
             count: how many they are.
             text: bytes that are kept of them.
-            subject: whose share they count against; None for somebody who may take all there is.
+            subject: counts against its share; None for a client that may use all there is.
             beyond: how many more than usual may be unfinished: for what ends others.
 
         Raises:
@@ -143,7 +143,7 @@ class CommandQuota(Allowance):
 
 
 class _Share(Allowance):
-    """What the unfinished commands of one subject take of the whole."""
+    """The unfinished commands of one subject."""
 
     def __init__(self, whole: Allowance) -> None:
         super().__init__("one subject", MAX_OF_SUBJECT, MAX_TEXT_OF_SUBJECT)

@@ -9,8 +9,7 @@ from typing import Any, ClassVar, Final, Literal, Self, final
 
 from openrois.catalog.component_type import ComponentType
 from openrois.catalog.payload import Payload
-from openrois.component.arguments import check_arguments
-from openrois.component.authoring.parameters import ParameterStore
+from openrois.component.authoring.parameters import ParameterStore, check_arguments
 from openrois.component.authoring.reading import AuthoredType, Message, own_type, read_class
 from openrois.component.start_slot import StartSlot
 from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, TimedOut, Unsupported, require_usable
@@ -29,7 +28,7 @@ Report = Callable[[ErrorType, str], None]
 """Reports a fault of the component: its kind, and a sentence for a person."""
 
 DEAD_MAN: Final = 0.5
-"""Seconds within which `stop` of a component is called when nobody is in control of it: its `dead_man` says so."""
+"""Seconds within which `stop` of a component is called when no application is in control: its `dead_man` says so."""
 
 DISCONNECT_TIMEOUT: Final = 5.0
 """Seconds that a component has to let go of what it is connected to."""
@@ -38,7 +37,7 @@ _MILLISECOND: Final = 0.001
 
 
 class Component:
-    """What every component in this process shares. A subclass writes its messages as methods:
+    """Base of every component in this process. A subclass writes its messages as methods:
 
         class Lamp(Component, authority="Example", function="actuation"):
             brightness: int = parameter(80, description="per cent")
@@ -61,7 +60,7 @@ class Component:
 
     Class arguments:
         code: the code of the type; the class's name unless given. A subclass is of the same type unless it says so.
-        authority: who defines the type.
+        authority: defines the type.
         function: actuation, sensing or function: an actuation has to be bound before it is operated.
         implements: a type of the catalog; messages that have its names have to fit it.
         omit: events and parameters of that type that the class does without.
@@ -106,7 +105,7 @@ class Component:
     def __new__(cls, *_arguments: Any, **_named: Any) -> Self:
         """Make an instance that works whether or not its own `__init__` calls this class's."""
         if cls is Component:
-            raise TypeError("Component is to be extended: class Lamp(Component)")
+            raise TypeError("Component is a base class: extend it, as in class Lamp(Component)")
         self = super().__new__(cls)
         self.name = cls.component_type.name
         self.emit = _nobody_listens
@@ -127,10 +126,10 @@ class Component:
 
     @cached_property
     def profile(self) -> HRIComponentProfile:
-        """What the instance understands."""
+        """The component type of the instance."""
         return self.component_type.profile(self.name)
 
-    # What an author may override.
+    # The following may be overridden by an author.
 
     async def connect(self) -> None:
         """Reach what the component depends on: a device, a driver. Until it returns the component is UNINITIALIZED.
@@ -154,19 +153,19 @@ class Component:
         return changes
 
     def subscribers_changed(self, event_type: str, number: int) -> None:
-        """Take note of how many subscribe to an event now: what nobody hears needs no work. Must not block or raise."""
+        """Note how many subscribe to an event now: without subscribers it needs no work. Must not block or raise."""
 
-    # What a registry and an adapter need.
+    # The following is for a registry and an adapter.
 
     @property
     def status(self) -> ComponentStatus:
-        """What `component_status` answers."""
+        """The result of the query `component_status`."""
         condition = self.__condition() if self.__standing is ComponentStatus.READY else self.__standing
         return ComponentStatus.BUSY if self.__running and condition is ComponentStatus.READY else condition
 
     @property
     def report(self) -> Report:
-        """Tells whoever has bound the component of its fault, from any thread: a kind and a sentence for a person."""
+        """Reports a fault to applications that have bound the component, from any thread: its kind and a sentence."""
         return partial(self.__in_loop, self.__report)
 
     @report.setter
@@ -233,7 +232,7 @@ class Component:
         require_usable(self.name, self.status)
 
     def __rois_announce__(self, method: str, values: tuple[object, ...], named: Mapping[str, object]) -> None:
-        """Announce the event behind a method, from any thread; one that the class omits is nobody's.
+        """Announce the event behind a method, from any thread; one that the class omits is dropped.
 
         Raises:
             TypeError: the arguments are not the method's.
@@ -262,7 +261,7 @@ class Component:
     @final
     async def take_down(self) -> None:
         """End what runs and run `disconnect`, which has `DISCONNECT_TIMEOUT` seconds; a failure is logged."""
-        await self.__starts.end()
+        await self.__starts.end_running()
         was_up, self.__standing = self.__standing is ComponentStatus.READY, ComponentStatus.UNINITIALIZED
         if was_up:
             try:
@@ -278,7 +277,7 @@ class Component:
             tell(*what)
         else:
             with suppress(RuntimeError):
-                # The loop is closed: there is nobody left to hear it.
+                # The loop is closed: there are no subscribers any more.
                 self.__loop.call_soon_threadsafe(tell, *what)
 
     def __condition(self) -> ComponentStatus:
@@ -316,7 +315,7 @@ class Component:
     def __set_parameters(self, texts: Mapping[str, str]) -> tuple[Result, ...]:
         with _containing_bugs(self, "set_parameter"):
             try:
-                self.parameters.take(texts, self.accept_parameters)
+                self.parameters.set_texts(texts, self.accept_parameters)
             except ValueError as error:
                 raise BadParameter(str(error)) from None
         return ()
@@ -334,7 +333,7 @@ _RESERVED: Final = frozenset(name for name in vars(Component) if not name.starts
 
 @contextmanager
 def _containing_bugs(component: Component, message: str, expected: type[Exception] | tuple[()] = ()) -> Iterator[None]:
-    """Turn what an author's code raises into the component's failure, which is logged and reported."""
+    """Turn an exception of the author's code into the component's failure, which is logged and reported."""
     try:
         yield
     except RoISError:
@@ -343,8 +342,8 @@ def _containing_bugs(component: Component, message: str, expected: type[Exceptio
         task = asyncio.current_task()
         if task is None or task.cancelling():
             raise
-        # Whoever asked was not cancelled, and is owed an answer.
-        raise Aborted(f"{component.name}: what {message} waited for was cancelled") from error
+        # The caller was not cancelled, and needs an answer.
+        raise Aborted(f"{component.name}: {message} failed: a task that it awaited was cancelled") from error
     except Exception as error:
         if not isinstance(error, expected):  # Only the log of this process can tell where it failed.
             _log.exception("%s: %s failed", component.name, message)
@@ -361,8 +360,8 @@ def _running_loop() -> asyncio.AbstractEventLoop | None:
 
 
 def _nobody_listens(_event_type: str, _results: tuple[Result, ...]) -> None:
-    """Stand in until the component is in a registry: an event that nobody can hear is dropped."""
+    """Stand in until the component is in a registry: an event without subscribers is dropped."""
 
 
 def _nobody_watches(_error_type: ErrorType, _description: str) -> None:
-    """Stand in until the component is in a registry: nobody could be told of its fault."""
+    """Stand in until the component is in a registry: a fault has no receiver yet."""

@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 
 class StartSlot(Generic[T]):
-    """Runs each start once the one before it has ended, which it makes it do.
+    """Runs each start once the one before it, which it cancels, has ended.
 
     Attributes:
         came: how many came so far.
@@ -32,7 +32,7 @@ class StartSlot(Generic[T]):
             Aborted: a stop or the next start ended it.
         """
         self.came = number = self.came + 1
-        await self.end(number)
+        await self.end_running(number)
         if number <= max(self._stopped, self._number):
             raise Aborted(f"{name} was stopped")
         task = asyncio.ensure_future(work())
@@ -51,12 +51,12 @@ class StartSlot(Generic[T]):
         return task.result()
 
     async def stop(self, came: int) -> None:
-        """End the first so many, also those that have not begun."""
+        """End the first `came` starts, also those that have not begun."""
         self._stopped = max(self._stopped, came)
-        await self.end(came)
+        await self.end_running(came)
 
-    async def end(self, came: float = math.inf) -> None:
-        """End the one that runs, if it is among the first so many."""
+    async def end_running(self, came: float = math.inf) -> None:
+        """End the running start, if it is among the first `came`."""
         # While this waits for one to end, another may have begun.
         while (task := self._running) is not None and self._number <= came:
             task.cancel()

@@ -1,4 +1,4 @@
-"""Conditions: a subset of CQL2-Text. Empty for everything, or comparisons joined by AND.
+"""Conditions: a subset of CQL2-Text. Empty for everything, or comparisons joined by AND. Pure.
 
 A comparison is `property = 'text'` or `property LIKE 'pattern'`; a quote inside the text is doubled. In a pattern `%`
 stands for any text, `_` for one character, and a backslash takes either as it is. Keywords may be in any case; a
@@ -18,10 +18,10 @@ __all__ = ["Comparison", "Condition", "parse_condition"]
 MAX_LENGTH: Final = 4096
 
 KEPT: Final = 1024
-"""Conditions that are kept as they were read, whoever asked."""
+"""Conditions in the cache, of all applications."""
 
 KEPT_LENGTH: Final = 256
-"""Characters of a condition that may be kept."""
+"""Characters of a condition that is cached."""
 
 # Every repetition is possessive (`*+`), so that nothing is ever read twice.
 _TOKEN: Final = re.compile(

@@ -62,10 +62,10 @@ class Engine:
 
     Attributes:
         engine_id: the engine's name in its tree.
-        faults: who is told of the faults of the engine and of every bus attached to it.
-        on_fault: the engine that this one is attached to is told, too.
+        faults: gets the faults of the engine and of every bus attached to it.
+        on_fault: the engine that this one is attached to gets them, too.
         mint: makes the faults that this engine notices.
-        lost: components whose bus went without a word.
+        lost: components whose bus was lost.
     """
 
     def __init__(self, engine_id: str) -> None:
@@ -83,11 +83,11 @@ class Engine:
         self._directory = self._merge()
 
     async def attach(self, bus: ComponentBus, *, own: bool = True) -> None:
-        """Add a bus and tell the listeners.
+        """Add a bus and notify the listeners.
 
         Args:
             bus: what to add.
-            own: whether it may bring the engine's own components; not what somebody else says over a connection.
+            own: whether it may bring the engine's own components, which a remote engine may not.
 
         Raises:
             BadParameter: its profile is broken, names an id that the tree has already (a cycle is that too), or
@@ -95,16 +95,16 @@ class Engine:
             RoISError: it could not be asked.
         """
         if bus is self:
-            raise BadParameter("an engine cannot stand below itself")
+            raise BadParameter("an engine cannot be attached below itself")
         child = _Child(bus, await bus.discover(), own)
         self._check(child.directory, child)
         self._children.append(child)
         if isinstance(bus, FaultSource):
-            bus.on_fault = self._tell
+            bus.on_fault = self._notify_fault
         self._changed()
 
     async def refresh(self, bus: ComponentBus) -> None:
-        """Ask an attached bus again what it offers and tell the listeners; a bus that is not attached is ignored.
+        """Read again what an attached bus offers and notify the listeners; a bus that is not attached is ignored.
 
         Raises:
             BadParameter: the new profile is not acceptable; the old one still stands.
@@ -118,19 +118,19 @@ class Engine:
             self._changed()
 
     def detach(self, bus: ComponentBus, *, lost: str = "") -> None:
-        """Take a bus away and tell the listeners; a bus that is not attached is ignored.
+        """Remove a bus and notify the listeners; a bus that is not attached is ignored.
 
         Args:
             bus: what to take away.
-            lost: why, where it went without a word: whoever works with one of its components is told that it does not
-                respond, and until it is back its components count as failing.
+            lost: why, where its connection was lost: applications that work with its components are notified that it
+                does not respond, and until it is back its components count as failing.
         """
         leaving = [child for child in self._children if child.bus is bus]
         if leaving:
             gone = leaving[0].directory.profile.component_refs() if lost else ()
             self.lost.lose(gone)
             for fault in self.mint.make_each(ErrorType.COMPONENT_NOT_RESPONDING, gone, lost) if lost else ():
-                self._tell(fault)
+                self._notify_fault(fault)
             self._children.remove(leaving[0])
             if isinstance(bus, FaultSource):
                 bus.on_fault = ignore_fault
@@ -141,13 +141,13 @@ class Engine:
         return self._changes.add(listener)
 
     def report(self, error_type: ErrorType, description: str, component_ref: str = "") -> None:
-        """Tell of a fault that this engine noticed: its own, or that of a component which it called."""
+        """Report a fault that this engine noticed: its own, or that of a component which it called."""
         fault = self.mint.make(error_type, component_ref, description)
         if fault is not None:
-            self._tell(fault)
+            self._notify_fault(fault)
 
-    def _tell(self, fault: Fault) -> None:
-        self.faults.tell(fault)
+    def _notify_fault(self, fault: Fault) -> None:
+        self.faults.notify_all(fault)
         self.on_fault(fault)
 
     def _check(self, directory: Directory, child: _Child) -> None:
@@ -164,7 +164,7 @@ class Engine:
                 raise BadParameter(f"the engine id {engine_id!r} is taken already: each engine needs one of its own")
             taken.add(engine_id)
         if _depth(directory.profile) >= MAX_DEPTH:
-            raise BadParameter(f"engines stand at most {MAX_DEPTH} deep")
+            raise BadParameter(f"engines may be nested {MAX_DEPTH} deep at most")
         offering, repeated = frozenset(ids), frozenset(directory.profile.repeated_refs())
         for ref in directory.profile.component_refs():
             if flaw := _flaw_of(ref, offering, directory) or ("it stands twice" if ref in repeated else ""):
@@ -182,7 +182,7 @@ class Engine:
             if subscription.component_ref in self._directory.component_profiles
             and self._routes.get(engine_of(subscription.component_ref)) is subscription.bus
         }
-        self._changes.tell()
+        self._changes.notify_all()
 
     def _merge(self) -> Directory:
         own = [c.directory for c in self._children if c.directory.profile.identifier.code == self.engine_id]
@@ -192,7 +192,7 @@ class Engine:
             sub_profiles=tuple(directory.profile for directory in below),
             component_ids=tuple(ref for directory in own for ref in directory.profile.component_ids),
         ).completed()
-        # A bus speaks for the components it lists; a profile that it gives beside them could be of somebody else's.
+        # A bus speaks for the components it lists; another profile beside them could belong to another engine.
         components = {
             ref: directory.component_profiles[ref]
             for directory in (*own, *below)
@@ -202,11 +202,11 @@ class Engine:
 
     @property
     def directory(self) -> Directory:
-        """What the tree offers now."""
+        """The directory of the tree."""
         return self._directory
 
     async def discover(self) -> Directory:
-        """Return what the tree offers now."""
+        """Return the directory of the tree."""
         return self._directory
 
     def route(self, ref_or_id: str) -> ComponentBus:
@@ -226,7 +226,7 @@ class Engine:
         return buses[0] is not None and buses[0] is buses[1]
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
-        """Ask a component of the tree."""
+        """Query a component of the tree."""
         try:
             return await self.route(component_ref).query(component_ref, query_type)
         except NotResponding as silence:
@@ -242,7 +242,7 @@ class Engine:
             raise self.blame(component_ref, silence) from None
 
     async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:
-        """Listen to a component of the tree."""
+        """Subscribe to a component of the tree."""
         bus = self.route(component_ref)
         try:
             subscribe_id = await bus.subscribe(component_ref, event_type, sink)
@@ -252,13 +252,13 @@ class Engine:
         return subscribe_id
 
     async def unsubscribe(self, subscribe_id: str) -> None:
-        """Stop listening."""
+        """End a subscription."""
         subscription = self._subscriptions.pop(subscribe_id, None)
         if subscription is not None:
             await subscription.bus.unsubscribe(subscribe_id)
 
     def blame(self, component_ref: str, silence: NotResponding) -> TimedOut:
-        """Report that a call to a component had no answer; return what to raise, so that nobody reports it again."""
+        """Report that a call to a component had no answer; return what to raise, which is not reported again."""
         self.report(ErrorType.COMPONENT_NOT_RESPONDING, str(silence), component_ref)
         return TimedOut(str(silence))
 
@@ -274,7 +274,7 @@ class Engine:
 
 
 def leads_to(engine: Engine, ref_or_id: str, bus: ComponentBus) -> bool:
-    """Tell whether a reference or id leads to `bus`, and not to what came in its place or nowhere."""
+    """Tell whether a reference or id still leads to `bus`, and not to another one or nowhere."""
     try:
         return engine.route(ref_or_id) is bus
     except Unsupported:
@@ -310,17 +310,9 @@ class _TreeExtension:
                 return extension
         raise Unsupported(f"there is no engine with streams for {subject[:200]!r}")
 
-    def _told(self, component_ref: str) -> Extension:
-        """Return who hears who holds a component: its engine, whether or not that has streams."""
-        extension: Extension | None = getattr(self.engine.route(component_ref), "extension", None)
-        if extension is None:
-            raise Unsupported(f"the engine of {component_ref[:200]!r} does not want to know who holds it")
-        return extension
-
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
         """Pass a call to the engine named by its component_ref, stream_id or peer_id."""
-        subject = subject_of(params)
-        extension = self._told(subject) if method == HolderNotification.method else self._of(subject)
+        extension = self._of(subject_of(params))
         try:
             return await extension.call(method, params, client)
         except NotResponding as silence:
@@ -329,9 +321,17 @@ class _TreeExtension:
                 raise
             raise self.engine.blame(component_ref, silence) from None
 
-    async def forget(self, client: Client) -> None:
-        """Tell every bus that a client is gone; one that fails does not keep the others from hearing it."""
-        told = (extension.forget(client) for extension in self.engine.extensions())
+    async def set_holder(self, notification: HolderNotification, client: Client) -> None:
+        """Notify the engine of the component, whether or not it has streams."""
+        component_ref = notification.component_ref
+        extension: Extension | None = getattr(self.engine.route(component_ref), "extension", None)
+        if extension is None:
+            raise Unsupported(f"the engine of {component_ref[:200]!r} takes no notification of holders")
+        await extension.set_holder(notification, client)
+
+    async def forget_client(self, client: Client) -> None:
+        """End what a client has at every bus; one that fails does not keep the others from being called."""
+        told = (extension.forget_client(client) for extension in self.engine.extensions())
         for outcome in await asyncio.gather(*told, return_exceptions=True):
             if isinstance(outcome, Exception):
-                _log.info("an engine could not be told that a client is gone: %s", outcome)
+                _log.info("an engine could not end what a departed client has: %s", outcome)

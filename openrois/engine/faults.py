@@ -1,4 +1,4 @@
-"""Faults that this process notices: each gets an id, and a flood of them is cut."""
+"""Faults that this process notices: each gets an id, and their rate is bounded."""
 
 import logging
 import time
@@ -18,7 +18,7 @@ _log = logging.getLogger(__name__)
 
 FAULTS_AT_ONCE: Final = 100
 FAULTS_PER_SECOND: Final = 10.0
-"""Faults of one engine that are told; more are counted and logged."""
+"""Faults of one engine that are notified; more are counted and logged."""
 
 MAX_DESCRIPTION: Final = 1000
 """Characters of a fault's description; a component may raise with any text."""
@@ -47,11 +47,11 @@ class FaultMint:
         self._engine_id = engine_id
         self._wall_clock = wall_clock
         self._limit = fault_limit(clock)
-        self._untold = Tally(_log, f"faults of {engine_id} that came too fast to be told", logging.WARNING)
+        self._untold = Tally(_log, f"faults of {engine_id} that were not reported, too many at a time", logging.WARNING)
 
     @property
     def untold(self) -> int:
-        """How many were not told because there were too many."""
+        """Number of faults that were not notified because there were too many."""
         return self._untold.count
 
     def make(self, error_type: ErrorType, component_ref: str, description: str) -> Fault | None:
@@ -62,7 +62,7 @@ class FaultMint:
         return self._new(error_type, component_ref, description)
 
     def make_each(self, error_type: ErrorType, component_refs: Iterable[str], description: str) -> tuple[Fault, ...]:
-        """Return a fault of each component, or none where there are too many; what befell all at once counts as one."""
+        """Return a fault of each component, or none where there are too many; one cause counts once."""
         if not self._limit.admits():
             self._untold.note(description[:200])
             return ()

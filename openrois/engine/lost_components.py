@@ -1,4 +1,4 @@
-"""Components whose engine went away without a word: as long as they are not back they count as failing."""
+"""Components whose connection was lost: until they are back they count as failing. Pure."""
 
 from collections.abc import Iterable
 from typing import Final
@@ -6,11 +6,11 @@ from typing import Final
 __all__ = ["LostComponents"]
 
 MAX_LOST: Final = 4096
-"""Components that are remembered; of more the one that was lost first is forgotten."""
+"""Components that are kept; of more the one that was lost first is dropped."""
 
 
 class LostComponents:
-    """The references of what was lost and is not back."""
+    """The references of lost components."""
 
     def __init__(self, most: int = MAX_LOST) -> None:
         self._most = most
@@ -23,7 +23,7 @@ class LostComponents:
         return len(self._refs)
 
     def lose(self, component_refs: Iterable[str]) -> None:
-        """Note components that are gone."""
+        """Add components that are gone."""
         for ref in component_refs:
             self._refs.pop(ref, None)
             self._refs[ref] = None
@@ -31,6 +31,6 @@ class LostComponents:
             del self._refs[next(iter(self._refs))]
 
     def found(self, component_refs: Iterable[str]) -> None:
-        """Forget those that are there."""
+        """Remove components that are back."""
         for ref in component_refs:
             self._refs.pop(ref, None)

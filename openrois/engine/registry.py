@@ -20,19 +20,19 @@ from openrois.types.values import date_time
 __all__ = ["LocalRegistry"]
 
 EVENT_LIFETIME: Final = 60.0
-"""Seconds for which an event's details are kept by whoever received it."""
+"""Seconds for which an event's details are kept by the engines and clients that received it."""
 
 MAX_QUERIES: Final = 32
 """Queries of one component that run at a time: one that hangs cannot use up its adapter's connection."""
 
 QUERY_TIMEOUT: Final = 60.0
-"""Seconds after which a query is cancelled: whoever asked has given up by then."""
+"""Seconds after which a query is cancelled: the caller has given up by then."""
 
 _AT_ONCE: Final = ("component_status", "get_parameter")
 
 
 Guard = Callable[[str, Component, str, Coroutine[Any, Any, tuple[Result, ...]]], Awaitable[tuple[Result, ...]]]
-"""Runs a command: whose it is, by reference and as an object, which, and what is to be awaited."""
+"""Runs a command: of which component, by reference and as an object, which, and what is to be awaited."""
 
 
 async def _unguarded(
@@ -122,7 +122,7 @@ class LocalRegistry:
         return component
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
-        """Ask a component."""
+        """Query a component."""
         component = self._component(component_ref)
         if query_type in _AT_ONCE:
             return await component.ask(query_type)
@@ -145,7 +145,7 @@ class LocalRegistry:
         return await self.guard(component_ref, component, command_type, component.run(command_type, arguments))
 
     async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:
-        """Listen to a component's event."""
+        """Subscribe to a component's event."""
         component = self._component(component_ref)
         if not component.profile.has_event(event_type):
             raise Unsupported(f"{component_ref} has no event {event_type!r}")
@@ -156,7 +156,7 @@ class LocalRegistry:
         return subscribe_id
 
     async def unsubscribe(self, subscribe_id: str) -> None:
-        """Stop listening."""
+        """End a subscription."""
         ended = self._subscriptions.pop(subscribe_id, None)
         if ended is not None:
             left = len(self._sinks(ended.component_ref, ended.event_type))

@@ -1,4 +1,4 @@
-"""Settings of who is let in: keys, issuers, origins, hosts, and TLS."""
+"""Settings of admission: keys, issuers, origins, hosts, and TLS."""
 
 from pathlib import Path
 from typing import ClassVar, Final, Self
@@ -8,7 +8,7 @@ from pydantic import model_validator
 from openrois.auth.claims import MAX_LIFETIME
 from openrois.auth.jwks import flaw_of_address
 from openrois.gateway.origins import parse_origin
-from openrois.gateway.settings_group import SettingsGroup, setting
+from openrois.gateway.settings_group import SettingsGroup, require_between, setting
 
 __all__ = ["Authentication", "Encryption"]
 
@@ -16,7 +16,7 @@ _DAY: Final = 86400.0
 
 
 class Authentication(SettingsGroup):
-    """Whose tokens are good, and which pages may connect."""
+    """Validity of tokens, and the pages that may connect."""
 
     table: ClassVar[str] = "auth"
 
@@ -29,7 +29,7 @@ class Authentication(SettingsGroup):
     auth_audience: str = setting("", "what the claim aud of every token has to name", metavar="TEXT")
     auth_max_lifetime: float = setting(MAX_LIFETIME, "seconds that a token may last", metavar="SECONDS")
     auth_revocations: Path | None = setting(
-        None, "lists who is not let in any more: lines `sub NAME` and `jti ID`", metavar="FILE"
+        None, "lists revoked subjects and tokens: lines `sub NAME` and `jti ID`", metavar="FILE"
     )
     allow_origins: tuple[str, ...] = setting(
         (), "a web site whose pages may connect, beside the gateway's own", metavar="ORIGIN"
@@ -44,23 +44,22 @@ class Authentication(SettingsGroup):
     @model_validator(mode="after")
     def _check_authentication(self) -> Self:
         if sum(map(bool, (self.auth_keys, self.auth_jwks, self.auth_jwks_file))) > 1:
-            raise ValueError("keys come from files, from an address or from a key set in a file: from one of these")
+            raise ValueError("give only one of --auth-key, --auth-jwks and --auth-jwks-file")
         if self.auth_jwks and (flaw := flaw_of_address(self.auth_jwks)):
-            raise ValueError(f"{self.auth_jwks[:200]!r} cannot be where the issuer's keys are: {flaw}")
+            raise ValueError(f"{self.auth_jwks[:200]!r} cannot be the address of the issuer's keys: {flaw}")
         if not self.is_authenticated and (self.auth_issuer or self.auth_audience or self.auth_revocations):
-            raise ValueError("without --auth-key or --auth-jwks there are no tokens to ask anything of")
-        if not 60 <= self.auth_max_lifetime <= _DAY:
-            raise ValueError("a token may last for 60 to 86400 seconds")
+            raise ValueError("--auth-issuer, --auth-audience and --auth-revocations require --auth-key or --auth-jwks")
+        require_between("--auth-max-lifetime", self.auth_max_lifetime, 60, _DAY, "seconds")
         return self
 
     @model_validator(mode="after")
     def _check_names(self) -> Self:
         for origin in self.allow_origins:
             if parse_origin(origin) is None:
-                raise ValueError(f"{origin[:200]!r} is no origin, such as https://app.example.org")
+                raise ValueError(f"{origin[:200]!r} is no origin: write it as https://app.example.org")
         for host in self.allow_hosts:
             if parse_origin(f"http://{host.lower()}") is None or ":" in host.rpartition("]")[2]:
-                raise ValueError(f"{host[:200]!r} is no host's name, such as gateway.example.org")
+                raise ValueError(f"{host[:200]!r} is no name of a host: write it as gateway.example.org")
         return self
 
 
@@ -76,7 +75,7 @@ class Encryption(SettingsGroup):
     @model_validator(mode="after")
     def _check_encryption(self) -> Self:
         if (self.tls_cert is None) != (self.tls_key is None):
-            raise ValueError("a certificate and its key are given together")
+            raise ValueError("--tls-cert and --tls-key must be given together")
         if self.tls_elsewhere and self.tls_cert is not None:
-            raise ValueError("TLS is done here or elsewhere, not in both places")
+            raise ValueError("give either --tls-elsewhere or --tls-cert, not both")
         return self

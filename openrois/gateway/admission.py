@@ -1,4 +1,4 @@
-"""Who is let in: every request's address, host and origin, and the token of every connection."""
+"""Admission: every request's address, host and origin, and the token of every connection."""
 
 import logging
 import re
@@ -23,10 +23,10 @@ __all__ = ["SUBPROTOCOL", "Admission", "guard", "origin_rules"]
 _log = logging.getLogger(__name__)
 
 SUBPROTOCOL: Final = "openrois.v1"
-"""What a browser offers beside the token, and is answered."""
+"""The subprotocol that a browser offers beside the token, and that is answered."""
 
 REFUSED_AT_ONCE: Final = 1000
-"""Refused connections of strangers that the audit trail tells one by one; as many of those whose token is genuine."""
+"""Refused connections without a valid token that the audit trail records one by one; as many of those with one."""
 
 REFUSED_PER_SECOND: Final = 10
 """Of each in the long run; of more the next record says how many there were."""
@@ -39,13 +39,13 @@ _TOKEN_NAMES: Final = frozenset({"token", "access_token", "id_token", "auth", "a
 _TOKEN: Final = re.compile(r"eyJ[A-Za-z0-9_-]+\.[A-Za-z0-9_-]+\.")
 _WILDCARDS: Final = frozenset({"0.0.0.0", "::", ""})  # noqa: S104
 _PROBED: Final = frozenset({"/healthz", "/readyz"})
-"""Whoever watches over processes calls them by addresses of its own, and is told nothing of what is inside."""
+"""Probes of a process manager come from addresses of its own; they learn nothing of the inside."""
 
 _CHALLENGE: Final = {"WWW-Authenticate": 'Bearer realm="openrois"'}
 
 
 def origin_rules(settings: GatewaySettings) -> OriginRules:
-    """Return which pages may connect to a gateway with these settings, and what it may be called."""
+    """Return which pages may connect to a gateway with these settings, and by which names."""
     sites = (parse_origin(origin) for origin in settings.allow_origins)
     names = {name.lower().strip("[]") for name in (*settings.allow_hosts, settings.host)} - _WILDCARDS
     secure = settings.tls_cert is not None or settings.tls_elsewhere
@@ -59,12 +59,12 @@ def origin_rules(settings: GatewaySettings) -> OriginRules:
 
 @dataclass
 class Admission:
-    """Lets in or refuses. Who is refused learns no reason; the audit trail does.
+    """Admits or refuses requests. The client learns no reason; the audit trail does.
 
     Attributes:
         rules: which pages may connect, and what the gateway may be called.
-        verifier: tells whom a token is for; None where no token is needed.
-        audit: hears of everyone who is refused.
+        verifier: verifies tokens; None where no token is needed.
+        audit: records every refusal.
         turned_away: counts them by reason.
         clock: monotonic seconds.
     """
@@ -77,11 +77,13 @@ class Admission:
 
     def __post_init__(self) -> None:
         self._tally = Tally(_log, "refused connections")
-        # Strangers, however many, do not hide who has a token, and nobody fills a disk.
-        self._floods = {known: AuditRate(REFUSED_AT_ONCE, REFUSED_PER_SECOND, self.clock) for known in (False, True)}
+        # Refusals without a token, however many, do not hide those with one, and do not fill a disk.
+        self._audit_rates = {
+            known: AuditRate(REFUSED_AT_ONCE, REFUSED_PER_SECOND, self.clock) for known in (False, True)
+        }
 
     async def application(self, request: web.Request) -> Principal:
-        """Return who wants to connect as an application.
+        """Return the principal of an application that connects.
 
         Raises:
             web.HTTPUnauthorized: no token came, or it is not good.
@@ -93,7 +95,7 @@ class Admission:
         return principal
 
     async def adapter(self, request: web.Request) -> Principal:
-        """Return who wants to connect as an adapter.
+        """Return the principal of an adapter that connects.
 
         Raises:
             web.HTTPUnauthorized: no token came, or it is not good.
@@ -146,13 +148,15 @@ class Admission:
             )
         if not self.rules.answers_to(request.host) and (self.rules.local or request.path not in _PROBED):
             self._note(request, Refusal.HOST)
-            raise web.HTTPForbidden(text="this gateway is not called so (--allow-host)\n")
+            raise web.HTTPForbidden(
+                text="this gateway has another name: connect by its own, or add this one with --allow-host\n"
+            )
         origins = request.headers.getall("Origin", [])
         if len(origins) > 1 or (origins and not self.rules.admits(origins[0], request.host)):
             raise self.other_site(request)
 
     def other_site(self, request: web.Request) -> web.HTTPException:
-        """Note that a page of another site asked, and return what it is answered."""
+        """Record the refusal of a page of another site, and return the answer."""
         self._note(request, Refusal.ORIGIN)
         return web.HTTPForbidden(text="this gateway does not answer pages of that site (--allow-origin)\n")
 
@@ -161,9 +165,9 @@ class Admission:
         self.turned_away(reason.value)
         path = "/adapter" if request.path == "/adapter" else "/"
         stranger = None if not subject else Principal(subject, frozenset(), ())
-        flood = self._floods[bool(subject)]
-        if flood.admits():
-            self.audit.refused(stranger, path, request.remote or "", flood.told(reason.value))
+        audit_rate = self._audit_rates[bool(subject)]
+        if audit_rate.admits():
+            self.audit.refused(stranger, path, request.remote or "", audit_rate.told(reason.value))
         self._tally.note(f"{path} from {request.remote}: {reason.value}")
 
 

@@ -37,7 +37,7 @@ __all__ = ["RESUMED", "serve_application"]
 _log = logging.getLogger(__name__)
 
 _WITHOUT_HANDSHAKE: Final = 1006
-"""How a connection ends that nobody has closed."""
+"""The code of a connection that was lost."""
 
 RESUMED: Final = 4409
 """The close code of a connection whose session another one has resumed."""
@@ -58,7 +58,7 @@ REQUESTS_AT_ONCE: Final = 10_000
 async def serve_application(
     host: EngineHost,
     stream: MessageStream,
-    tenure: TokenExpiry | None = None,
+    expiry: TokenExpiry | None = None,
     renewal: Renewal | None = None,
     sign_ins: SignIns | None = None,
 ) -> StreamClosed:
@@ -67,17 +67,17 @@ async def serve_application(
     Args:
         host: the gateway's engine.
         stream: the connection.
-        tenure: whose it is, and for how long; unless given that of somebody on this machine.
+        expiry: the principal of the connection, and for how long; without it the local one.
         renewal: how that is made longer.
         sign_ins: records that it came and left.
     """
-    tenure = tenure or TokenExpiry(LOCAL)
+    expiry = expiry or TokenExpiry(LOCAL)
     sign_ins = sign_ins or SignIns(host.audit)
     rate = RateLimit(REQUESTS_AT_ONCE, REQUESTS_PER_SECOND, time.monotonic)
-    session = RpcSession(stream, rules=queue_rules(rate), latencies=host.traffic.latencies)
+    session = RpcSession(stream, rules=queue_rules(rate), latencies=host.connection_stats.latencies)
     signaling = _Signaling(host)
     app = ApplicationSession(
-        host, session.notify, passes=signaling.passes, left=signaling.forget_peers, principal=tenure.principal
+        host, session.notify, passes=signaling.passes, left=signaling.forget_peers, principal=expiry.principal
     )
     signaling.app = app
     session.on_failure = host.crashed
@@ -87,19 +87,19 @@ async def serve_application(
     session.outbox.gap = app.gap
     methods = {**base_methods(app), **stream_methods(app), **lease_methods(app), **signaling.methods()}
     if renewal is not None:
-        methods |= renewal.method(tenure, lambda principal: principal.is_application, notes.note_token)
+        methods |= renewal.method(expiry, lambda principal: principal.is_application, notes.note_token)
     session.methods = enforced(app, methods)
-    tenure.on_principal = partial(setattr, app, "principal")
-    tenure.on_expiring = expiring(session.notify, lambda: app.extended)
+    expiry.on_principal = partial(setattr, app, "principal")
+    expiry.on_expiring = expiring(session.notify, lambda: app.extended)
     stop_listening = app.engine.on_change(lambda _visibly: signaling.tree_changed())
-    app.end_connection = partial(session.end, RESUMED, "another connection has resumed this session")
+    app.end_connection = partial(session.end_session, RESUMED, "another connection has resumed this session")
     closed = StreamClosed(_WITHOUT_HANDSHAKE)
     lost = False
     try:
         with (
             connection(app.client_id[:8]),
-            sign_ins.visit(tenure.principal, "/", tenure.address) as visit,
-            host.traffic.counted("application", session, app.events.count),
+            sign_ins.visit(expiry.principal, "/", expiry.address) as visit,
+            host.connection_stats.counted("application", session, app.events.count),
             host.quotas.serving(app),
             host.unread.account(app.quota_name, session.cut_unread) as unread,
         ):
@@ -131,7 +131,7 @@ class _Signaling:
         self._unended = Tally(_log, "peer connections that an application cannot have, too many to be ended")
 
     def passes(self, method: str, params: Mapping[str, Any]) -> bool:
-        """Note which peers an engine opens and ends; a peer that the application can't have is ended at once."""
+        """Note which peers an engine opens and ends; a peer that the application cannot have is ended at once."""
         if method not in _TO_APPLICATION:
             return True
         try:
@@ -141,19 +141,19 @@ class _Signaling:
             return False
         if method == Offer.method:
             if not self._relay.register(peer_id, self.app.client_id, engine_of(peer_id)):
-                self._end(peer_id, f"the application has {PEERS_PER_OWNER} peer connections already")
+                self._end_peer(peer_id, f"the application has {PEERS_PER_OWNER} peer connections already")
                 return False
             self._peers.add(peer_id)
         if method == Bye.method:
-            self._forget(peer_id)
+            self._forget_peer(peer_id)
         return True
 
-    def _forget(self, peer_id: str) -> None:
+    def _forget_peer(self, peer_id: str) -> None:
         self._peers.discard(peer_id)
-        self._relay.forget(peer_id, engine_of(peer_id))
+        self._relay.forget_peer(peer_id, engine_of(peer_id))
 
-    def _end(self, peer_id: str, reason: str) -> None:
-        """Have the engine end a peer, so that neither side waits for what can't come; it tells the application."""
+    def _end_peer(self, peer_id: str, reason: str) -> None:
+        """Make the engine end a peer, so that neither side waits in vain; the engine notifies the application."""
         if self._ending >= MAX_ENDING:
             # An engine offers without an end, and may not even answer.
             self._unended.note(engine_of(peer_id))
@@ -170,21 +170,21 @@ class _Signaling:
             self._ending -= 1
 
     def forget_peers(self) -> None:
-        """Forget every peer: the application has left."""
+        """Drop every peer: the application has left."""
         for peer_id in tuple(self._peers):
-            self._forget(peer_id)
+            self._forget_peer(peer_id)
 
     def tree_changed(self) -> None:
-        """Forget the peers of engines that the application is not shown any more; one that is still there ends them."""
+        """Drop the peers of engines that are out of scope now; one that is still there ends them."""
         present = self._host.engine.directory.profile.engine_ids()
         for peer_id in tuple(self._peers):
             if engine_of(peer_id) not in self.app.engine.engine_ids:
-                self._forget(peer_id)
+                self._forget_peer(peer_id)
                 if engine_of(peer_id) in present:
-                    self._end(peer_id, "the application may not have it any more")
+                    self._end_peer(peer_id, "the application may not have it any more")
 
     def methods(self) -> dict[str, Handler]:
-        """Return the `signaling.*` methods; whoever calls one gets the extensions' notifications."""
+        """Return the `signaling.*` methods; an application that calls one gets the extensions' notifications."""
         table = signaling_methods(self._relay, self.app.client_id, self._ice_servers)
 
         def answering(name: str) -> Handler:
@@ -196,7 +196,7 @@ class _Signaling:
                     raise InvalidParams(error.errors) from None
                 except Refused as refusal:
                     if name == Answer.method and isinstance(refusal, TooLong) and params.get("peer_id") in self._peers:
-                        self._end(params["peer_id"], f"the answer cannot be passed on: {refusal}")
+                        self._end_peer(params["peer_id"], f"the answer cannot be passed on: {refusal}")
                     return Reply({"return_code": refusal.return_code}, reason=str(refusal))
 
             return answer

@@ -1,4 +1,4 @@
-"""Bounds what the audit trail records of one kind of event that others can cause at will, and counts the rest."""
+"""Bounds the audit records of one kind of event that clients can cause at will, and counts the rest."""
 
 from collections.abc import Callable
 
@@ -11,7 +11,7 @@ class AuditRate:
     """Records of one kind.
 
     Args:
-        at_once: how many are told one by one.
+        at_once: how many are recorded one by one.
         per_second: how many of them in the long run.
         clock: monotonic seconds.
         what: the kind, as the records name it.
@@ -23,13 +23,13 @@ class AuditRate:
         self._omitted = 0
 
     def admits(self) -> bool:
-        """Tell whether one more is told; one that is not is counted."""
+        """Tell whether one more is recorded; one that is not is counted."""
         admitted = self._limit.admits()
         self._omitted += not admitted
         return admitted
 
     def told(self, text: str) -> str:
-        """Return what is recorded of one that is told: its text, and how many were left out before."""
+        """Return the text of a record: its own, and how many were left out before."""
         if not self._omitted:
             return text
         omitted, self._omitted = self._omitted, 0

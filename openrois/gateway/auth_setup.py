@@ -1,4 +1,4 @@
-"""Everything that decides who is let in and for how long, put together from the settings."""
+"""Admission, tokens and their end, put together from the settings."""
 
 import time
 from collections.abc import Callable
@@ -31,19 +31,19 @@ _LONGEST_LIST: Final = 16 << 20
 
 @dataclass(frozen=True, slots=True)
 class AuthSetup:
-    """The way into a gateway.
+    """Admission to a gateway, and what it watches.
 
     Attributes:
-        admission: who is let in.
-        tenures: for how long.
+        admission: admits or refuses requests.
+        expiries: closes connections when their tokens end.
         renewal: how that is made longer.
-        sign_ins: records who came and left.
+        sign_ins: records sign-ins and sign-outs.
         certificate: what TLS is done with; None for none.
         reloader: reads again what has changed: keys, revocations, the certificate.
     """
 
     admission: Admission
-    tenures: TokenExpiries
+    expiries: TokenExpiries
     renewal: Renewal
     sign_ins: SignIns
     certificate: Certificate | None
@@ -58,11 +58,11 @@ class AuthSetup:
         turned_away: Callable[[str], None],
         clock: Callable[[], float] = time.time,
     ) -> "AuthSetup":
-        """Read keys and lists and begin to watch them, and everyone who is let in.
+        """Read keys and lists, and begin to watch them and every connection.
 
         Args:
             settings: what the gateway's owner sets.
-            audit: hears of everyone who is refused.
+            audit: records every refusal.
             tasks: owns what goes on.
             turned_away: counts refused connections by reason.
             clock: epoch seconds.
@@ -80,11 +80,12 @@ class AuthSetup:
         if settings.tls_cert is not None and settings.tls_key is not None:
             certificate = Certificate(settings.tls_cert, settings.tls_key, clock)
             reloader.add((settings.tls_cert, settings.tls_key), certificate.load, "the certificate")
-        tenures = TokenExpiries(clock, revoked.covers, audit, tasks)
+        expiries = TokenExpiries(clock, revoked.covers, audit, tasks)
         tasks.start(reloader.run())
-        tasks.start(tenures.watch())
+        tasks.start(expiries.watch())
         admission = Admission(origin_rules(settings), verifier, audit, turned_away)
-        return cls(admission, tenures, Renewal(verifier, clock, audit), SignIns(audit), certificate, reloader)
+        renewal = Renewal(None if verifier is None else verifier.verify, clock, audit)
+        return cls(admission, expiries, renewal, SignIns(audit), certificate, reloader)
 
 
 def _keys(settings: GatewaySettings, reloader: Reloader, tasks: TaskScope) -> KeySource:
@@ -102,7 +103,7 @@ def _keys(settings: GatewaySettings, reloader: Reloader, tasks: TaskScope) -> Ke
 
 
 class _Revoked:
-    """The list of who is not let in any more, as the file is now."""
+    """The list of revocations, as the file is now."""
 
     def __init__(self, path: Path | None, reloader: Reloader) -> None:
         self._list: Revocations = NOTHING_REVOKED

@@ -1,4 +1,4 @@
-"""`openrois gateway`: run a gateway until it is told to stop."""
+"""`openrois gateway`: run a gateway until it is stopped."""
 
 import asyncio
 import errno
@@ -19,6 +19,7 @@ from openrois.aio.supervisor import Supervisor
 from openrois.aio.tasks import TaskScope
 from openrois.gateway.configuration import configure, printed
 from openrois.gateway.connection_limits import MAX_ADAPTERS, MAX_APPLICATIONS
+from openrois.gateway.page import NO_PAGE, has_page
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.journal.file import JournalUnusable
@@ -33,7 +34,7 @@ _YOUNG: Final = 20_000
 """Objects by which there may be more than before until garbage is looked for among the new ones."""
 
 _OTHER_FILES: Final = 1024
-"""Open files of the gateway beside those of its connections: heads that are waited for, logs, what is served."""
+"""Open files of the gateway beside those of its connections: handshakes, logs, files that are served."""
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -72,7 +73,7 @@ def _cannot_start(error: OSError, settings: GatewaySettings) -> str:
             why = f"there is no folder {Path(error.filename).parent}"
         return f"{error.filename} cannot be written: {why}"
     if error.errno == errno.EADDRINUSE:
-        return f"{where} is taken; is a gateway running already? Another port: --port"
+        return f"{where} is taken; is a gateway running already? choose another port with --port"
     return f"cannot listen at {where}: {error.strerror or error}"
 
 
@@ -87,9 +88,11 @@ async def _run(settings: GatewaySettings) -> None:
     async with run_gateway(settings) as gateway, TaskScope() as tasks:
         loop.add_signal_handler(signal.SIGHUP, gateway.reload)
         print(f"listening {gateway.url}", flush=True)
+        if not has_page():
+            _log.warning("%s", NO_PAGE)
         _calm_the_collector()
         supervisor = Supervisor(os.environ)
-        supervisor.tell(f"READY=1\nSTATUS=listening {gateway.url}")
+        supervisor.notify_state(f"READY=1\nSTATUS=listening {gateway.url}")
         tasks.start(supervisor.watch())
         tasks.start(returning_memory())
         draining = tasks.start(_drain(in_good_order, gateway, supervisor))
@@ -98,7 +101,7 @@ async def _run(settings: GatewaySettings) -> None:
 
 async def _drain(told: asyncio.Event, gateway: Gateway, supervisor: Supervisor) -> None:
     await told.wait()
-    supervisor.tell("STOPPING=1")
+    supervisor.notify_state("STOPPING=1")
     await gateway.drain()
 
 
@@ -114,11 +117,15 @@ def _allow_files() -> None:
     if soft != resource.RLIM_INFINITY and soft < allowed:
         resource.setrlimit(resource.RLIMIT_NOFILE, (allowed, hard))
     if allowed < wanted:
-        _log.warning("the system allows %d open files, and %d connections may want one each", allowed, wanted)
+        _log.warning(
+            "the system allows %d open files, fewer than the %d that may be needed: raise it with `ulimit -n`",
+            allowed,
+            wanted,
+        )
 
 
 def _calm_the_collector() -> None:
-    """Have cycles of garbage looked for less often, and not among what stays for as long as the gateway does.
+    """Collect cyclic garbage less often, and not among the objects that stay for as long as the gateway does.
 
     Nearly everything here is freed by its last reference. By default a tenth of the time would go into looking, and the
     longest looks, of tens of milliseconds, go over all modules.

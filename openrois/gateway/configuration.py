@@ -11,8 +11,8 @@ from typing import Any, Final, get_args
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
+from openrois.auth.key_files import is_exposed
 from openrois.cli.command_line import CommandLine, suggestion
-from openrois.cli.secret_files import is_exposed
 from openrois.gateway.settings import GROUPS, GatewaySettings
 
 __all__ = ["Configured", "Setting", "configure", "printed", "settings_of"]
@@ -28,7 +28,7 @@ _LARGEST: Final = 1 << 20
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """One setting, and what it is called in each place.
+    """One setting, and its name in each place.
 
     Attributes:
         table: its table of the configuration file.
@@ -62,23 +62,23 @@ class Setting:
 
     @property
     def variable(self) -> str:
-        """Its variable of the environment; several values stand there with commas between them."""
+        """Its environment variable; several values are separated by commas there."""
         return PREFIX + self.key.upper()
 
     @property
     def option(self) -> str:
-        """Its option; what has several values is given several times."""
+        """Its option; a setting with several values is given several times."""
         name = self.key.removesuffix("s") if self.is_list else self.key
         return "--" + name.replace("_", "-")
 
     @property
     def metavar(self) -> str:
-        """What stands for its value in the help."""
+        """Its value's placeholder in the help."""
         return "FILE" if self.is_secret else str(self._extra["metavar"]) or self.key.upper()
 
     @property
     def meaning(self) -> str:
-        """One line for people."""
+        """Its line in the help."""
         return f"holds {self.info.description}" if self.is_secret else str(self.info.description)
 
     @property
@@ -95,7 +95,7 @@ class Configured:
         settings: all of them, secrets included.
         sources: of those that are set, where: an option, a variable, or a file.
         given: of those that are set, the value as it was given; of a secret the name of its file.
-        warnings: what their owner should know, for whoever sets up the log.
+        warnings: sentences for the operator, to be logged once the log is set up.
         print_only: they are to be shown, and nothing is to be run.
     """
 
@@ -142,7 +142,7 @@ def configure(arguments: Sequence[str], environment: Mapping[str, str]) -> Confi
 
 
 def printed(configured: Configured) -> str:
-    """Return the settings as a configuration file that says where each of them came from; secrets are not in it."""
+    """Return the settings as a configuration file with the source of each; secrets are left out."""
     lines: list[str] = []
     table = ""
     for setting in settings_of():
@@ -225,7 +225,7 @@ def _from_text(text: str, path: Path) -> Iterator[tuple[str, tuple[Any, str]]]:
 
 
 def _beside(path: Path, value: Any) -> Any:
-    """Return names of files as they are meant in the file that names them."""
+    """Return names of files relative to the file that names them."""
     if isinstance(value, list):
         return [_beside(path, each) for each in value]
     return str(path.parent / value) if isinstance(value, str) else value
@@ -241,7 +241,7 @@ def _hint(table: str, key: str, known: Mapping[str, Mapping[str, Setting]]) -> s
 
 
 def _text(path: Path) -> str:
-    """Return what is in a file.
+    """Return the content of a file.
 
     Raises:
         ValueError: it cannot be read, is no text, or is too long.

@@ -1,4 +1,4 @@
-"""How many connections there may be: applications and adapters have places of their own, and one address has few."""
+"""Limits of connections: applications and adapters have separate limits, and one address has few."""
 
 import asyncio
 from collections import Counter
@@ -17,7 +17,7 @@ MAX_ADAPTERS: Final = 1024
 """Adapters at a time; one more is answered 503. Applications, however many, take no place of theirs."""
 
 MAX_PER_ADDRESS: Final = 1024
-"""Applications at a time from one address, unless the gateway is told otherwise; one more is answered 429."""
+"""Applications at a time from one address, unless configured otherwise; one more is answered 429."""
 
 
 ENTERING: Final = 4
@@ -29,10 +29,10 @@ async def _at_once() -> None:
 
 
 class ConnectionLimits:
-    """The places of one gateway.
+    """The connections of one gateway, counted.
 
     Args:
-        turned_away: told the reason whenever there is no place.
+        turned_away: called with the reason whenever there is no place.
         per_address: applications at a time from one address.
         opening: waited for before an application is let in.
 
@@ -61,7 +61,7 @@ class ConnectionLimits:
 
     @contextmanager
     def of_application(self, address: str) -> Iterator[None]:
-        """Take a place for an application while the block runs.
+        """Count an application while the block runs.
 
         Raises:
             HTTPServiceUnavailable: there is none.
@@ -69,10 +69,10 @@ class ConnectionLimits:
         """
         if self._applications.total() >= MAX_APPLICATIONS:
             self._turned_away("full")
-            raise web.HTTPServiceUnavailable(text="the gateway has as many applications as it takes\n")
+            raise web.HTTPServiceUnavailable(text="the gateway's limit of applications is reached\n")
         if self._applications[address] >= self._per_address:
             self._turned_away("too many from one address")
-            raise web.HTTPTooManyRequests(text="your address has as many connections as it may have\n")
+            raise web.HTTPTooManyRequests(text="the limit of connections from your address is reached\n")
         self._applications[address] += 1
         try:
             yield
@@ -95,21 +95,21 @@ class ConnectionLimits:
             self.waiting -= 1
         try:
             yield
-            # Who was let in before has its turn, too.
+            # An application admitted before the wait keeps its turn.
             await asyncio.sleep(0)
         finally:
             self._entering.release()
 
     @contextmanager
     def of_adapter(self) -> Iterator[None]:
-        """Take a place for an adapter while the block runs.
+        """Count an adapter while the block runs.
 
         Raises:
             HTTPServiceUnavailable: there is none.
         """
         if self._adapters >= MAX_ADAPTERS:
             self._turned_away("full")
-            raise web.HTTPServiceUnavailable(text="the gateway has as many adapters as it takes\n")
+            raise web.HTTPServiceUnavailable(text="the gateway's limit of adapters is reached\n")
         self._adapters += 1
         try:
             yield

@@ -1,4 +1,4 @@
-"""The end of a gateway that is told to stop: nobody new, what runs comes to its end, all hear when to come back."""
+"""Drain: a gateway that stops admits no connection, lets commands end, and tells every client when to come back."""
 
 import asyncio
 import logging
@@ -19,7 +19,7 @@ SERVICE_RESTART: Final = 1012
 """The close code of a gateway that is about to be there again (RFC 6455, IANA registry)."""
 
 RETRY_AFTER: Final = 2
-"""Seconds that whoever is turned away meanwhile is asked to wait."""
+"""Seconds that a client refused meanwhile is asked to wait."""
 
 PER_SECOND: Final = 200
 """Applications that are asked to come back within one second; adapters come before them."""
@@ -36,7 +36,7 @@ _LAST_WORDS: Final = 1.0
 
 
 class Drain:
-    """Ends the work of a gateway in good order.
+    """Stops a gateway in good order.
 
     Args:
         host: the gateway's engine.
@@ -62,9 +62,9 @@ class Drain:
         self._chance = chance
 
     async def run(self) -> None:
-        """Let nobody in, wait for what runs, hand back what still does, and close every connection.
+        """Admit no connection, wait for what runs, hand back what still does, and close every connection.
 
-        Of what is handed back the component is told to stop, and the command ends with ABORT.
+        The components of what is handed back are stopped, and its commands end with ABORT.
         """
         host = self._host
         host.draining = True
@@ -72,16 +72,16 @@ class Drain:
         await self._until_idle(self._patience)
         if left := host.commands.taken:
             _log.warning("stopping: %d commands are handed back", left)
-            busy = host.accepted.components()
-            for command in (command for ref in busy for command in host.accepted.of(ref)):
+            busy = host.pending.components()
+            for command in (command for ref in busy for command in host.pending.of(ref)):
                 # Before the component says that it was stopped: why it was is worth more.
                 command.abort(RESTARTS)
-            await stop_components(host.engine, host.accepted, host.tasks, busy, RESTARTS)
+            await stop_components(host.engine, host.pending, host.tasks, busy, RESTARTS)
             await self._until_idle(_LAST_WORDS)
-        applications = host.traffic.sessions("application")
+        applications = host.connection_stats.sessions("application")
         spread = min(len(applications) / PER_SECOND, MOST)
         await self._close(applications, _APPLICATIONS, spread)
-        await self._close(host.traffic.sessions("adapter"), *_ADAPTERS)
+        await self._close(host.connection_stats.sessions("adapter"), *_ADAPTERS)
 
     async def _until_idle(self, patience: float) -> None:
         deadline = self._clock() + patience
@@ -89,7 +89,7 @@ class Drain:
             await self._sleep(_LOOK)
 
     async def _close(self, sessions: tuple[RpcSession, ...], least: float, spread: float) -> None:
-        """Close connections, each with a time of its own to come back at."""
+        """Close connections, each with its own time to come back."""
         closing = (
             session.close(SERVICE_RESTART, f"retry_after={least + spread * self._chance():.2f}") for session in sessions
         )

@@ -24,7 +24,7 @@ class Certificate:
 
     Attributes:
         context: what the server accepts connections with; those that are open keep what they have.
-        ends: epoch seconds; whoever connects later does not trust it.
+        ends: epoch seconds; clients that connect later do not trust it.
 
     Raises:
         ValueError: they cannot be used.
@@ -38,13 +38,13 @@ class Certificate:
         self.load()
 
     def load(self) -> None:
-        """Read both files: whoever connects from now on gets what is in them.
+        """Read both files, for all later connections.
 
         Raises:
-            ValueError: they cannot be used; what was read before holds on.
+            ValueError: they cannot be used; the previous certificate stays in use.
         """
         try:
-            # Tried on a context of its own: half of a pair must not stand in the one that is used.
+            # Read into a context of its own: half of a pair must not get into the one in use.
             tried = _context()
             tried.load_cert_chain(self._cert, self._key, password=_no_password)
             end = _end(self._cert)
@@ -59,7 +59,7 @@ class Certificate:
             raise ValueError(f"{self._cert} and {self._key} cannot be used: {error}") from None
         self.ends = end.timestamp()
         if self.ends <= self._clock():
-            _log.warning("the certificate %s ended on %s: clients do not trust it any more", self._cert, end.date())
+            _log.warning("the certificate %s expired on %s, and clients refuse it: replace it", self._cert, end.date())
 
 
 def _context() -> ssl.SSLContext:
@@ -92,13 +92,13 @@ def _shake_hands(context: ssl.SSLContext) -> None:
 
 
 def _end(cert: Path) -> dt.datetime:
-    """Return when a certificate ends; OpenSSL also takes some of which this cannot be told."""
+    """Return when a certificate ends; of some that OpenSSL accepts this cannot be known."""
     try:
         return x509.load_pem_x509_certificate(cert.read_bytes()).not_valid_after_utc
     except (ValueError, x509.InvalidVersion):
-        raise ValueError("the first has no X.509 certificate in PEM (BEGIN CERTIFICATE)") from None
+        raise ValueError("the first file has no X.509 certificate in PEM (BEGIN CERTIFICATE)") from None
 
 
 def _no_password() -> str:
-    """Answer for a key that is locked: nobody is there to be asked."""
-    raise ValueError("its key is locked with a password")
+    """Answer for a locked key: there is no terminal to ask at."""
+    raise ValueError("the key is encrypted with a password: store it without one")

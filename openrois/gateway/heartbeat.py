@@ -19,7 +19,7 @@ class _Watch(Model):
 
 
 class Heartbeat:
-    """The gateway's end of one adapter's lifeline.
+    """The gateway's end of one adapter's heartbeat.
 
     Args:
         session: the connection to the adapter.
@@ -36,11 +36,11 @@ class Heartbeat:
         self._beating: asyncio.Task[None] | None = None
 
     def notifications(self) -> dict[str, NotificationHandler]:
-        """Return what the adapter may say about it."""
+        """Return the handlers of the adapter's notifications."""
         return {WATCH: self._watch}
 
     def stop(self) -> None:
-        """Beat no more."""
+        """Stop beating."""
         if self._beating is not None:
             self._beating.cancel()
             self._beating = None

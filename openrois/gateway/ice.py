@@ -14,7 +14,7 @@ STUN_TTL: Final = 3600
 
 @dataclass(frozen=True, slots=True)
 class IceServers:
-    """What the gateway tells about servers.
+    """The STUN and TURN servers that the gateway names.
 
     Attributes:
         stun: URLs of STUN servers.

@@ -1,4 +1,4 @@
-"""The gateway's figures for Prometheus: integers that are kept where things happen, read when somebody scrapes."""
+"""The gateway's figures for Prometheus: integers that are kept where things happen, read when a scrape comes."""
 
 import asyncio
 import threading
@@ -44,12 +44,17 @@ CONNECTION: Final[tuple[Figure[Seen], ...]] = (
         "Requests that were refused because there were too many.",
         lambda s: s.crowded,
     ),
-    Figure("openrois_gateway_urgent_requests_total", "counter", "Requests that passed others.", lambda s: s.urgent),
+    Figure(
+        "openrois_gateway_urgent_requests_total",
+        "counter",
+        "Requests that were served before others.",
+        lambda s: s.urgent,
+    ),
     Figure("openrois_gateway_queued_requests", "gauge", "Requests that wait to be served.", lambda s: s.queued),
     Figure(
         "openrois_gateway_violations_total",
         "counter",
-        "Messages that were none, or did not fit.",
+        "Malformed messages.",
         lambda s: s.violations,
     ),
     Figure(
@@ -64,7 +69,12 @@ CONNECTION: Final[tuple[Figure[Seen], ...]] = (
         "Requests of the gateway's own that wait for an answer.",
         lambda s: s.unanswered,
     ),
-    Figure("openrois_gateway_outbox_messages", "gauge", "Messages that wait to be sent, on all.", lambda s: s.waiting),
+    Figure(
+        "openrois_gateway_outbox_messages",
+        "gauge",
+        "Messages that wait to be sent, on all connections.",
+        lambda s: s.waiting,
+    ),
     Figure(
         "openrois_gateway_outbox_most_messages",
         "gauge",
@@ -197,7 +207,7 @@ GATEWAY: Final[tuple[Figure[EngineHost], ...]] = (
     Figure(
         "openrois_gateway_untold_faults_total",
         "counter",
-        "Faults of the gateway itself that came too fast to be told.",
+        "Faults of the gateway itself that were not reported: too many at a time.",
         lambda h: h.engine.mint.untold,
     ),
     Figure("openrois_gateway_draining", "gauge", "1 while the gateway is about to stop.", lambda h: h.draining),
@@ -240,27 +250,27 @@ LAG: Final[tuple[Figure[LoopLag], ...]] = (
     ),
 )
 
-HEADS: Final[tuple[Figure[HeaderTimeouts], ...]] = (
+HEADER_TIMEOUTS: Final[tuple[Figure[HeaderTimeouts], ...]] = (
     Figure(
         "openrois_gateway_silent_connections",
         "gauge",
         "Connections whose next request has not come.",
-        lambda heads: heads.silent,
+        lambda header_timeouts: header_timeouts.silent,
     ),
     Figure(
         "openrois_gateway_open_connections",
         "gauge",
-        "TCP connections of the port that are open, whatever has been said on them.",
-        lambda heads: heads.open,
+        "Open TCP connections of the port, silent ones included.",
+        lambda header_timeouts: header_timeouts.open,
     ),
 )
 
-PLACES: Final[tuple[Figure[ConnectionLimits], ...]] = (
+CONNECTION_LIMITS: Final[tuple[Figure[ConnectionLimits], ...]] = (
     Figure(
         "openrois_gateway_entering_connections",
         "gauge",
         "Applications that wait to be let in.",
-        lambda places: places.waiting,
+        lambda connection_limits: connection_limits.waiting,
     ),
 )
 
@@ -329,7 +339,16 @@ ADAPTER: Final[tuple[Figure[int], ...]] = (
 LABELLED: Final[tuple[Figure[Any], ...]] = (*KEYS, *CERTIFICATE, *TURNED_AWAY, *CUT, *LEASES_ENDED, *CLOSED, *ADAPTER)
 """Each has as many samples as there are values of its label; at first none."""
 
-FIGURES: Final[tuple[Figure[Any], ...]] = (*CONNECTION, *GATEWAY, *LAG, *HEADS, *PLACES, *FILES, *LIMITS, *LABELLED)
+FIGURES: Final[tuple[Figure[Any], ...]] = (
+    *CONNECTION,
+    *GATEWAY,
+    *LAG,
+    *HEADER_TIMEOUTS,
+    *CONNECTION_LIMITS,
+    *FILES,
+    *LIMITS,
+    *LABELLED,
+)
 
 HISTOGRAMS: Final = {
     "openrois_gateway_request_seconds": "Time from a request of an application to its reply, by method.",
@@ -339,22 +358,22 @@ HISTOGRAMS: Final = {
 
 @dataclass(frozen=True, slots=True)
 class Sources:
-    """Where the figures are kept.
+    """Sources of the figures.
 
     Attributes:
         host: the gateway's engine and what its sessions share.
         lag: watches the event loop.
-        heads: connections that have not said what they want.
-        places: who is let in next.
-        keys: where keys for tokens come from; None where nobody needs a token.
+        header_timeouts: counts connections that wait for a request header.
+        connection_limits: counts connections.
+        keys: the source of keys for tokens; None where no token is needed.
         reloader: reads again what has changed.
         certificate: what TLS is done with; None for none.
     """
 
     host: EngineHost
     lag: LoopLag
-    heads: HeaderTimeouts
-    places: ConnectionLimits
+    header_timeouts: HeaderTimeouts
+    connection_limits: ConnectionLimits
     keys: KeySource | None
     reloader: Reloader
     certificate: Certificate | None
@@ -367,23 +386,25 @@ async def figures(sources: Sources, accept: str) -> tuple[bytes, str]:
 
 
 def _families(sources: Sources) -> Iterator[Metric]:
-    host, traffic = sources.host, sources.host.traffic
-    yield from families(CONNECTION, ("kind",), [((kind,), traffic.seen(kind)) for kind in KINDS])
+    host, connection_stats = sources.host, sources.host.connection_stats
+    yield from families(CONNECTION, ("kind",), [((kind,), connection_stats.seen(kind)) for kind in KINDS])
     yield from families(GATEWAY, (), [((), host)])
     yield from families(LAG, (), [((), sources.lag)])
-    yield from families(HEADS, (), [((), sources.heads)])
-    yield from families(PLACES, (), [((), sources.places)])
+    yield from families(HEADER_TIMEOUTS, (), [((), sources.header_timeouts)])
+    yield from families(CONNECTION_LIMITS, (), [((), sources.connection_limits)])
     yield from families(KEYS, (), [((), sources.keys)] if isinstance(sources.keys, KeySetCache) else [])
     yield from families(FILES, (), [((), sources.reloader)])
     yield from families(CERTIFICATE, (), [((), sources.certificate)] if sources.certificate is not None else [])
     limits = [((kind,), limit) for kind, limit in zip(KINDS, (MAX_APPLICATIONS, MAX_ADAPTERS), strict=True)]
     yield from families(LIMITS, ("kind",), limits)
-    yield from families(TURNED_AWAY, ("reason",), [((why,), count) for why, count in traffic.turned_away.items()])
-    yield from families(CUT, ("reason",), [((why,), count) for why, count in traffic.cut.items()])
+    yield from families(
+        TURNED_AWAY, ("reason",), [((why,), count) for why, count in connection_stats.turned_away.items()]
+    )
+    yield from families(CUT, ("reason",), [((why,), count) for why, count in connection_stats.cut.items()])
     yield from families(LEASES_ENDED, ("reason",), [((why,), count) for why, count in host.leases.ended.items()])
-    yield from families(CLOSED, ("code",), [((code,), count) for code, count in _codes(traffic.closed)])
+    yield from families(CLOSED, ("code",), [((code,), count) for code, count in _codes(connection_stats.closed)])
     yield from families(ADAPTER, ("engine",), [((engine_id,), 1) for engine_id in _engines(host)])
-    for name, latencies in zip(HISTOGRAMS, (traffic.latencies, traffic.call_latencies), strict=True):
+    for name, latencies in zip(HISTOGRAMS, (connection_stats.latencies, connection_stats.call_latencies), strict=True):
         yield _histogram(name, latencies)
 
 

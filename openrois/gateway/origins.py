@@ -1,4 +1,4 @@
-"""Which web pages may connect: by their origin, compared whole, and which names the gateway answers to. Pure."""
+"""Rules for web pages that connect, by their whole origin, and for the names that the gateway answers to. Pure."""
 
 import re
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ def parse_origin(text: str) -> Origin | None:
 
 @dataclass(frozen=True, slots=True)
 class OriginRules:
-    """Which pages and names are fine.
+    """The origins and host names that are allowed.
 
     Attributes:
         origins: the sites that may connect.
@@ -54,7 +54,7 @@ class OriginRules:
     scheme: str
 
     def answers_to(self, host: str) -> bool:
-        """Tell whether the gateway is called `host`, a request's `Host`: else a name was rebound to its address."""
+        """Tell whether the gateway is called `host`, a request's `Host`: any other name was rebound to its address."""
         own = parse_origin(f"{self.scheme}://{host.lower()}")
         return own is not None and (is_loopback(own.host) or own.host in self.hosts)
 

@@ -10,7 +10,7 @@ from typing import Final
 __all__ = ["DEFAULT", "main"]
 
 DEFAULT: Final = "https://127.0.0.1:8765/healthz"
-"""Where a gateway is asked that is set as `packaging/gateway.toml` has it."""
+"""Address of a gateway that is configured as `packaging/gateway.toml` has it."""
 
 _TIMEOUT: Final = 4.0
 
@@ -23,7 +23,7 @@ def main(arguments: Sequence[str]) -> int:
     """
     url = arguments[0] if arguments else DEFAULT
     context = ssl.create_default_context()
-    # The certificate is for the name by which others call the gateway, and nothing is told it here.
+    # The certificate is for the gateway's public name; the probe sends no secret.
     context.check_hostname = False
     context.verify_mode = ssl.CERT_NONE
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}), urllib.request.HTTPSHandler(context=context))

@@ -1,4 +1,4 @@
-"""What an application was refused, told to the audit trail; what failed is no refusal, and a flood is cut."""
+"""Refused requests of an application in the audit trail, at a bounded rate; failures are no refusals."""
 
 import re
 import time
@@ -13,7 +13,7 @@ from openrois.types.codes import ReturnCode
 __all__ = ["RefusalNotes"]
 
 REFUSALS_AT_ONCE: Final = 100
-"""Refusals of one application that the audit trail tells one by one."""
+"""Refusals of one application that the audit trail records one by one."""
 
 REFUSALS_PER_SECOND: Final = 10
 """Of them in the long run; of more the next record says how many there were."""
@@ -28,16 +28,16 @@ _NAMED: Final = re.compile(r"component_ref\s*+=\s*+'((?:[^']|'')*+)'")
 
 
 class RefusalNotes:
-    """Notes the refusals of one application: whoever is refused at will does not fill a disk.
+    """Records the refusals of one application at a bounded rate: it must not fill a disk.
 
     Args:
-        app: who calls.
+        app: the session of the application.
         clock: monotonic seconds.
     """
 
     def __init__(self, app: ApplicationSession, clock: Callable[[], float] = time.monotonic) -> None:
         self._app = app
-        self._flood = AuditRate(REFUSALS_AT_ONCE, REFUSALS_PER_SECOND, clock)
+        self._audit_rate = AuditRate(REFUSALS_AT_ONCE, REFUSALS_PER_SECOND, clock)
 
     def note(self, method: str, params: Mapping[str, Any], result: Any, reason: str) -> None:
         """Record that a call was refused, if its result is a refusal and no failure.
@@ -50,31 +50,31 @@ class RefusalNotes:
         """
         code = result.get("return_code") if isinstance(result, dict) else getattr(result, "return_code", None)
         if code not in _REFUSALS or (method == REFRESH and code is ReturnCode.BAD_PARAMETER):
-            # Of a token it is told why, see `note_token`.
+            # The reason of a refused token is recorded by `note_token`.
             return
-        if not self._flood.admits():
+        if not self._audit_rate.admits():
             return
         subject, refs = _subject(params), _refs(params)
-        # Looked up for what is absent, too, so that both take the same time; nobody but the trail is told.
+        # Looked up also for what is absent, so that both take the same time; the reason goes to the trail alone.
         hidden = [ref for ref in refs if self._app.engine.hides(ref)]
         self._record(method, subject, f"{code}: {reason}" + (f" (out of scope: {hidden[0][:200]})" if hidden else ""))
 
     def note_token(self, reason: str) -> None:
-        """Record that a new token was not taken, and why: the application is not told."""
-        if self._flood.admits():
+        """Record that a new token was refused, and why; the application does not learn why."""
+        if self._audit_rate.admits():
             self._record(REFRESH, "", reason)
 
     def _record(self, method: str, subject: str, told: str) -> None:
-        self._app.host.audit.refused(self._app.principal, method, subject, self._flood.told(told))
+        self._app.host.audit.refused(self._app.principal, method, subject, self._audit_rate.told(told))
 
 
 def _subject(params: Mapping[str, Any]) -> str:
-    """Return the most telling of the ids and conditions in the params; whoever sent them may have sent anything."""
+    """Return the most telling of the ids and conditions in the params, which may hold anything."""
     return next((str(each[name]) for each in (params, *_units(params)) for name in _SUBJECTS if each.get(name)), "")
 
 
 def _units(params: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the commands in the params, in whatever depth of a sequence they stand."""
+    """Return the commands in the params, at any depth of a sequence."""
     items = params.get("command_unit_list")
     found: list[Mapping[str, Any]] = []
     for item in items if isinstance(items, list) else ():

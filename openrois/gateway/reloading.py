@@ -1,4 +1,4 @@
-"""Files that are read again when they change, or when the gateway is told to."""
+"""Reads files again when they change, or on demand."""
 
 import asyncio
 import logging
@@ -11,13 +11,13 @@ __all__ = ["Reloader"]
 _log = logging.getLogger(__name__)
 
 LOOK_INTERVAL: Final = 1.0
-"""Seconds between two looks."""
+"""Seconds between two checks."""
 
 _State = tuple[tuple[int, int, int], ...]
 
 
 class Reloader:
-    """Looks at files. What cannot be used is logged, and what was read before holds on."""
+    """Watches files. Content that cannot be used is logged, and the previous one stays in use."""
 
     def __init__(self, sleep: Callable[[float], Awaitable[None]] = asyncio.sleep) -> None:
         self._sleep = sleep
@@ -38,13 +38,13 @@ class Reloader:
         self._states.append(_state(watched))
 
     async def run(self) -> None:
-        """Look again and again."""
+        """Check for ever."""
         while True:
             await self._sleep(LOOK_INTERVAL)
-            self.look()
+            self.reload_changed()
 
-    def look(self, *, at_all: bool = False) -> None:
-        """Read again what has changed, or all of it."""
+    def reload_changed(self, *, at_all: bool = False) -> None:
+        """Read again what has changed, or everything."""
         for place, (paths, reload, what) in enumerate(self._watched):
             state = _state(paths)
             if not at_all and state == self._states[place]:
@@ -54,9 +54,9 @@ class Reloader:
                 reload()
                 _log.info("%s: read again", what)
             except Exception as error:
-                # Whatever it is, such as a file that goes while it is read: nobody would look at the others any more.
+                # Any error, such as a file that goes while it is read: the other files have to be watched on.
                 self.failures += 1
-                _log.error("%s: what was read before holds on: %s", what, error)
+                _log.error("%s: the previous content stays in use: %s", what, error)
 
 
 def _state(paths: Iterable[Path]) -> _State:

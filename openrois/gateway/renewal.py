@@ -1,11 +1,10 @@
-"""A new token on a connection that goes on: `openrois.auth.refresh`, and the notice that the present one soon ends."""
+"""A new token on an open connection: `openrois.auth.refresh`, and the notice that the present one soon ends."""
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from typing import Any, Final
 
 from openrois.auth.principal import Principal
 from openrois.auth.refusal import Refusal, TokenRefused
-from openrois.auth.tokens import TokenVerifier
 from openrois.errors import BadParameter, Unsupported
 from openrois.gateway.token_expiry import TokenExpiry
 from openrois.interfaces.operation import operation
@@ -19,47 +18,49 @@ REFRESH: Final = "openrois.auth.refresh"
 
 
 class Renewal:
-    """Takes new tokens.
+    """Accepts new tokens.
 
     Args:
-        verifier: tells whom a token is for; None where no token is needed.
+        verify: returns the principal of a token or raises `TokenRefused`; None where no token is needed.
         clock: epoch seconds.
-        audit: hears of every new token.
+        audit: records every new token.
     """
 
-    def __init__(self, verifier: TokenVerifier | None, clock: Callable[[], float], audit: Audit) -> None:
-        self._verifier = verifier
+    def __init__(
+        self, verify: Callable[[str], Awaitable[Principal]] | None, clock: Callable[[], float], audit: Audit
+    ) -> None:
+        self._verify = verify
         self._clock = clock
         self._audit = audit
 
     def method(
-        self, tenure: TokenExpiry, fits: Callable[[Principal], bool], refused: Callable[[str], None]
+        self, expiry: TokenExpiry, fits: Callable[[Principal], bool], refused: Callable[[str], None]
     ) -> dict[str, Handler]:
         """Return the method for one connection.
 
         Args:
-            tenure: how long the connection may last.
+            expiry: how long the connection may last.
             fits: whether the connection may be the principal's.
-            refused: hears what was wrong with a token that is not taken, for the audit trail.
+            refused: gets the reason of a refusal, for the audit trail.
         """
 
         async def refresh(params: AuthRefreshParams) -> AuthRefreshResult:
-            if self._verifier is None:
+            if self._verify is None:
                 raise Unsupported("this gateway asks for no tokens")
             try:
-                principal = await self._verifier.verify(params.token)
-                if principal.subject != tenure.principal.subject:
+                principal = await self._verify(params.token)
+                if principal.subject != expiry.principal.subject:
                     raise TokenRefused(Refusal.SUBJECT)
-                if not fits(principal) or tenure.is_over:
+                if not fits(principal) or expiry.is_over:
                     raise TokenRefused(Refusal.ROLE)
             except TokenRefused as error:
                 refused(error.reason.value)
-                # The same sentence for all of them: nobody learns what was wrong with a token.
+                # The same sentence for all of them: a client learns nothing about a token by trying.
                 raise BadParameter("a valid token of the same subject is needed") from None
             self._audit.acted(
-                principal, REFRESH, "", f"in place of {tenure.principal.token_id or 'a token without id'}"
+                principal, REFRESH, "", f"in place of {expiry.principal.token_id or 'a token without id'}"
             )
-            tenure.replace(principal)
+            expiry.replace(principal)
             ends = principal.expires
             return AuthRefreshResult(seconds=0 if ends is None else max(0, int(ends - self._clock())))
 
@@ -67,7 +68,7 @@ class Renewal:
 
 
 def expiring(notify: Callable[..., None], understands: Callable[[], bool]) -> Callable[[float], bool]:
-    """Return what tells the other side that its token ends soon, where it would understand that."""
+    """Return a function that notifies the other side that its token ends soon, where it knows that notification."""
 
     def tell(seconds: float) -> bool:
         if not understands():

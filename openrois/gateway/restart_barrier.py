@@ -1,4 +1,4 @@
-"""After a restart applications are let in when the adapters that were there before are back, or after a moment."""
+"""After a restart applications wait until the former adapters are back, or for a moment."""
 
 import asyncio
 import logging
@@ -13,11 +13,11 @@ __all__ = ["RestartBarrier"]
 _log = logging.getLogger(__name__)
 
 RETURN_TIME: Final = 3.0
-"""Seconds that they have: an adapter looks for its gateway at least every second."""
+"""Seconds that adapters have: each tries to connect at least every second."""
 
 
 class RestartBarrier:
-    """The engines that the journal knows of, and those that are there now.
+    """The engines that the journal knows, and those that are attached now.
 
     Args:
         host: the gateway's engine, which has none yet.
@@ -33,27 +33,27 @@ class RestartBarrier:
 
     @property
     def is_over(self) -> bool:
-        """Whether nobody is waited for any more."""
+        """Whether all are back, or the time is over."""
         return self._over.is_set()
 
     async def wait(self) -> None:
-        """Wait until nobody is waited for any more."""
+        """Wait until all are back, or the time is over."""
         await self._over.wait()
 
     @contextmanager
     def watching(self) -> Iterator[None]:
-        """Wait for them, and keep the journal's list, while the block runs: who leaves after it is remembered."""
+        """Watch the engines, and keep the journal's list of them, while the block runs."""
         self._end_if_complete()
         if not self.is_over:
             _log.info("applications wait for engines that were there before: %s", ", ".join(sorted(self._missing)))
             self._host.tasks.start(self._give_up())
-        stop_listening = self._host.engine.on_change(self._look)
+        stop_listening = self._host.engine.on_change(self._tree_changed)
         try:
             yield
         finally:
             stop_listening()
 
-    def _look(self) -> None:
+    def _tree_changed(self) -> None:
         if self._host.draining:
             return
         there = frozenset(self._host.engine.directory.profile.engine_ids()) - {self._host.engine.engine_id}

@@ -1,4 +1,4 @@
-"""The gateway's one port: the web demo, applications, adapters, what it speaks, and whether it is alive."""
+"""The gateway's one port: the web demo, applications, adapters, schemas, health."""
 
 import asyncio
 import logging
@@ -62,18 +62,18 @@ _SHUTDOWN_TIMEOUT: Final = 1.0
 
 
 async def _nothing() -> None:
-    """Stand in for what a gateway need not do."""
+    """Stand in where there is nothing to do."""
 
 
 @dataclass(frozen=True, slots=True)
 class Gateway:
-    """A gateway that runs.
+    """A running gateway.
 
     Attributes:
         url: where a browser finds it.
         engine: the main HRI engine.
         metrics: where Prometheus finds figures; empty for nowhere.
-        drain: lets nobody in any more, waits for what runs, and closes every connection.
+        drain: admits no connection any more, waits for what runs, and closes every connection.
         reload: reads keys, certificates and revocations again.
     """
 
@@ -121,69 +121,81 @@ async def run_gateway(
             unread=UnreadBudget(settings.unread),
             quotas=SubjectQuotas(settings.subject_connections, settings.subject_sessions, settings.subject_streams),
         )
-        entrance = AuthSetup.open(settings, audit, tasks, host.traffic.turn_away)
+        auth_setup = AuthSetup.open(settings, audit, tasks, host.connection_stats.turn_away)
         readiness = Readiness()
         readiness.require("time: it is draining", lambda: not host.draining)
         readiness.require("audit trail", lambda: audit.is_kept)
         readiness.require("journal", lambda: not journal.failing)
-        if (verifier := entrance.admission.verifier) is not None:
+        if (verifier := auth_setup.admission.verifier) is not None:
             readiness.require("keys for tokens", verifier.keys.is_usable)
-        heads = HeaderTimeouts(host.traffic.turn_away, settings.silent, settings.silent_per_address)
-        returning = RestartBarrier(host)
-        readiness.require("adapters: those of before the restart", lambda: returning.is_over)
-        places = ConnectionLimits(host.traffic.turn_away, settings.per_address, returning.wait)
-        readiness.require("room for connections", lambda: not places.is_full)
-        server = _Server(settings, host, entrance, places, heads, readiness, application, adapter)
+        header_timeouts = HeaderTimeouts(host.connection_stats.turn_away, settings.silent, settings.silent_per_address)
+        restart_barrier = RestartBarrier(host)
+        readiness.require("adapters: those of before the restart", lambda: restart_barrier.is_over)
+        connection_limits = ConnectionLimits(
+            host.connection_stats.turn_away, settings.per_address, restart_barrier.wait
+        )
+        readiness.require("room for connections", lambda: not connection_limits.is_full)
+        server = _Server(
+            settings, host, auth_setup, connection_limits, header_timeouts, readiness, application, adapter
+        )
         runner = web.AppRunner(server.app, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()
         stack.push_async_callback(runner.cleanup)
-        stack.enter_context(returning.watching())
-        context = None if entrance.certificate is None else entrance.certificate.context
+        stack.enter_context(restart_barrier.watching())
+        context = None if auth_setup.certificate is None else auth_setup.certificate.context
         assert runner.server is not None
         loop = asyncio.get_running_loop()
-        connections = partial(HttpConnection, runner.server, heads, loop=loop, **OPTIONS)
-        port = await stack.enter_async_context(serving_tcp(settings.host, settings.port, heads, connections, context))
+        connections = partial(HttpConnection, runner.server, header_timeouts, loop=loop, **OPTIONS)
+        port = await stack.enter_async_context(
+            serving_tcp(settings.host, settings.port, header_timeouts, connections, context)
+        )
         shown = f"[{settings.host}]" if ":" in settings.host else settings.host
         metrics = ""
         if settings.metrics is not None:
             keys = None if verifier is None else verifier.keys
-            sources = Sources(host, lag, heads, places, keys, entrance.reloader, entrance.certificate)
+            sources = Sources(
+                host, lag, header_timeouts, connection_limits, keys, auth_setup.reloader, auth_setup.certificate
+            )
             look = partial(figures, sources)
             serving = serving_metrics(
-                *metrics_address(settings.metrics), look, settings.metrics_token, host.traffic.turn_away
+                *metrics_address(settings.metrics), look, settings.metrics_token, host.connection_stats.turn_away
             )
             metrics = await stack.enter_async_context(serving)
             _log.info("metrics: %s", metrics)
         scheme = "http" if context is None else "https"
         url = f"{scheme}://{shown}:{port}/"
         yield Gateway(
-            url, host.engine, metrics, lambda: entrance.reloader.look(at_all=True), Drain(host, settings.drain).run
+            url,
+            host.engine,
+            metrics,
+            lambda: auth_setup.reloader.reload_changed(at_all=True),
+            Drain(host, settings.drain).run,
         )
 
 
 class _Server:
-    """The HTTP side: which path is what, who is let in, and the sockets that are open."""
+    """The HTTP side: paths, admission, and the sockets that are open."""
 
     def __init__(
         self,
         settings: GatewaySettings,
         host: EngineHost,
-        entrance: AuthSetup,
-        places: ConnectionLimits,
-        heads: HeaderTimeouts,
+        auth_setup: AuthSetup,
+        connection_limits: ConnectionLimits,
+        header_timeouts: HeaderTimeouts,
         readiness: Readiness,
         application: SocketProfile,
         adapter: SocketProfile,
     ) -> None:
         self._host = host
-        self._entrance = entrance
-        self._places = places
+        self._auth_setup = auth_setup
+        self._connection_limits = connection_limits
         self._adapter_timeout = settings.adapter_timeout
         self._stall_timeout = settings.stall_timeout
         self._application_profile = application
         self._adapter_profile = adapter
         self._sockets: set[ServerSocket] = set()
-        self.app = web.Application(middlewares=[heads.middleware(), guard(entrance.admission)])
+        self.app = web.Application(middlewares=[header_timeouts.middleware(), guard(auth_setup.admission)])
         self.app.router.add_get("/healthz", healthz)
         self.app.router.add_get("/readyz", partial(readyz, readiness, settings.metrics_token))
         self.app.router.add_get("/admitted", self._admitted)
@@ -193,15 +205,15 @@ class _Server:
 
     async def _page_or_application(self, request: web.Request) -> web.StreamResponse:
         if _wants_websocket(request):
-            tenure = TokenExpiry(await self._entrance.admission.application(request), address=request.remote or "")
+            expiry = TokenExpiry(await self._auth_setup.admission.application(request), address=request.remote or "")
             return await self._serve(
                 request,
                 self._application_profile,
-                tenure,
-                self._place_of_application(tenure),
-                self._places.entering(),
+                expiry,
+                self._place_of_application(expiry),
+                self._connection_limits.entering(),
                 lambda stream: serve_application(
-                    self._host, stream, tenure, self._entrance.renewal, self._entrance.sign_ins
+                    self._host, stream, expiry, self._auth_setup.renewal, self._auth_setup.sign_ins
                 ),
             )
         path = request.match_info["path"]
@@ -210,40 +222,40 @@ class _Server:
         return page_response(path)
 
     @contextmanager
-    def _place_of_application(self, tenure: TokenExpiry) -> Iterator[None]:
+    def _place_of_application(self, expiry: TokenExpiry) -> Iterator[None]:
         with ExitStack() as stack:
-            stack.enter_context(self._places.of_application(tenure.address))
-            if tenure.principal is not LOCAL:
+            stack.enter_context(self._connection_limits.of_application(expiry.address))
+            if expiry.principal is not LOCAL:
                 # Without tokens each connection is a subject of its own, and has one of each.
                 try:
-                    stack.enter_context(self._host.quotas.connected(quota_name(tenure.principal, "")))
+                    stack.enter_context(self._host.quotas.connected(quota_name(expiry.principal, "")))
                 except OutOfResources as error:
-                    self._host.traffic.turn_away("too many of one subject")
+                    self._host.connection_stats.turn_away("too many of one subject")
                     raise web.HTTPTooManyRequests(text=f"{error}\n") from None
             yield
 
     async def _admitted(self, request: web.Request) -> web.Response:
         """Answer as a WebSocket would be: a browser does not tell its page why one was refused."""
-        await self._entrance.admission.application(request)
-        return web.json_response({"status": "ok", "tokens": self._entrance.admission.verifier is not None})
+        await self._auth_setup.admission.application(request)
+        return web.json_response({"status": "ok", "tokens": self._auth_setup.admission.verifier is not None})
 
     async def _adapter(self, request: web.Request) -> web.StreamResponse:
         if not _wants_websocket(request):
             raise web.HTTPUpgradeRequired(text="adapters connect here by WebSocket\n")
-        tenure = TokenExpiry(await self._entrance.admission.adapter(request), address=request.remote or "")
+        expiry = TokenExpiry(await self._auth_setup.admission.adapter(request), address=request.remote or "")
         return await self._serve(
             request,
             self._adapter_profile,
-            tenure,
-            self._places.of_adapter(),
+            expiry,
+            self._connection_limits.of_adapter(),
             nullcontext(),
             lambda stream: serve_adapter(
                 self._host,
                 stream,
                 self._adapter_timeout,
-                tenure=tenure,
-                renewal=self._entrance.renewal,
-                sign_ins=self._entrance.sign_ins,
+                expiry=expiry,
+                renewal=self._auth_setup.renewal,
+                sign_ins=self._auth_setup.sign_ins,
             ),
         )
 
@@ -251,26 +263,26 @@ class _Server:
         self,
         request: web.Request,
         profile: SocketProfile,
-        tenure: TokenExpiry,
+        expiry: TokenExpiry,
         place: AbstractContextManager[None],
         entering: AbstractAsyncContextManager[None],
         serve: Callable[[MessageStream], Awaitable[object]],
     ) -> web.StreamResponse:
         with place:
             socket = ServerSocket(
-                request, profile, stalling=Stalling(self._stall_timeout), on_cut=self._host.traffic.cut_off
+                request, profile, stalling=Stalling(self._stall_timeout), on_cut=self._host.connection_stats.cut_off
             )
             try:
                 async with entering:
                     self._require_open()
                     await socket.prepare()
             except StreamClosed:
-                # aiohttp needs an answer, and drops it: there is nobody any more.
+                # aiohttp needs an answer, and drops it: the connection is gone.
                 return web.Response()
             self._sockets.add(socket)
             pinging = asyncio.ensure_future(socket.keep_alive())
             try:
-                with self._entrance.tenures.holding(tenure, socket):
+                with self._auth_setup.expiries.holding(expiry, socket):
                     closed = await serve(socket)
                 _log.debug("%s: %s", request.path, closed)
             finally:
@@ -281,7 +293,7 @@ class _Server:
 
     def _require_open(self) -> None:
         if self._host.draining:
-            self._host.traffic.turn_away("draining")
+            self._host.connection_stats.turn_away("draining")
             raise web.HTTPServiceUnavailable(text=f"{RESTARTS}\n", headers={"Retry-After": str(RETRY_AFTER)})
 
     async def _close_all(self, _app: web.Application) -> None:

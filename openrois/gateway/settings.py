@@ -1,4 +1,4 @@
-"""What can be set on a gateway: one model for each group of settings, and each setting in one of them only."""
+"""The settings of a gateway: one model for each group, and each setting in one of them only."""
 
 from pathlib import Path
 from typing import ClassVar, Final, Literal, Self
@@ -9,7 +9,7 @@ from openrois.auth.loopback import is_loopback
 from openrois.auth.subject_quotas import CONNECTIONS_OF_SUBJECT, SESSIONS_OF_SUBJECT, STREAMS_OF_SUBJECT
 from openrois.gateway.access_settings import Authentication, Encryption
 from openrois.gateway.connection_limits import MAX_PER_ADDRESS
-from openrois.gateway.settings_group import SettingsGroup, setting
+from openrois.gateway.settings_group import SettingsGroup, require_between, setting
 from openrois.gateway.stalling import STALL_TIMEOUT
 from openrois.http_limits.header_timeout import MAX_SILENT, MAX_SILENT_PER_ADDRESS
 from openrois.jsonrpc.session import CALL_TIMEOUT
@@ -21,14 +21,14 @@ from openrois.types.references import flaw_of_name
 __all__ = ["GROUPS", "SECRET_LENGTH", "GatewaySettings"]
 
 SECRET_LENGTH = 16
-"""Characters that a secret has at least; whoever guesses it has what it keeps."""
+"""Characters that a secret has at least, so that it cannot be guessed."""
 
 _URL_LIMIT = 512
 _LEAST_UNREAD = 1 << 20
 
 
 class Listening(SettingsGroup):
-    """Where the gateway is found, and its name."""
+    """The gateway's address and name."""
 
     table: ClassVar[str] = "listen"
 
@@ -42,19 +42,19 @@ class Listening(SettingsGroup):
 
     @model_validator(mode="after")
     def _check_listening(self) -> Self:
-        if not 0 <= self.port <= 65535:
-            raise ValueError(f"{self.port} is no TCP port")
+        require_between("--port", self.port, 0, 65535)
         if self.per_address < 1:
-            raise ValueError("one address has at least one connection")
-        if not 1 <= self.silent_per_address <= self.silent:
-            raise ValueError("silent_per_address must be between 1 and silent")
+            raise ValueError(f"--per-address must be at least 1, not {self.per_address}")
+        if self.silent < 1:
+            raise ValueError(f"--silent must be at least 1, not {self.silent}")
+        require_between("--silent-per-address", self.silent_per_address, 1, self.silent)
         if flaw := flaw_of_name(self.engine_id):
-            raise ValueError(f"{self.engine_id!r} is no engine id: {flaw}")
+            raise ValueError(f"--engine-id {self.engine_id!r} is not valid: {flaw}")
         return self
 
 
 class Streams(SettingsGroup):
-    """What both ends of every stream use to find each other."""
+    """Networking of streams, for both of their ends."""
 
     table: ClassVar[str] = "streams"
 
@@ -67,21 +67,22 @@ class Streams(SettingsGroup):
     def _check_streams(self) -> Self:
         for url in self.ice_servers:
             if not url.startswith("stun:") or not _is_url(url):
-                raise ValueError(f"{url[:80]!r} is no address of a STUN server, such as stun:stun.example.org:3478")
+                raise ValueError(f"{url[:80]!r} is no STUN address: write it as stun:stun.example.org:3478")
         for url in self.turn:
             if not url.startswith(("turn:", "turns:")) or not _is_url(url):
-                raise ValueError(f"{url[:80]!r} is no address of a TURN server, such as turn:turn.example.org:3478")
+                raise ValueError(f"{url[:80]!r} is no TURN address: write it as turn:turn.example.org:3478")
         if bool(self.turn) != bool(self.turn_secret):
-            raise ValueError("a TURN server and the secret that it shares with the gateway are given together")
+            raise ValueError("--turn and --turn-secret-file must be given together")
         if self.turn and len(self.turn_secret) < SECRET_LENGTH:
-            raise ValueError(f"the secret of the TURN server has at least {SECRET_LENGTH} characters")
-        if not 60 <= self.turn_ttl <= 86400:
-            raise ValueError("credentials for the TURN server hold for 60 to 86400 seconds")
+            raise ValueError(
+                f"the TURN secret must have at least {SECRET_LENGTH} characters, not {len(self.turn_secret)}"
+            )
+        require_between("--turn-ttl", self.turn_ttl, 60, 86400, "seconds")
         return self
 
 
 class Adapters(SettingsGroup):
-    """How adapters are treated."""
+    """The treatment of adapters."""
 
     table: ClassVar[str] = "adapters"
 
@@ -90,12 +91,14 @@ class Adapters(SettingsGroup):
     @model_validator(mode="after")
     def _check_adapters(self) -> Self:
         if not 0 < self.adapter_timeout < 3600:
-            raise ValueError("an adapter has more than 0 and less than 3600 seconds for an answer")
+            raise ValueError(
+                f"--adapter-timeout must be more than 0 and less than 3600 seconds, not {self.adapter_timeout:g}"
+            )
         return self
 
 
 class Leases(SettingsGroup):
-    """How long somebody keeps control of a component."""
+    """Duration of an application's control of a component."""
 
     table: ClassVar[str] = "leases"
 
@@ -108,15 +111,13 @@ class Leases(SettingsGroup):
 
     @model_validator(mode="after")
     def _check_leases(self) -> Self:
-        if not 0 <= self.lease_grace <= 30:
-            raise ValueError("a lease survives a lost connection for 0 to 30 seconds")
-        if not 1 <= self.lease_answer <= 3600:
-            raise ValueError("a holder has 1 to 3600 seconds to answer")
+        require_between("--lease-grace", self.lease_grace, 0, 30, "seconds")
+        require_between("--lease-answer", self.lease_answer, 1, 3600, "seconds")
         return self
 
 
 class Quotas(SettingsGroup):
-    """What connections may take of the gateway, each and together."""
+    """Limits of connections, each and together."""
 
     table: ClassVar[str] = "quotas"
 
@@ -136,19 +137,25 @@ class Quotas(SettingsGroup):
 
     @model_validator(mode="after")
     def _check_quotas(self) -> Self:
-        if min(self.subject_connections, self.subject_streams) < 1:
-            raise ValueError("subject_connections and subject_streams must be at least 1")
+        for option, count in (
+            ("--subject-connections", self.subject_connections),
+            ("--subject-streams", self.subject_streams),
+        ):
+            if count < 1:
+                raise ValueError(f"{option} must be at least 1, not {count}")
         if self.subject_sessions < self.subject_connections:
-            raise ValueError("subject_sessions must be at least subject_connections, each of which has one")
+            raise ValueError(
+                f"--subject-sessions must be at least --subject-connections ({self.subject_connections}), "
+                f"not {self.subject_sessions}: each connection has a session"
+            )
         if self.unread < _LEAST_UNREAD:
-            raise ValueError(f"unread must be at least {_LEAST_UNREAD}, which one reply may take")
-        if not 1 <= self.stall_timeout <= 3600:
-            raise ValueError("stall_timeout must be between 1 and 3600 seconds")
+            raise ValueError(f"--unread must be at least {_LEAST_UNREAD}, which one reply may take, not {self.unread}")
+        require_between("--stall-timeout", self.stall_timeout, 1, 3600, "seconds")
         return self
 
 
 class Operation(SettingsGroup):
-    """What the gateway tells those who operate it."""
+    """Reports of the gateway to its operators, and its end."""
 
     table: ClassVar[str] = "operation"
 
@@ -165,12 +172,13 @@ class Operation(SettingsGroup):
 
     @model_validator(mode="after")
     def _check_operation(self) -> Self:
-        if not 0 <= self.drain <= 3600:
-            raise ValueError("drain is 0 to 3600 seconds for what runs")
+        require_between("--drain", self.drain, 0, 3600, "seconds")
         if self.metrics is not None and not is_loopback(metrics_address(self.metrics)[0]) and not self.metrics_token:
-            raise ValueError(f"figures at {self.metrics!r}, beyond this machine, need a token: --metrics-token-file")
+            raise ValueError(f"--metrics {self.metrics} is beyond this machine: give a token with --metrics-token-file")
         if self.metrics_token and len(self.metrics_token) < SECRET_LENGTH:
-            raise ValueError(f"the token of the figures has at least {SECRET_LENGTH} characters")
+            raise ValueError(
+                f"the token of the figures must have at least {SECRET_LENGTH} characters, not {len(self.metrics_token)}"
+            )
         return self
 
 
@@ -185,20 +193,20 @@ class GatewaySettings(Listening, Authentication, Encryption, Streams, Adapters, 
     def _check_exposure(self) -> Self:
         if self.tls_elsewhere and not self.is_authenticated:
             raise ValueError(
-                "--tls-elsewhere: what is in front lets others in, and without authentication (--auth-key or "
-                "--auth-jwks) they could operate every robot behind it"
+                "--tls-elsewhere needs authentication (--auth-key or --auth-jwks): every client that what is in front "
+                "admits could operate every robot behind it"
             )
         if is_loopback(self.host):
             return self
         if not self.is_authenticated:
             raise ValueError(
-                f"{self.host!r} is no loopback address: without authentication (--auth-key or --auth-jwks) "
-                "anyone who reaches it could operate every robot behind it"
+                f"--host {self.host} is no loopback address and needs authentication (--auth-key or --auth-jwks): "
+                "every client that reaches it could operate every robot behind it"
             )
         if self.tls_cert is None and not self.tls_elsewhere:
             raise ValueError(
-                f"{self.host!r} is no loopback address: without TLS (--tls-cert and --tls-key) whoever is on the way "
-                "could read the tokens; --tls-elsewhere where something in front of the gateway does TLS"
+                f"--host {self.host} is no loopback address and needs TLS (--tls-cert and --tls-key): tokens could be "
+                "read on their way; give --tls-elsewhere where something in front of the gateway does TLS"
             )
         return self
 

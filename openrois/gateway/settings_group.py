@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-__all__ = ["SettingsGroup", "setting"]
+__all__ = ["SettingsGroup", "require_between", "setting"]
 
 
 def setting(default: Any, meaning: str, *, metavar: str = "", secret: bool = False) -> Any:
@@ -33,7 +33,17 @@ class SettingsGroup(BaseModel):
     table: ClassVar[str] = ""
 
     def secrets(self) -> tuple[str, ...]:
-        """Return the secrets themselves, so that whoever writes something can keep them out of it."""
+        """Return the secrets themselves, so that a log can leave them out."""
         fields = type(self).model_fields.items()
         extra = {name: info.json_schema_extra for name, info in fields if isinstance(info.json_schema_extra, dict)}
         return tuple(str(getattr(self, name)) for name, known in extra.items() if known.get("secret"))
+
+
+def require_between(option: str, value: float, least: float, most: float, unit: str = "") -> None:
+    """Do nothing where a value is between two bounds, these included.
+
+    Raises:
+        ValueError: it is not; the message names the option, the bounds and the value.
+    """
+    if not least <= value <= most:
+        raise ValueError(f"{option} must be between {least:g} and {most:g}{unit and f' {unit}'}, not {value:g}")

@@ -1,4 +1,4 @@
-"""Sign-ins and sign-outs for the audit trail: who came over which connection, from where, and how it left."""
+"""Sign-ins and sign-outs in the audit trail: the principal, its connection and address, and how it ended."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -13,7 +13,7 @@ from openrois.observability.audit import Audit
 __all__ = ["SignIns", "Visit"]
 
 RECORDED_AT_ONCE: Final = 2000
-"""Sign-ins that the audit trail tells one by one, and as many sign-outs: all clients come back after a restart."""
+"""Sign-ins that the audit trail records one by one, and as many sign-outs: all clients come back after a restart."""
 
 RECORDED_PER_SECOND: Final = 20
 """Of each in the long run; of more the next record says how many there were."""
@@ -45,10 +45,10 @@ class SignIns:
 
     @contextmanager
     def visit(self, principal: Principal, path: str, address: str) -> Iterator[Visit]:
-        """Record that a principal is there while the block runs.
+        """Record that a principal is connected while the block runs.
 
         Args:
-            principal: who has signed in; a later token of the same subject has a record of its own.
+            principal: the principal; a later token of the same subject has a record of its own.
             path: what for: `/` for an application, `/adapter` for an adapter.
             address: where the connection comes from; empty where it comes over no network.
         """

@@ -61,7 +61,7 @@ class ServerSocket:
         profile: the bounds of its kind.
         stalling: what it takes in.
         clock: monotonic seconds.
-        on_cut: told the reason when the other side is cut because it stays silent, or takes nothing in.
+        on_cut: called with the reason when the other side is cut because it stays silent, or takes nothing in.
     """
 
     def __init__(
@@ -100,7 +100,7 @@ class ServerSocket:
         """Answer the upgrade.
 
         Raises:
-            StreamClosed: whoever asked for it has gone.
+            StreamClosed: the client has gone.
         """
         self._connection.rules = self._rules
         try:
@@ -131,7 +131,7 @@ class ServerSocket:
         self.abort()
 
     async def _ping(self) -> None:
-        """Ping without waiting: in aiohttp all who wait to write share a future, and a timeout of one cancels all.
+        """Ping without waiting: in aiohttp all waiting writers share a future, and a timeout of one cancels all.
 
         What a ping says comes back in its pong (RFC 6455, 5.5.3), and is known only to a side that has read it.
         """
@@ -151,12 +151,12 @@ class ServerSocket:
             while True:
                 message = await self.response.receive()
                 if message.type is not WSMsgType.PONG or message.data == self._pinged:
-                    self._silence.heard.set()
+                    self._silence.received.set()
                 if message.type is WSMsgType.TEXT:
                     text: str = message.data
                     return text
                 if message.type is WSMsgType.PING:
-                    # One that asks and takes no answers in is as silent as one that does not answer.
+                    # A client that sends requests and reads no answers is as silent as one that does not answer.
                     await self._pong(message.data)
                 elif message.type is WSMsgType.BINARY:
                     await self._refuse(WSCloseCode.UNSUPPORTED_DATA, "text messages only")
@@ -178,7 +178,7 @@ class ServerSocket:
             raise StreamClosed(1006) from error
 
     def _closed_by(self, message: WSMessage) -> StreamClosed:
-        """Return how the connection ended; aiohttp takes one that broke for one that was closed in good order."""
+        """Return how the connection ended; aiohttp reports a lost one as closed in good order."""
         if message.type is WSMsgType.CLOSE:
             return StreamClosed(message.data or _NO_CODE, str(message.extra or ""))
         if isinstance(message.data, WebSocketError):

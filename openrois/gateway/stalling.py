@@ -1,15 +1,15 @@
-"""Whether the other side of a connection has stopped taking in what is sent to it. Pure."""
+"""Detects that the other side of a connection has stopped reading. Pure."""
 
 from typing import Final
 
 __all__ = ["STALL_TIMEOUT", "Stalling"]
 
 STALL_TIMEOUT: Final = 10.0
-"""Seconds for which a connection on which something waits may take no byte."""
+"""Seconds for which a connection with unsent messages may take no byte."""
 
 
 class Stalling:
-    """What one connection takes in.
+    """Progress of the other side of one connection in reading.
 
     Args:
         timeout: seconds for which it may take nothing.

@@ -1,4 +1,4 @@
-"""How long a connection may last: until its token ends or is revoked, unless it shows a new one before."""
+"""Closes connections when their token expires or is revoked, unless it was renewed."""
 
 import asyncio
 import logging
@@ -17,13 +17,13 @@ __all__ = ["TOKEN_ENDED", "TokenExpiries", "TokenExpiry"]
 _log = logging.getLogger(__name__)
 
 TOKEN_ENDED: Final = 4401
-"""The close code of a connection whose token has ended or was revoked."""
+"""The close code of a connection whose token has expired or was revoked."""
 
 CHECK_INTERVAL: Final = 1.0
-"""Seconds between two looks at every connection."""
+"""Seconds between two checks of every connection."""
 
 WARNING_TIME: Final = 60.0
-"""Seconds before its end at which a connection is told."""
+"""Seconds before its end at which a connection is warned."""
 
 _SAID: Final = {Refusal.EXPIRED: "the token has expired", Refusal.REVOKED: "the token was revoked"}
 
@@ -38,13 +38,13 @@ class Closing(Protocol):
 
 @dataclass(eq=False)
 class TokenExpiry:
-    """What one connection is allowed, and for how long.
+    """The principal of one connection, until its token ends.
 
     Attributes:
         principal: whose connection it is now.
-        on_principal: told of another one that takes its place; of nobody, who may nothing, when it is over.
-        on_expiring: told how many seconds are left; returns whether the other side could be told.
-        warned: whether it was told.
+        on_principal: called with another principal in its place; with one that may do nothing when it is over.
+        on_expiring: called with the seconds that are left; returns whether the other side was notified.
+        warned: whether it was notified.
         is_over: whether it has ended, and cannot be made longer any more.
         address: where it comes from; empty where it comes over no network.
     """
@@ -57,21 +57,21 @@ class TokenExpiry:
     address: str = ""
 
     def replace(self, principal: Principal) -> None:
-        """Put another principal in place of this one."""
+        """Replace the principal by another one."""
         self.principal = principal
         self.warned = False
         self.on_principal(principal)
 
 
 class TokenExpiries:
-    """Every connection that there is.
+    """Every connection, checked for the end of its token.
 
     Args:
         clock: epoch seconds.
         is_revoked: whether a principal's token does not hold any more.
-        audit: hears of those that end.
+        audit: records connections that end.
         tasks: owns what closes them.
-        sleep: waits for some seconds between two looks.
+        sleep: waits for some seconds between two checks.
     """
 
     def __init__(
@@ -91,47 +91,47 @@ class TokenExpiries:
         self.ended = 0
 
     @contextmanager
-    def holding(self, tenure: TokenExpiry, connection: Closing) -> Iterator[None]:
+    def holding(self, expiry: TokenExpiry, connection: Closing) -> Iterator[None]:
         """Watch a connection while the block runs."""
-        self._connections[tenure] = connection
+        self._connections[expiry] = connection
         try:
             yield
         finally:
-            self._connections.pop(tenure, None)
+            self._connections.pop(expiry, None)
 
     async def watch(self) -> None:
-        """Look again and again."""
+        """Check for ever."""
         while True:
             await self._sleep(CHECK_INTERVAL)
-            self.look()
+            self.check_tokens()
 
-    def look(self) -> None:
+    def check_tokens(self) -> None:
         """End every connection whose token has ended, and warn those whose soon will."""
         now = self._clock()
-        for tenure in tuple(self._connections):
-            reason = self._why_over(tenure.principal, now)
+        for expiry in tuple(self._connections):
+            reason = self._why_over(expiry.principal, now)
             if reason is not None:
-                self._end(tenure, reason)
+                self._end_connection(expiry, reason)
                 continue
-            expires = tenure.principal.expires
-            if expires is not None and expires - now <= WARNING_TIME and not tenure.warned:
-                tenure.warned = tenure.on_expiring(expires - now)
+            expires = expiry.principal.expires
+            if expires is not None and expires - now <= WARNING_TIME and not expiry.warned:
+                expiry.warned = expiry.on_expiring(expires - now)
 
     def _why_over(self, principal: Principal, now: float) -> Refusal | None:
         if principal.expires is not None and principal.expires <= now:
             return Refusal.EXPIRED
         return Refusal.REVOKED if self._is_revoked(principal) else None
 
-    def _end(self, tenure: TokenExpiry, reason: Refusal) -> None:
-        former, connection = tenure.principal, self._connections.pop(tenure)
+    def _end_connection(self, expiry: TokenExpiry, reason: Refusal) -> None:
+        former, connection = expiry.principal, self._connections.pop(expiry)
         self.ended += 1
         self._audit.refused(former, "session", "", reason.value)
         _log.info("the session of %s ends: %s", former.subject, _SAID[reason])
         # From here on nothing more is done for it, also while it is being closed.
-        tenure.is_over = True
+        expiry.is_over = True
         self._tasks.start(connection.close(TOKEN_ENDED, _SAID[reason]))
         try:
-            tenure.replace(Principal(former.subject, frozenset(), ()))
+            expiry.replace(Principal(former.subject, frozenset(), ()))
         except Exception:
             # Whatever went wrong in one session, the others end in their time, too.
-            _log.exception("what the session of %s has cannot be taken from it", former.subject)
+            _log.exception("the session of %s could not be stripped of what it holds", former.subject)

@@ -1,4 +1,4 @@
-"""Connections that have not said what they want: each has so long for that, and of too many the oldest is cut."""
+"""Limits how long a client may take to send its request header, and how many connections wait for theirs."""
 
 import asyncio
 import resource
@@ -38,7 +38,7 @@ MAX_HEAD: Final = 64 * 1024
 The server library bounds each line and their number, and keeps all that comes after what it could not read."""
 
 OPTIONS: Final[dict[str, Any]] = {"logger": HTTP_LOG, "access_log": None, "keepalive_timeout": 0.8 * HEAD_TIMEOUT}
-"""What the server library is told of connections: one that was answered and says nothing is closed, in good order,
+"""Keep-alive time for the server library: an answered, idle connection is closed, in good order,
 before it is cut."""
 
 _Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
@@ -57,7 +57,7 @@ class HeaderTimeouts:
     """The connections of one port, and those of them whose next request has not come.
 
     Args:
-        turned_away: told the reason whenever one is cut.
+        turned_away: called with the reason whenever one is cut.
         most: how many may be silent at a time; where the process may open few files, less.
         per_address: how many of them from one address.
     """
@@ -80,21 +80,21 @@ class HeaderTimeouts:
 
     @property
     def silent(self) -> int:
-        """How many connections wait to be told what they are for."""
+        """Number of connections that wait for a request header."""
         return len(self._waiting)
 
     @property
     def open(self) -> int:
-        """How many connections there are, from their being accepted on."""
+        """Number of connections, from accept on."""
         return len(self._open)
 
     def middleware(self) -> Middleware:
-        """Return what has to see every request: its head has come, and from its answer on the next is waited for."""
+        """Return the middleware of all requests: the header has come, and behind the answer the next is waited for."""
 
         @web.middleware
         async def timely(request: web.Request, handler: _Handler) -> web.StreamResponse:
             connection = cast(Connection, request.protocol)
-            self.forget(connection)
+            self.forget_connection(connection)
             try:
                 return await handler(request)
             finally:
@@ -104,17 +104,17 @@ class HeaderTimeouts:
         return timely
 
     def join(self, connection: "Connection") -> None:
-        """Count a connection that has been accepted, and wait for its first head."""
+        """Count a connection that was accepted, and wait for its first header."""
         self._open.add(connection)
         self.expect(connection)
 
     def leave(self, connection: "Connection") -> None:
-        """Count a connection no more: it has ended."""
+        """Remove a connection that has ended."""
         self._open.discard(connection)
-        self.forget(connection)
+        self.forget_connection(connection)
 
     def expect(self, connection: "Connection") -> None:
-        """Wait for the next head of a connection; of too many the oldest is cut."""
+        """Wait for the next header of a connection; of too many the oldest is cut."""
         if (oldest := self._one_too_many(connection.address)) is not None:
             self._cut(oldest)
         self._of_address[connection.address] += 1
@@ -145,7 +145,7 @@ class HeaderTimeouts:
             self._cut(next(iter(self._waiting)))
 
     def takes(self, connection: "Connection", count: int) -> bool:
-        """Tell whether a connection may say so many bytes more; one that may not is cut."""
+        """Count bytes of a connection; tell whether they fit, and cut it where they do not."""
         waiting = self._waiting.get(connection)
         if waiting is None:
             return True
@@ -154,8 +154,8 @@ class HeaderTimeouts:
             self._cut(connection)
         return waiting.room >= 0
 
-    def forget(self, connection: "Connection") -> None:
-        """Wait for nothing more of a connection: a head has come, or it is gone."""
+    def forget_connection(self, connection: "Connection") -> None:
+        """Wait for nothing more of a connection: its header has come, or it is gone."""
         if (waiting := self._waiting.pop(connection, None)) is None:
             return
         waiting.timer.cancel()
@@ -165,17 +165,17 @@ class HeaderTimeouts:
             del self._of_address[connection.address]
 
     def _cut(self, connection: "Connection") -> None:
-        self.forget(connection)
+        self.forget_connection(connection)
         if connection.abort():
             self._turned_away("no request")
 
 
 class Connection(web.RequestHandler):
-    """A connection of the server library whose heads are bounded.
+    """A connection of the server library whose headers are bounded.
 
     Args:
         manager: the library's server.
-        heads: those of the port.
+        header_timeouts: those of the port.
         address: the remote one.
         options: of `web.RequestHandler`.
 
@@ -184,11 +184,11 @@ class Connection(web.RequestHandler):
         unopened: its socket, until it is open: with TLS that takes a handshake.
     """
 
-    __slots__ = ("_heads", "address", "unopened")
+    __slots__ = ("_header_timeouts", "address", "unopened")
 
-    def __init__(self, manager: web.Server, heads: HeaderTimeouts, address: str, **options: Any) -> None:
+    def __init__(self, manager: web.Server, header_timeouts: HeaderTimeouts, address: str, **options: Any) -> None:
         super().__init__(manager, **options)
-        self._heads = heads
+        self._header_timeouts = header_timeouts
         self.address = address
         self.unopened: socket.socket | None = None
 
@@ -198,13 +198,13 @@ class Connection(web.RequestHandler):
         super().connection_made(transport)
 
     def data_received(self, data: bytes) -> None:
-        """Take what has come, if so much may."""
-        if self._heads.takes(self, len(data)):
+        """Receive bytes, within the limit."""
+        if self._header_timeouts.takes(self, len(data)):
             super().data_received(data)
 
     def connection_lost(self, exc: BaseException | None) -> None:
         """End; nothing more is waited for."""
-        self._heads.leave(self)
+        self._header_timeouts.leave(self)
         super().connection_lost(exc)
 
     def abort(self) -> bool:

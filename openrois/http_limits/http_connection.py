@@ -1,4 +1,4 @@
-"""One connection of the gateway's port: aiohttp's, with what comes bounded, and checked before it is parsed."""
+"""One connection of the gateway's port: aiohttp's, whose input is bounded, and checked before it is parsed."""
 
 import asyncio
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from openrois.http_limits.websocket_frames import FrameRules
 __all__ = ["HttpConnection"]
 
 _MORE: Final = (False, b"")
-"""What a parser says that goes on."""
+"""The result of a parser that continues."""
 
 
 class HttpConnection(Connection):
@@ -27,37 +27,37 @@ class HttpConnection(Connection):
 
     rules: FrameRules
 
-    def __init__(self, manager: web.Server, heads: HeaderTimeouts, address: str, **options: Any) -> None:
-        super().__init__(manager, heads, address, **options)
-        # An upgrade that is refused leaves a connection that takes heads.
+    def __init__(self, manager: web.Server, header_timeouts: HeaderTimeouts, address: str, **options: Any) -> None:
+        super().__init__(manager, header_timeouts, address, **options)
+        # An upgrade that is refused leaves a connection that takes further requests.
         self._takes_frames = False
         self.writable = asyncio.Event()
         self.writable.set()
 
     def pause_writing(self) -> None:
-        """Have senders wait: the other side is slow."""
+        """Pause senders: the other side is slow."""
         self.writable.clear()
         super().pause_writing()
 
     def resume_writing(self) -> None:
-        """Let senders go on."""
+        """Let senders continue."""
         self.writable.set()
         super().resume_writing()
 
     def connection_lost(self, exc: BaseException | None) -> None:
-        """End, and let go of senders."""
+        """End, and release waiting senders."""
         self.writable.set()
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Take what has come; over a WebSocket no head is waited for, and nothing is looked up for every message."""
+        """Receive bytes; over a WebSocket no header is waited for, and nothing is looked up per message."""
         if self._takes_frames:
             web.RequestHandler.data_received(self, data)
         else:
             super().data_received(data)
 
     def set_parser(self, parser: Any, data_received_cb: Callable[[], None] | None = None) -> None:
-        """Take what parses the frames from here on, and check them before it does."""
+        """Install the parser of frames, behind a check of them."""
         self._takes_frames = True
         checked: Any = _Checked(parser, self.rules)
         super().set_parser(checked, data_received_cb)
@@ -69,7 +69,7 @@ class _Parser(Protocol):
 
 
 class _Checked:
-    """A parser that is given what the rules let pass."""
+    """A parser that gets only what the rules let pass."""
 
     def __init__(self, parser: _Parser, rules: FrameRules) -> None:
         self._parser = parser
@@ -83,8 +83,8 @@ class _Checked:
         fault = self._rules.fault
         if not refused and fault is not None and fault.code == WSCloseCode.PROTOCOL_ERROR:
             # No closing handshake is waited for, as after what the library refuses itself; there the end would make it
-            # forget why. A flood is taken in for as long as that takes: bytes that nobody reads would cost its sender
-            # the close frame.
+            # forget why. A flood is read for as long as that takes: with unread bytes TCP would reset the connection,
+            # and the close frame be lost.
             self._parser.feed_eof()
         return refused, rest
 

@@ -36,18 +36,18 @@ _CUT_TIMEOUT: Final = 1.0
 async def serving_tcp(
     host: str,
     port: int,
-    heads: HeaderTimeouts,
+    header_timeouts: HeaderTimeouts,
     connection: Callable[[str], Connection],
     context: ssl.SSLContext | None = None,
 ) -> AsyncIterator[int]:
-    """Serve connections while the block runs; gives the port, which was chosen for 0.
+    """Serve connections while the block runs; yields the port, which was chosen for 0.
 
     What has become of a connection when its TLS handshake has ended is not this block's: it may outlive it.
 
     Args:
         host: the address to listen on, or a name that has some.
         port: the TCP port.
-        heads: the connections of this port that have not said what they want.
+        header_timeouts: limits how long the connections of this port may wait for a request header.
         connection: makes one, given the remote address.
         context: what TLS is done with; None for plain TCP.
 
@@ -55,7 +55,7 @@ async def serving_tcp(
         OSError: the port is taken, or the address is not this machine's.
     """
     async with TaskScope() as opening:
-        accepting = _Accepting(heads, connection, context, opening)
+        accepting = _Accepting(header_timeouts, connection, context, opening)
         try:
             with ExitStack() as stack:
                 listening = [stack.enter_context(each) for each in await _listen(host, port)]
@@ -83,16 +83,16 @@ async def _listen(host: str, port: int) -> list[socket.socket]:
 
 
 class _Accepting:
-    """What accepts the connections of one port, and opens each: with TLS that takes a handshake."""
+    """Accepts the connections of one port, and opens each: with TLS that takes a handshake."""
 
     def __init__(
         self,
-        heads: HeaderTimeouts,
+        header_timeouts: HeaderTimeouts,
         connection: Callable[[str], Connection],
         context: ssl.SSLContext | None,
         opening: TaskScope,
     ) -> None:
-        self._heads = heads
+        self._header_timeouts = header_timeouts
         self._connection = connection
         self._context = context
         self._opening = opening
@@ -120,18 +120,18 @@ class _Accepting:
     async def _make_room(self, error: OSError) -> None:
         self._tally.note(error.strerror or str(error))
         # One that is cut has given back its descriptor some turns of the loop later.
-        self._heads.cut_oldest()
+        self._header_timeouts.cut_oldest()
         await asyncio.sleep(_ACCEPT_AGAIN)
 
     async def _begin(self, near: socket.socket, address: str) -> None:
         try:
-            await self._heads.wait_for_room(address)
+            await self._header_timeouts.wait_for_room(address)
         except asyncio.CancelledError:
             near.close()
             raise
         connection = self._connection(address)
         connection.unopened = near
-        self._heads.join(connection)
+        self._header_timeouts.join(connection)
         self._unopened[connection] = self._opening.start(self._open(near, connection))
 
     async def _open(self, near: socket.socket, connection: Connection) -> None:
@@ -143,7 +143,7 @@ class _Accepting:
             )
         except OSError as error:
             _log.debug("no connection with %s: %s", connection.address, error)
-            self._heads.leave(connection)
+            self._header_timeouts.leave(connection)
         finally:
             del self._unopened[connection]
 

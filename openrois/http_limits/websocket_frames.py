@@ -1,4 +1,4 @@
-"""What RFC 6455 forbids a client and the server library lets pass, and how many small frames there may be. Pure."""
+"""Checks frames of clients for violations of RFC 6455 that the server library lets pass; bounds small frames. Pure."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -15,7 +15,7 @@ __all__ = [
 ]
 
 MAX_FRAGMENTS: Final = 1024
-"""Frames of one message; it has 64 KiB or 1 MiB at most, so that nobody who means well needs more."""
+"""Frames of one message; it has 64 KiB or 1 MiB at most, so that a well-behaved client needs no more."""
 
 CONTROL_FRAMES_AT_ONCE: Final = 1000
 """Pings and pongs of one connection in a burst."""
@@ -24,7 +24,7 @@ CONTROL_FRAMES_PER_SECOND: Final = 100
 """Pings and pongs of one connection in the long run."""
 
 BROKEN: Final = b"broken"
-"""What a pong says that stands in place of whatever broke the rules, behind all that came before it."""
+"""Text of the pong that is sent in place of a frame that broke the rules, behind all that came before it."""
 
 _BROKEN_FRAME: Final = bytes((0x8A, len(BROKEN))) + BROKEN
 _WRONG: Final = -1
@@ -38,7 +38,7 @@ _MAY_BE_SENT: Final = frozenset((*range(1000, 1004), *range(1007, 1015), *range(
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """Why a connection has to end.
+    """Violation for which a connection has to end.
 
     Attributes:
         code: with which close code.
@@ -50,7 +50,7 @@ class Fault:
 
 
 class FrameRules:
-    """Follows what a client sends, frame by frame.
+    """Checks what a client sends, frame by frame.
 
     What the server library refuses by itself is left to it: reserved bits and opcodes, control frames that are long or
     in fragments, text that is no UTF-8, messages that are too long.
@@ -68,12 +68,12 @@ class FrameRules:
         self._payload = 0
         """Bytes that are still to come of the frame that is under way."""
         self._head = b""
-        """What has come of a header that is not whole yet."""
+        """Bytes of an incomplete header."""
         self._frames = 0
         """Frames that have come of the message that is under way; 0 where there is none."""
 
     def passed(self, data: bytes) -> bytes:
-        """Return what may go on: whole headers and whatever has come of payloads, up to the first fault and a mark."""
+        """Return what may be parsed: whole headers and the payloads received, up to the first fault and a mark."""
         if self.fault is not None:
             return b""
         if self._head:
@@ -94,12 +94,12 @@ class FrameRules:
         return data
 
     def _next(self, data: bytes, at: int, end: int) -> int:
-        """Judge the frame at `at`; return where the one behind it begins, unless it is wrong or not whole."""
+        """Judge the frame at `at`; return where the next one begins, unless it is wrong or incomplete."""
         if end - at < 2:
             return _NOT_WHOLE
         second = data[at + 1]
         if second < 0x80:
-            return self._wrong("a client masks its frames")
+            return self._wrong("frames of a client must be masked")
         length = second & 0x7F
         body = at + 6
         if length > 125:
@@ -109,7 +109,7 @@ class FrameRules:
                 return _NOT_WHOLE
             length = int.from_bytes(data[at + 2 : at + 2 + size], "big")
             if length < (126 if size == 2 else 1 << 16) or length >> 63:
-                return self._wrong("a length has its shortest form")
+                return self._wrong("a length must have its shortest form")
         if end < body:
             return _NOT_WHOLE
         return self._judge(data, at, body, length)
@@ -130,10 +130,10 @@ class FrameRules:
     def _part(self, opcode: int, *, is_last: bool) -> int:
         """Count a part of a message; return 0, or that it is wrong."""
         if (opcode == 0) != (self._frames > 0):
-            return self._wrong("a message ends before the next begins" if opcode else "nothing is continued")
+            return self._wrong("a message must end before the next begins" if opcode else "nothing is continued")
         self._frames = 0 if is_last else self._frames + 1
         if self._frames >= MAX_FRAGMENTS:
-            return self._wrong(f"a message has at most {MAX_FRAGMENTS} fragments", _TOO_MUCH)
+            return self._wrong(f"a message may have {MAX_FRAGMENTS} fragments at most", _TOO_MUCH)
         return 0
 
     def _wrong(self, reason: str, code: int = _PROTOCOL_ERROR) -> int:

@@ -10,11 +10,10 @@ from typing import Final
 from openrois.commands.history import MAX_ID, STOP_RESERVE
 from openrois.commands.pending import PendingCommand
 from openrois.commands.sequence import commands_of, run_sequence, size_of
-from openrois.component.arguments import check_arguments
+from openrois.component.authoring.parameters import check_arguments
 from openrois.engine.condition import parse_condition
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
 from openrois.interfaces import stream
-from openrois.interfaces.former_command import former_command
 from openrois.interfaces.operation import operation
 from openrois.interfaces.overload_rules import is_stop
 from openrois.interfaces.selection import COMPONENT_PROPERTIES, matching
@@ -66,13 +65,13 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
 
 @dataclass(slots=True)
 class _Sequence:
-    """Commands that were accepted together: how many have not ended, and what runs them."""
+    """Commands that were accepted together: how many have not ended, and the task that runs them."""
 
     left: int
     task: asyncio.Task[None] | None = None
 
     def leave(self) -> None:
-        """Count a command that has ended; behind the last one nobody waits for delays."""
+        """Count a command that has ended; after the last one delays are cut short."""
         self.left -= 1
         if not self.left and self.task is not None:
             self.task.cancel()
@@ -159,13 +158,13 @@ class _Commands:
         commands = {unit.command_id: unit.component_ref for unit in units}
         beyond = STOP_RESERVE if all(is_stop(unit.command_type) for unit in units) else 0
         app.commands.accept(commands, beyond, text=size_of(items), subject=app.sharer)
-        sequence = app.host.accepted.next_sequence()
+        sequence = app.host.pending.next_sequence()
         self._sequences |= dict.fromkeys(commands, _Sequence(len(units)))
         for unit in units:
             starts = unit.command_type == "start"
             command = PendingCommand(unit.component_ref, app, partial(self._end_early, unit), sequence, starts)
             self._accepted[unit.command_id] = command
-            app.host.accepted.add(command)
+            app.host.pending.add(command)
         self._unreplied.update(commands)
         try:
             await app.host.journal.accepted(app.client_id, app.principal.subject, commands)
@@ -257,7 +256,7 @@ class _Commands:
     async def _outcome(self, unit: CommandUnit) -> tuple[Result, ...]:
         _require_still(self._app, unit)
         if unit.command_type == "stop":
-            self._app.host.accepted.stop(unit.component_ref, self._accepted[unit.command_id].sequence)
+            self._app.host.pending.stop(unit.component_ref, self._accepted[unit.command_id].sequence)
         self._acted("rois.command.execute", unit.component_ref, f"{unit.command_type} {unit.command_id}")
         if stream.is_verb(unit.command_type) and stream.has_streams(self._app, unit.component_ref):
             return await stream.run_verb(self._app, unit)
@@ -272,7 +271,7 @@ class _Commands:
     ) -> None:
         command = self._accepted.pop(unit.command_id, None)
         if command is not None:
-            self._app.host.accepted.remove(command)
+            self._app.host.pending.remove(command)
             self._sequences.pop(unit.command_id).leave()
         self._app.commands.finish(unit.command_id, results, status, reason)
         self._app.host.journal.ended(self._app.client_id, unit.command_id, status, reason, results)
@@ -280,8 +279,8 @@ class _Commands:
 
     async def get_command_result(self, params: CommandResultParams) -> ResultsResult | Reply:
         if params.condition:
-            raise BadParameter("the condition of get_command_result is empty")
-        former = None if params.command_id in self._app.commands else former_command(self._app, params.command_id)
+            raise BadParameter("the condition of get_command_result must be empty")
+        former = None if params.command_id in self._app.commands else _former_command(self._app, params.command_id)
         if former is not None:
             return former
         return ResultsResult(results=self._app.commands.results(params.command_id, self._app.engine.sees))
@@ -291,7 +290,7 @@ def _require_still(app: ApplicationSession, unit: CommandUnit) -> None:
     """Do nothing where a command may run that was accepted a while ago.
 
     Raises:
-        Unsupported: whoever goes on in this application's place may not run it.
+        Unsupported: the application in whose place this one goes on may not run it.
         OutOfResources: another application has its component by now.
     """
     present = app.present()
@@ -304,3 +303,20 @@ def _require_still(app: ApplicationSession, unit: CommandUnit) -> None:
         return
     app.host.audit.refused(present.principal, unit.command_type, unit.component_ref, reason)
     raise error(reason)
+
+
+def _former_command(app: ApplicationSession, command_id: str) -> Reply | None:
+    """Return the reply of `get_command_result`, or None where the journal knows no such command of this principal's.
+
+    A notification of its end follows the reply, unless that was notified before.
+    """
+    journal, subject = app.host.journal, app.principal.subject
+    former = journal.find(subject, command_id)
+    if former is None or not app.principal.sees(former.component_ref):
+        return None
+    told = journal.deliver_outcome(subject, command_id)
+    then = None if told is None else lambda: app.completed(command_id, former.completed_status, former.reason)
+    try:
+        return Reply(ResultsResult(results=former.results()), then)
+    except RoISError as error:
+        return Reply(ResultsResult(return_code=error.return_code), then, str(error))

@@ -1,4 +1,4 @@
-"""Who may call what: every method of an application passes here, and one without a rule is refused to everybody."""
+"""Authorization of calls: every method of an application passes here, and one without a rule is always refused."""
 
 from collections.abc import Iterator, Mapping
 from typing import Final
@@ -17,7 +17,7 @@ _RESULTS: Final = {method.name: method.result for method in METHODS}
 def enforced(app: ApplicationSession, methods: Mapping[str, Handler]) -> Mapping[str, Handler]:
     """Return the methods as the application may call them: those that its roles allow.
 
-    That is asked at every look-up, because its principal can change. A call that is not allowed is refused before
+    The rule is applied at every look-up, because the principal can change. A call that is not allowed is refused before
     anything of its params is read, so that its answer says nothing about them. What its refs may name, `app.engine`
     knows.
     """

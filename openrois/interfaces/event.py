@@ -34,7 +34,7 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
 
     async def get_event_detail(params: DetailParams) -> ResultsResult:
         if params.condition:
-            raise BadParameter("the condition of get_event_detail is empty")
+            raise BadParameter("the condition of get_event_detail must be empty")
         return ResultsResult(results=app.events.details(params.event_id, app.engine.sees))
 
     return {

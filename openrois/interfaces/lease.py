@@ -1,4 +1,4 @@
-"""`openrois.lease.*`: who controls a component, asking for it, handing it over, resuming after a lost connection."""
+"""`openrois.lease.*`: holding a component, requesting it, handing it over, resuming after a lost connection."""
 
 from typing import Any, Final
 
@@ -7,7 +7,7 @@ from openrois.interfaces import command
 from openrois.interfaces.operation import operation
 from openrois.jsonrpc.session import Handler, Reply
 from openrois.leases.model import Replayed
-from openrois.scope.revocation import Claims
+from openrois.scope.revocation import Entitlements
 from openrois.session.session import ApplicationSession
 from openrois.types.codes import ComponentFunction
 from openrois.types.leases import (
@@ -28,7 +28,7 @@ _PUT_OUT: Final = "in the place of a connection that was not known to be lost"
 
 
 def methods(app: ApplicationSession) -> dict[str, Handler]:
-    """Return the extension's method table; whoever calls one gets the notifications of extensions."""
+    """Return the extension's method table; an application that calls one gets the notifications of extensions."""
     leases = _Leases(app)
     table = {
         "openrois.lease.query": operation(LeaseParams, LeaseResult, leases.query),
@@ -61,12 +61,12 @@ class _Leases:
 
     def _require_leased(self, component_ref: str) -> None:
         if self._app.engine.require(component_ref).function is not ComponentFunction.ACTUATION:
-            raise Unsupported(f"{component_ref} is no actuation component: it cannot be held")
+            raise Unsupported(f"{component_ref} is no actuation component: it needs no lease")
 
     async def query(self, params: LeaseParams) -> LeaseResult:
         self._require_leased(params.component_ref)
-        self._keeper.telling.watch(params.component_ref, self._app)
-        return LeaseResult(lease=self._keeper.telling.status(params.component_ref, self._app))
+        self._keeper.notifications.watch(params.component_ref, self._app)
+        return LeaseResult(lease=self._keeper.notifications.status(params.component_ref, self._app))
 
     def _require_room(self, component_ref: str) -> None:
         """Raise `OutOfResources` where the application would have, or wait for, more components than it may bind."""
@@ -77,10 +77,10 @@ class _Leases:
     async def request(self, params: LeaseParams) -> LeaseRequestResult:
         self._require_leased(params.component_ref)
         self._require_room(params.component_ref)
-        self._keeper.telling.watch(params.component_ref, self._app)
+        self._keeper.notifications.watch(params.component_ref, self._app)
         request_id = self._keeper.request(params.component_ref, self._app)
         self._acted("openrois.lease.request", params.component_ref)
-        lease = self._keeper.telling.status(params.component_ref, self._app)
+        lease = self._keeper.notifications.status(params.component_ref, self._app)
         return LeaseRequestResult(lease=lease, request_id=request_id)
 
     async def leave(self, params: LeaseParams) -> ReturnResult:
@@ -100,19 +100,19 @@ class _Leases:
     async def take(self, params: LeaseParams) -> LeaseResult:
         self._require_leased(params.component_ref)
         if not self._app.principal.is_administrator:
-            raise Unsupported("only an administrator takes what another one holds")
+            raise Unsupported("only an administrator may take a component from its holder: request it instead")
         self._require_room(params.component_ref)
         self._app.host.audit.require()
         self._acted("openrois.lease.take", params.component_ref)
         await self._keeper.take(params.component_ref, self._app)
-        return LeaseResult(lease=self._keeper.telling.status(params.component_ref, self._app))
+        return LeaseResult(lease=self._keeper.notifications.status(params.component_ref, self._app))
 
     async def token(self, _params: NoParams) -> LeaseTokenResult:
         return LeaseTokenResult(token=self._keeper.token(self._app), grace_ms=self._grace_ms)
 
     async def resume(self, params: ResumeParams) -> Reply:
         if self._keeper.model.holding.held_by(self._app) or self._app.commands.unfinished:
-            raise BadParameter("a session resumes another before it has bound or executed something that acts")
+            raise BadParameter("resume before binding or executing anything that acts")
         try:
             former = self._keeper.resume(params.token, self._app)
         except RoISError as error:
@@ -122,7 +122,7 @@ class _Leases:
         assert isinstance(former, ApplicationSession)
         was_lost = former.closed
         self._app.succeed(former)
-        for component_ref in Claims(self._app.principal).lost_bindings(tuple(self._app.bound)):
+        for component_ref in Entitlements(self._app.principal).lost_bindings(tuple(self._app.bound)):
             self._app.give_back(component_ref)
             self._app.bound.discard(component_ref)
         held = self._keeper.model.holding.held_by(self._app)
@@ -138,7 +138,7 @@ class _Leases:
         return Reply(result, lambda: self._tell_missed(params.command_ids))
 
     def _tell_missed(self, command_ids: tuple[str, ...]) -> None:
-        """Tell how commands ended while nobody was there to hear it; of those that run it is told when they end."""
+        """Notify how commands ended in the meantime; those that run are notified when they end."""
         for command_id in command_ids:
             ending = self._app.commands.ending(command_id)
             if ending is not None:

@@ -38,7 +38,7 @@ def operation(
 
 
 class _Operation:
-    """What an operation does with params that fit; see `operation`."""
+    """Carries out an operation with params that fit; see `operation`."""
 
     __slots__ = ("_function", "_result")
 

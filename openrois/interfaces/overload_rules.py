@@ -1,4 +1,4 @@
-"""What happens to requests when there are too many: what stops, gives back and leaves comes first, others are refused.
+"""Rules for requests under overload: those that stop, release and leave come first, others are refused.
 
 A stop that passes what waits has to be the last word: what was asked before it of the same components is refused.
 """
@@ -20,7 +20,7 @@ MAX_UNITS: Final = 64
 """Commands of a sequence that may pass others, if all of them are `stop`."""
 
 MOST_UNITS: Final = 1024
-"""Commands of a request that are looked at; one with more may be about anything."""
+"""Commands of a request that are examined; a longer one may concern any component."""
 
 _EXECUTE: Final = "rois.command.execute"
 _URGENT: Final = frozenset({"rois.command.release", "rois.system.disconnect", "openrois.stop_all"})
@@ -34,7 +34,7 @@ def queue_rules(rate: RateLimit | None = None) -> QueueRules:
 
 
 def refusal(method: str) -> ReturnResult | None:
-    """Return what a request is answered that is refused because there are too many; None for a method of nobody."""
+    """Return the answer to a request that is refused under overload; None for an unknown method."""
     result = _RESULTS.get(method)
     return None if result is None else result(return_code=ReturnCode.OUT_OF_RESOURCES)
 
@@ -45,7 +45,7 @@ def is_stop(command_type: str) -> bool:
 
 
 def is_urgent(request: Request) -> bool:
-    """Tell whether a request stops, gives back or leaves. Whether it fits is not looked at yet."""
+    """Tell whether a request stops, releases or leaves. Whether it fits is not checked yet."""
     if request.method != _EXECUTE:
         return request.method in _URGENT
     units = list(islice(_units(request.params), MAX_UNITS + 1))
@@ -53,7 +53,7 @@ def is_urgent(request: Request) -> bool:
 
 
 def meant(request: Request) -> frozenset[str]:
-    """Return the components that an urgent request is about; nothing where it names none, and may mean any."""
+    """Return the components that an urgent request concerns; nothing where it names none, and may mean any."""
     params = request.params
     named = (params.get("component_ref"),) if isinstance(params, dict) else ()
     units = list(islice(_units(params), MOST_UNITS + 1))
@@ -68,7 +68,7 @@ def named(request: Request) -> frozenset[str] | None:
 
 
 def _units(params: Any) -> Iterator[dict[str, Any]]:
-    """Give the command units of what may be the params of execute, those of concurrent commands, too."""
+    """Yield the command units of what may be the params of execute, those of concurrent commands, too."""
     items = params.get("command_unit_list") if isinstance(params, dict) else None
     for item in items if isinstance(items, list) else ():
         inner = item.get("command_list") if isinstance(item, dict) else None

@@ -17,7 +17,7 @@ __all__ = ["methods"]
 _STREAM_STATUS: Final = "get_stream_status"
 _COMPONENT_STATUS: Final = "component_status"
 _FAILING: Final = Result(name="status", data_type_ref="Component_Status", value=ComponentStatus.ERROR.value)
-"""What is said of a component whose engine went away without a word: nobody else is there to say it."""
+"""The status of a component whose engine was lost: it cannot answer itself."""
 
 
 def methods(app: ApplicationSession) -> dict[str, Handler]:
@@ -48,6 +48,6 @@ async def _stream_status(app: ApplicationSession, text: str) -> tuple[Result, ..
             raise BadParameter("the component's engine cannot tell one stream from another")
         return await app.engine.query(component_ref, _STREAM_STATUS)
     if stream_id is None:
-        raise BadParameter("say which stream: ... AND stream_id = '...'")
+        raise BadParameter("the condition has to name the stream: ... AND stream_id = '...'")
     status = await stream.query_status(app, stream_id, component_ref)
     return (Result(name="status", data_type_ref="Stream_Status", value=status.value),)

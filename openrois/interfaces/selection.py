@@ -1,4 +1,4 @@
-"""Which components a condition means."""
+"""Components that meet a condition."""
 
 from collections.abc import Callable
 from typing import Final

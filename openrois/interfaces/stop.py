@@ -1,4 +1,4 @@
-"""`openrois.stop_all`: everything that acts on an engine stops, for whoever controls a part of it."""
+"""`openrois.stop_all`: everything that acts on an engine stops, for an application that controls a part of it."""
 
 from typing import Final
 
@@ -24,7 +24,7 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
         for engine_id in sorted({engine_of(ref) for ref in refs}):
             app.host.audit.acted(app.principal, _METHOD, engine_id)
         reason = f"everything was stopped by {app.principal.subject}"
-        failures = await stop_components(app.host.engine, app.host.accepted, app.host.tasks, refs, reason)
+        failures = await stop_components(app.host.engine, app.host.pending, app.host.tasks, refs, reason)
         shown = [ref for ref in refs if app.engine.sees(ref)]
         failed = {ref: failures[ref] for ref in shown if failures[ref]}
         stopped = tuple(ref for ref in shown if ref not in failed)
@@ -37,7 +37,7 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
 
 
 def _chosen(app: ApplicationSession, params: StopAllParams) -> list[str]:
-    """Return the actuation components that are to be stopped: all of an engine, also those that are not shown.
+    """Return the actuation components that are to be stopped: all of an engine, also those out of scope.
 
     Raises:
         BadParameter: two engines are named, or might be.
@@ -45,7 +45,7 @@ def _chosen(app: ApplicationSession, params: StopAllParams) -> list[str]:
         OutOfResources: the application holds nothing that acts there.
     """
     if params.engine_id is not None and params.component_ref is not None:
-        raise BadParameter("either an engine_id or a component_ref, not both")
+        raise BadParameter("give either an engine_id or a component_ref, not both")
     profiles = app.host.engine.directory.component_profiles
     acting = [ref for ref, profile in profiles.items() if profile.function is ComponentFunction.ACTUATION]
     shown = app.engine.directory.component_profiles
@@ -61,5 +61,5 @@ def _chosen(app: ApplicationSession, params: StopAllParams) -> list[str]:
     if engine_id not in {engine_of(ref) for ref in shown}:
         raise Unsupported(f"there is no engine {engine_id[:200]!r}")
     if engine_id not in mine:
-        raise OutOfResources(f"of {engine_id} the application holds nothing that acts")
+        raise OutOfResources(f"the application holds no actuation component of {engine_id}: bind one first")
     return [ref for ref in acting if engine_of(ref) == engine_id]

@@ -25,7 +25,7 @@ from openrois.errors import (
 from openrois.interfaces.operation import operation, reply_first
 from openrois.interfaces.uplinks import may_be_uplink, require_may_send
 from openrois.jsonrpc.session import Handler
-from openrois.scope.revocation import Claims, end_streams
+from openrois.scope.revocation import Entitlements, end_streams
 from openrois.session.session import ApplicationSession
 from openrois.session.stream_parameters import STREAM_PARAMETERS
 from openrois.types.codes import ReturnCode, StreamStatus
@@ -152,7 +152,7 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
         app.connecting -= 1
     if app.client is not client:
         # It left while the stream was made, and has been forgotten already: that has to be said again.
-        await app.engine.extension.forget(client)
+        await app.engine.extension.forget_client(client)
         raise Aborted("the application has left")
     try:
         _require_still(app, component_ref, parameters)
@@ -160,7 +160,7 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
         await end_streams(app.host.engine, (result.stream_id,), client)
         raise
     if not app.engine.leads_to(component_ref, bus):
-        # Whatever the engine says of the stream goes where nobody listens any more; it ends it after a while.
+        # Notifications of the stream have no receiver any more; the engine ends it after a while.
         raise EngineUnreachable("the connection to the engine ended while the stream was made")
     if not app.engine.leads_alike(result.stream_id, component_ref):
         raise ComponentFailed(f"the engine minted the stream_id {result.stream_id[:200]!r}, which is not its own")
@@ -178,7 +178,7 @@ def _require_still(app: ApplicationSession, component_ref: str, parameters: tupl
         Unsupported: the component is out of scope by now.
         OutOfResources: the application does not operate the engine any more.
     """
-    if Claims(app.principal).lost_streams({"": component_ref}):
+    if Entitlements(app.principal).lost_streams({"": component_ref}):
         raise Unsupported(f"there is no component {component_ref[:200]!r}")
     if may_be_uplink(parameters):
         require_may_send(app, component_ref)
@@ -202,7 +202,7 @@ async def query_status(app: ApplicationSession, stream_id: str, component_ref: s
     """Return the status of a stream of this application.
 
     Args:
-        app: who asks.
+        app: the session of the application.
         stream_id: the stream.
         component_ref: the component it must be a stream of, if the question names one.
 

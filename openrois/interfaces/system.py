@@ -41,7 +41,7 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
 
     async def get_error_detail(params: ErrorDetailParams) -> ResultsResult:
         if params.condition:
-            raise BadParameter("the condition of get_error_detail is empty")
+            raise BadParameter("the condition of get_error_detail must be empty")
         return ResultsResult(results=app.errors.details(params.error_id, app.engine.sees))
 
     return {

@@ -1,4 +1,4 @@
-"""Who may send into an engine: a microphone or a camera reaches it past the gateway, so that is settled beforehand."""
+"""Permission of an application to send media to an engine, given beforehand: media do not pass the gateway."""
 
 import json
 from collections.abc import Iterable
@@ -19,7 +19,7 @@ _RECEIVED = "recvonly"
 def may_be_uplink(parameters: Iterable[Parameter]) -> bool:
     """Tell whether a stream with these parameters could be one that the application sends.
 
-    Whoever reads them next may read them another way: only what every reader takes for `recvonly` is received.
+    Another reader may parse them differently: only what every reader takes for `recvonly` is received.
     """
     texts = [parameter.value for parameter in parameters if parameter.name == "transport_parameters"]
     return len(texts) > 1 or any(text and not _is_received(text) for text in texts)
@@ -43,8 +43,8 @@ def _unambiguous(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 def require_may_send(app: ApplicationSession, component_ref: str) -> bool:
     """Return whether the application may send into a component's engine only as long as it operates that one.
 
-    It does where it holds one of the actuation components of the engine that it is shown. Of an engine that shows none
-    nobody can be the operator; there the role is enough. A gateway without authentication does not ask.
+    It does where it holds one of the actuation components of the engine that are in its scope. An engine without any
+    has no operator; there the role is enough. A gateway without authentication does not ask.
 
     Raises:
         Unsupported: the role does not operate anything.
@@ -53,7 +53,7 @@ def require_may_send(app: ApplicationSession, component_ref: str) -> bool:
     if app.principal is LOCAL or app.trusted:
         return False
     if not app.principal.may_call("rois.command.bind"):
-        raise Unsupported("the roles of this application let it receive only")
+        raise Unsupported("the roles of this application only allow receiving streams")
     engine_id = engine_of(component_ref)
     exclusive = [
         ref
@@ -61,5 +61,5 @@ def require_may_send(app: ApplicationSession, component_ref: str) -> bool:
         if profile.function is ComponentFunction.ACTUATION and engine_of(ref) == engine_id
     ]
     if exclusive and not any(app.may_operate(ref) for ref in exclusive):
-        raise OutOfResources(f"who sends to {engine_id} operates it: bind one of its actuation components first")
+        raise OutOfResources(f"sending to {engine_id} needs control of it: bind one of its actuation components first")
     return bool(exclusive)

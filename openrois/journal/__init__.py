@@ -1,1 +1,1 @@
-"""The journal of commands: what was accepted gets its one end, also when the gateway was restarted meanwhile."""
+"""The journal of commands: an accepted command gets its one end, also when the gateway was restarted meanwhile."""

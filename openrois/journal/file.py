@@ -1,4 +1,4 @@
-"""The file of the journal: an SQLite database of what runs, a bounded part of what has ended, and who is there."""
+"""The file of the journal: an SQLite database of running commands, a bounded number of ended ones, and engines."""
 
 import json
 import logging
@@ -23,16 +23,16 @@ __all__ = ["Accepted", "Ended", "JournalFile", "JournalUnusable", "Presence", "R
 _log = logging.getLogger(__name__)
 
 MAX_ENDED: Final = 4096
-"""Commands that have ended and are kept, for those who did not hear it; of more the oldest are forgotten."""
+"""Ended commands that are kept, for applications that were not notified; of more the oldest are dropped."""
 
 MAX_RESULTS: Final = 2048
-"""Characters of what one command gave that are kept."""
+"""Characters of the results of one command that are kept."""
 
 MAX_PAGES: Final = 16_384
 """Of 4 KiB: a bound that what is kept does not come near to."""
 
 KEPT_FOR: Final = 7 * 86_400.0
-"""Seconds for which what nobody has asked about is kept."""
+"""Seconds for which commands are kept that no application asks about."""
 
 _MAGIC: Final = b"SQLite format 3\0"
 _SQLITE: Final = (3, 38)
@@ -56,7 +56,7 @@ _OF_THE_PLACE: Final = frozenset(
         sqlite3.SQLITE_CANTOPEN,
     }
 )
-"""What is wrong with the disk, or with who else is there; whatever else SQLite says is wrong with the file."""
+"""Errors of the disk, or of another process at the file; all others of SQLite are errors in the file."""
 
 
 class JournalUnusable(Exception):
@@ -87,7 +87,7 @@ class Ended:
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """Who started a command of a former run has been told how it ended."""
+    """The application of a former run's command was notified how it ended."""
 
     subject: str
     command_id: str
@@ -95,7 +95,7 @@ class Told:
 
 @dataclass(frozen=True, slots=True)
 class Presence:
-    """An engine has come or left."""
+    """An engine was attached or detached."""
 
     engine_id: str
     is_there: bool
@@ -132,7 +132,7 @@ class JournalFile:
 
     Attributes:
         former: what former runs left.
-        engines: who was there at the end of the last.
+        engines: those that were attached at the end of the last run.
 
     Raises:
         JournalUnusable: it is a file of something else, or another gateway has it, or it cannot be written. One that is
@@ -188,7 +188,7 @@ class JournalFile:
             raise
 
     def _require_ours(self) -> None:
-        """Refuse a file that is no database: whoever names the wrong one keeps it."""
+        """Refuse a file that is no database: a file named by mistake stays as it is."""
         os.close(os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600))
         with self.path.open("rb") as file:
             head = file.read(len(_MAGIC))
@@ -274,7 +274,7 @@ def _set_pragmas(database: sqlite3.Connection) -> None:
 
 
 def _is_of_the_place(error: Exception) -> bool:
-    """Tell whether an error says nothing of the file: one that is cut short is damaged, and no fault of the disk."""
+    """Tell whether an error is not about the file: one that is cut short is damaged, and no fault of the disk."""
     code = getattr(error, "sqlite_errorcode", None)
     return code is not None and code & 0xFF in _OF_THE_PLACE and code != sqlite3.SQLITE_IOERR_SHORT_READ
 

@@ -1,4 +1,4 @@
-"""Commands of a former run of the gateway: how each ended, for whoever started it and asks."""
+"""Commands of a former run of the gateway: how each ended, for the application that started it. Pure."""
 
 from collections import OrderedDict
 from dataclasses import dataclass
@@ -11,10 +11,10 @@ from openrois.types.messages import Result
 __all__ = ["MAX_FORMER", "RESTARTED", "FormerCommand", "FormerCommands", "storable"]
 
 MAX_FORMER: Final = 16_384
-"""Commands of former runs that are known; of more the oldest are forgotten."""
+"""Commands of former runs that are kept; of more the oldest are dropped."""
 
 RESTARTED: Final = "the gateway was restarted"
-"""Why a command that ran then has ended."""
+"""The reason of the end of a command that ran then."""
 
 _NOT_KEPT: Final = "the command ended OK before the gateway was restarted, and what it gave was too long to be kept"
 
@@ -28,25 +28,25 @@ class FormerCommand:
         status: how it ended; None where the gateway ended first.
         reason: why not OK, or empty.
         kept: what it gave; None where that was too long to be kept.
-        is_told: its end has been told, which happens once.
+        is_notified: its end was notified, which happens once.
     """
 
     component_ref: str
     status: CompletedStatus | None
     reason: str
     kept: tuple[Result, ...] | None
-    is_told: bool = False
+    is_notified: bool = False
 
     @property
-    def end(self) -> CompletedStatus:
-        """How it ended, as `completed` says it."""
+    def completed_status(self) -> CompletedStatus:
+        """Its status, as in `completed`."""
         return CompletedStatus.ERROR if self.status is None else self.status
 
     def results(self) -> tuple[Result, ...]:
-        """Return what it gave: empty where it failed.
+        """Return its results: none where it failed.
 
         Raises:
-            ComponentFailed: nobody can say, because the gateway was restarted while it ran, or it gave too much.
+            ComponentFailed: they are lost, because the gateway was restarted while it ran, or they were too long.
         """
         if self.status is None:
             raise ComponentFailed(RESTARTED)
@@ -56,7 +56,7 @@ class FormerCommand:
 
 
 class FormerCommands:
-    """The commands of former runs, by who started them and the id that they gave."""
+    """The commands of former runs, by the subject that started them and their id."""
 
     def __init__(self, most: int = MAX_FORMER) -> None:
         self._most = most
@@ -66,7 +66,7 @@ class FormerCommands:
         return len(self._commands)
 
     def put(self, subject: str, command_id: str, command: FormerCommand) -> None:
-        """Note a command; two of one subject with one id cannot be told apart, and the later stands for both."""
+        """Add a command; two of one subject with one id cannot be told apart, and the later stands for both."""
         self._commands[subject, command_id] = command
         self._commands.move_to_end((subject, command_id))
         if len(self._commands) > self._most:

@@ -1,4 +1,4 @@
-"""The journal as the gateway uses it: records are written by a thread, and nobody waits long for it."""
+"""The journal as the gateway uses it: records are written by a thread, and commands wait for that only briefly."""
 
 import asyncio
 import logging
@@ -99,7 +99,7 @@ class Journal(AbstractContextManager["Journal"]):
 
     @property
     def waiting(self) -> int:
-        """How many records wait to be written."""
+        """Number of records that wait to be written."""
         return len(self._queue)
 
     async def accepted(self, session: str, subject: str, commands: Mapping[str, str]) -> None:
@@ -107,7 +107,7 @@ class Journal(AbstractContextManager["Journal"]):
 
         Args:
             session: the connection that they came over; opaque.
-            subject: who started them.
+            subject: that started them.
             commands: the component_ref of each, by command_id.
         """
         if self._file is None:
@@ -132,7 +132,7 @@ class Journal(AbstractContextManager["Journal"]):
             self._put(Ended(session, command_id, status, reason, results))
 
     def engine(self, engine_id: str, *, is_there: bool) -> None:
-        """Note that an engine has come or left."""
+        """Note that an engine was attached or detached."""
         if self._file is not None:
             self._put(Presence(engine_id, is_there))
 
@@ -140,12 +140,12 @@ class Journal(AbstractContextManager["Journal"]):
         """Return a command of a former run of the gateway."""
         return self._former.find(subject, command_id)
 
-    def tell(self, subject: str, command_id: str) -> FormerCommand | None:
-        """Return a command of a former run whose end has not been told, and count it as told from now on."""
+    def deliver_outcome(self, subject: str, command_id: str) -> FormerCommand | None:
+        """Return a command of a former run whose end was not notified yet, and note that it is from now on."""
         command = self.find(subject, command_id)
-        if command is None or command.is_told:
+        if command is None or command.is_notified:
             return None
-        command.is_told = True
+        command.is_notified = True
         self._put(Told(subject, command_id))
         return command
 

@@ -1,4 +1,4 @@
-"""Our own requests on one connection: who waits for which answer, and what an answer does that comes too late."""
+"""Our own requests on one connection: the futures that wait for answers, and the effect of an answer that is late."""
 
 import asyncio
 import logging
@@ -75,13 +75,13 @@ class Calls:
         return request_id, text, answer
 
     def explain(self, request_id: RequestId, reason: str) -> None:
-        """Take why a request is about to be refused; of one that nobody waits for it is forgotten."""
+        """Note the reason of a refusal that follows; unknown requests are ignored."""
         waiter = self._waiters.get(request_id) if isinstance(request_id, int) else None
         if waiter is not None and waiter.on_reason is not None:
             waiter.on_reason(reason)
 
     def settle(self, response: Response) -> None:
-        """Take an answer: `on_result` makes of it what is returned, or `on_late` sees it that nobody waits for."""
+        """Settle a request: `on_result` turns the answer into the value, or `on_late` gets it if that is too late."""
         waiter = self._waiters.pop(response.id, None)
         if waiter is None or waiter.answer.done():
             on_late = waiter.on_late if waiter is not None else self._late.pop(response.id, None)
@@ -100,30 +100,30 @@ class Calls:
         try:
             on_late(result)
         except Exception as error:
-            _log.info("a late answer could not be taken: %s", error)
+            _log.info("a late answer could not be handled: %s", error)
 
     def refuse(self, refusal: ErrorResponse) -> None:
-        """Take a JSON-RPC error."""
+        """Fail a request with a JSON-RPC error."""
         self._late.pop(refusal.id, None)
         waiter = self._waiters.pop(refusal.id, None)
         if waiter is not None and not waiter.answer.done():
             waiter.answer.set_exception(RpcError(refusal.code, f"{waiter.method}: {refusal.message}", refusal.data))
 
     def abandon(self, request_id: int) -> None:
-        """Stop waiting, if the answer has not come: it is dropped, or given to `on_late`."""
+        """Stop waiting, if the answer has not come: it is dropped, or passed to `on_late`."""
         waiter = self._waiters.pop(request_id, None)
         if waiter is None:
             return
         if waiter.on_late is None:
-            self._peer.forget(request_id)
+            self._peer.abandon_request(request_id)
             return
         self._late[request_id] = waiter.on_late
         if len(self._late) > MAX_LATE:
             oldest, _ = self._late.popitem(last=False)
-            self._peer.forget(oldest)
+            self._peer.abandon_request(oldest)
 
     def fail(self, reason: str) -> None:
-        """Fail whatever waits with `SessionClosed`: no answer will come any more."""
+        """Fail every request with `SessionClosed`: no answer will come any more."""
         for waiter in self._waiters.values():
             if not waiter.answer.done():
                 waiter.answer.set_exception(SessionClosed(reason))
@@ -132,7 +132,7 @@ class Calls:
 
 
 def _details(data: Any) -> str:
-    """Return what is wrong with params as the end of a sentence; whoever answers may send anything as `data`."""
+    """Return the problem of params as the end of a sentence; the other side may send anything as `data`."""
     wrong = [each for each in data if isinstance(each, dict)] if isinstance(data, list) else []
     told = "; ".join(f"{each.get('path', '')}: {each.get('message', '')}" for each in wrong[:_SHOWN])
     return f": {' '.join(told.split())[:_LONGEST]}" if told else ""

@@ -1,4 +1,4 @@
-"""The connections of a gateway and what they did: those that live are asked, of those that ended the sums are kept."""
+"""Statistics of a gateway's connections: open ones are read, and the sums of closed ones are kept."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -28,7 +28,7 @@ class Seen:
         urgent: how many requests passed others.
         queued: requests that wait to be served.
         failed: how many handlers raised what they must not raise.
-        violations: messages that were none, or did not fit.
+        violations: malformed messages.
         dropped: events that were dropped because the other side reads too slowly.
         overflows: connections that were cut because the other side does not read.
     """
@@ -51,21 +51,21 @@ class Seen:
     overflows: int = 0
 
     def add_sums(self, session: RpcSession) -> None:
-        """Add what a connection did."""
+        """Add the sums of a connection."""
         self.requests += session.requests
         self.refused += session.refused
-        self.crowded += session.intake.refused
-        self.urgent += session.intake.urgent
+        self.crowded += session.request_queue.refused
+        self.urgent += session.request_queue.urgent
         self.failed += session.failed
         self.violations += session.violations
         self.dropped += session.outbox.dropped
         self.overflows += session.overflows
 
     def add_state(self, session: RpcSession, subscriptions: int) -> None:
-        """Add how a connection stands."""
+        """Add the present state of a connection."""
         self.connections += 1
         self.running += session.running
-        self.queued += len(session.intake)
+        self.queued += len(session.request_queue)
         self.unanswered += session.unanswered
         self.waiting += len(session.outbox)
         self.most_waiting = max(self.most_waiting, len(session.outbox))
@@ -94,7 +94,7 @@ class ConnectionStats:
 
     @contextmanager
     def counted(self, kind: str, session: RpcSession, subscriptions: Callable[[], int] = int) -> Iterator[None]:
-        """Count a connection while the block runs, and what it did from then on.
+        """Count a connection while the block runs, and add its sums when it ends.
 
         Args:
             kind: `application` or `adapter`.
@@ -127,7 +127,7 @@ class ConnectionStats:
         self.cut[reason] = self.cut.get(reason, 0) + 1
 
     def seen(self, kind: str) -> Seen:
-        """Return how the connections of one kind stand."""
+        """Return the state of the connections of one kind."""
         now = replace(self._ended.get(kind, Seen()))
         for session, subscriptions in self._living.get(kind, ()):
             now.add_sums(session)

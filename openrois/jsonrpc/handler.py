@@ -1,4 +1,4 @@
-"""What answers one method: a handler, its reply, and params that do not fit."""
+"""Handlers of methods, their replies, and params that do not fit."""
 
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
@@ -10,11 +10,11 @@ from pydantic import BaseModel, ValidationError
 __all__ = ["MAX_PROBLEMS", "Handler", "InvalidParams", "NotificationHandler", "Reply", "method"]
 
 MAX_PROBLEMS: Final = 16
-"""Problems that one -32602 lists; whoever sent the params chose how many there are."""
+"""Problems that one -32602 lists; their number is the sender's choice."""
 
 _MAX_PATH: Final = 200
 _MAX_MEMBERS: Final = 64
-"""Members of params that are looked at: no method has as many, so that what is left out changes nothing."""
+"""Members of params that are read: no method has as many, so that what is left out changes nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ Handler = Callable[[dict[str, Any]], Awaitable[Any]]
 """Answers one method: params in, the result or a `Reply` out."""
 
 NotificationHandler = Callable[[dict[str, Any]], None]
-"""Takes one notification; must not block."""
+"""Handles one notification; must not block."""
 
 
 class InvalidParams(Exception):

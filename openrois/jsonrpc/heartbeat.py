@@ -1,4 +1,4 @@
-"""The line between a gateway and what moves: signs of life for as long as somebody wants them, and its end."""
+"""The heartbeat between a gateway and what moves: signs of life while they are wanted, and the loss of the line."""
 
 import time
 from collections.abc import Callable
@@ -9,7 +9,7 @@ from openrois.aio.listeners import Listeners
 __all__ = ["ALIVE", "INTERVAL", "WATCH", "Heartbeat"]
 
 ALIVE: Final = "openrois.alive"
-"""Notification of a gateway to its adapter: it is there. Without params."""
+"""Notification of a gateway to its adapter: a sign of life. Without params."""
 
 WATCH: Final = "openrois.watch"
 """Notification of an adapter to its gateway: it wants signs of life from now on, or not any more: `{wanted}`."""
@@ -26,7 +26,7 @@ class Heartbeat:
 
     Attributes:
         seen_at: when the last sign of life came, or was first waited for.
-        on_cut: hear that the connection to the gateway has ended, and why.
+        on_cut: called with the reason when the connection to the gateway has ended.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -38,18 +38,18 @@ class Heartbeat:
 
     @property
     def is_alive(self) -> bool:
-        """Whether there is a gateway that gives signs of life when it is asked to."""
+        """Whether there is a gateway that sends signs of life on demand."""
         return self._ask is not None
 
     def attach(self, ask: Callable[[bool], None]) -> None:
-        """Learn of a gateway that gives signs of life; `ask` tells it whether they are wanted."""
+        """Use a gateway that sends signs of life; `ask` tells it whether they are wanted."""
         self._ask = ask
         if self._wanted:
             self.sign()
             ask(True)
 
     def want(self, wanted: bool) -> None:
-        """Say whether signs of life are wanted from now on."""
+        """Want signs of life from now on, or not any more."""
         if wanted is not self._wanted:
             self._wanted = wanted
             self.sign()
@@ -57,10 +57,10 @@ class Heartbeat:
                 self._ask(wanted)
 
     def sign(self) -> None:
-        """Take a sign of life."""
+        """Note a sign of life."""
         self.seen_at = self._clock()
 
     def cut(self, reason: str) -> None:
-        """Learn that the connection to the gateway has ended."""
+        """Note that the connection to the gateway has ended."""
         self._ask = None
-        self.on_cut.tell(reason)
+        self.on_cut.notify_all(reason)

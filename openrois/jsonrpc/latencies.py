@@ -1,4 +1,4 @@
-"""How long calls took, by method: a histogram for each, cheap enough to be kept for every call."""
+"""Durations of calls, by method: a histogram for each, cheap enough to be kept for every call. Pure."""
 
 from bisect import bisect_left
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ BOUNDS: Final = (0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5
 
 
 class Latencies:
-    """The calls of one kind since the start. Whoever notes a method knows that it exists: each is kept for ever."""
+    """The calls of one kind since the start. Only known methods may be noted: each is kept for ever."""
 
     def __init__(self) -> None:
         # For each method the count of each bucket, and at the end the seconds of all.
@@ -26,6 +26,6 @@ class Latencies:
         noted[-1] += seconds
 
     def __iter__(self) -> Iterator[tuple[str, list[int], float]]:
-        """Give each method with how many calls are in each bucket, and how long all took together."""
+        """Yield each method with the counts of its buckets, and the sum of its durations."""
         for method, noted in self._of.items():
             yield method, [int(count) for count in noted[:-1]], noted[-1]

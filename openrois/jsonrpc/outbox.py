@@ -14,7 +14,7 @@ __all__ = ["Outbox", "OutboxOverflow"]
 _log = logging.getLogger(__name__)
 
 CONTROL_LIMIT: Final = 4096
-"""Messages that may wait, events aside: replies, completions, what streams and signaling tell. They are never dropped:
+"""Messages that may wait, events aside: replies, completions, notifications of streams. They are never dropped:
 one more ends the connection."""
 
 CONTROL_TEXT: Final = 16 * 1024 * 1024
@@ -32,7 +32,7 @@ class OutboxOverflow(Exception):
 
 
 def _silence(_dropped: int) -> str | None:
-    """Say nothing about a gap."""
+    """Return no message for a gap."""
     return None
 
 
@@ -59,7 +59,7 @@ class _Lane:
         self.entries.append((number, text))
         self._text += len(text)
 
-    def take(self) -> str:
+    def pop_text(self) -> str:
         _, text = self.entries.popleft()
         self._text -= len(text)
         return text
@@ -92,7 +92,7 @@ class Outbox:
 
     @property
     def dropped(self) -> int:
-        """How many events were dropped."""
+        """Number of events that were dropped."""
         return self._dropped.count
 
     @property
@@ -116,8 +116,8 @@ class Outbox:
         lane = self._events if droppable else self._control
         while not lane.has_room_for(text):
             if not droppable:
-                raise OutboxOverflow(f"{len(lane.entries)} control messages wait to be read")
-            self.account.remove(len(lane.take()))
+                raise OutboxOverflow(f"{len(lane.entries)} control messages wait: the other side does not read")
+            self.account.remove(len(lane.pop_text()))
             self._missing += 1
             self._dropped.note()
         self._put += 1
@@ -126,12 +126,12 @@ class Outbox:
         self._empty.clear()
         self.account.add(len(text))
         if not self.account.is_open:
-            raise OutboxOverflow("all connections together have more unread than there may be, and this one most")
+            raise OutboxOverflow("too much waits unread on all connections, and most of it on this one")
 
     async def get(self) -> str:
         """Wait for the next message to send and take it; what was taken before has been sent."""
         await self._something()
-        return self._take()
+        return self._pop_text()
 
     async def get_some(self, most_text: int) -> list[str]:
         """Wait for the next message to send and take it with all that wait behind it, up to `most_text` characters.
@@ -139,10 +139,10 @@ class Outbox:
         What was taken before has been sent.
         """
         await self._something()
-        texts = [self._take()]
+        texts = [self._pop_text()]
         room = most_text - len(texts[0])
         while room > 0 and len(self):
-            text = self._take()
+            text = self._pop_text()
             texts.append(text)
             room -= len(text)
         return texts
@@ -155,10 +155,10 @@ class Outbox:
             self._ready.clear()
             await self._ready.wait()
 
-    def _take(self) -> str:
+    def _pop_text(self) -> str:
         control, events = self._control.entries, self._events.entries
         if not events or (control and control[0] < events[0]):
-            text = self._control.take()
+            text = self._control.pop_text()
             self._taken += len(text)
             if self._control.is_half_empty():
                 self._roomy.set()
@@ -167,14 +167,14 @@ class Outbox:
             missing, self._missing = self._missing, 0
             if (notice := self.gap(missing)) is not None:
                 return notice
-        text = self._events.take()
+        text = self._events.pop_text()
         self._taken += len(text)
         return text
 
     async def room(self) -> bool:
-        """Wait until one may ask: half of what may wait is kept for what cannot be put off.
+        """Wait until a request may be sent: half of what may wait is kept for messages that cannot be put off.
 
-        Whoever asked first has room first. Returns whether there is room: closed, there is none any more.
+        Callers get room in the order in which they came. Returns whether there is room: closed, there is none any more.
         """
         if self.is_roomy and not self._asking:
             return not self._closed
@@ -189,12 +189,12 @@ class Outbox:
         return not self._closed
 
     def close(self) -> None:
-        """Drop what waits, and let go of everybody who waits for room: nothing more will be sent."""
+        """Drop what waits, and release every caller that waits for room: nothing more will be sent."""
         self._closed = True
         self._control.clear()
         self._events.clear()
         self._roomy.set()
 
     async def drained(self) -> None:
-        """Wait until the last message was taken and the taker asks for another."""
+        """Wait until the last message was taken and the sender asks for another."""
         await self._empty.wait()

@@ -1,4 +1,4 @@
-"""JSON-RPC 2.0 without input or output: text in, events out, text to send.
+"""JSON-RPC 2.0 without input or output: text in, events out, text to send. Pure.
 
 A `Peer` knows which of its own requests are unanswered and how to read and write envelopes; it knows nothing of tasks,
 sockets, time or RoIS. Frame rules beyond the standard: one object per message, no batches, `params` is an object, and
@@ -49,9 +49,9 @@ RequestId = str | int | float | None
 
 
 class Request(NamedTuple):
-    """The other side asks and wants an answer.
+    """A request of the other side, which expects an answer.
 
-    `params` may be any JSON value: only whoever knows the method can say what is wrong with one that is no object.
+    `params` may be any JSON value: only the method's handler can say what is wrong with one that is no object.
     """
 
     id: RequestId
@@ -60,7 +60,7 @@ class Request(NamedTuple):
 
 
 class Notification(NamedTuple):
-    """The other side tells; no answer is allowed."""
+    """A notification of the other side; no answer is allowed."""
 
     method: str
     params: dict[str, Any]
@@ -106,7 +106,7 @@ def _as_json(value: Any) -> Any:
     raise TypeError(f"{type(value).__name__} cannot be written as JSON")
 
 
-# Made once: `json.dumps` and `json.loads` make a new one for each message where they are told anything.
+# Made once: `json.dumps` and `json.loads` make a new one for each message where they get any option.
 _ENCODER: Final = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"), allow_nan=False, default=_as_json)
 _ASCII_ENCODER: Final = json.JSONEncoder(separators=(",", ":"), allow_nan=False, default=_as_json)
 
@@ -170,32 +170,32 @@ class Peer:
         self._outstanding: set[int] = set()
 
     def request(self, method: str, params: Params) -> tuple[int, str]:
-        """Return a new id and the text that asks `method`."""
+        """Return a new id and the text of a request."""
         request_id = self._next_id
         text = encode({"jsonrpc": "2.0", "id": request_id, "method": method, "params": params})
         self._next_id += 1
         self._outstanding.add(request_id)
         return request_id, text
 
-    def forget(self, request_id: int) -> None:
+    def abandon_request(self, request_id: int) -> None:
         """Give up waiting: an answer that still comes is a violation that is only logged."""
         self._outstanding.discard(request_id)
 
     @staticmethod
     def notification(method: str, params: Params) -> str:
-        """Return the text that tells `method`, which is one of our own names."""
+        """Return the text of a notification; `method` is one of our own names."""
         if isinstance(params, str):
             return f'{{"jsonrpc":"2.0","method":"{method}","params":{params}}}'
         return encode({"jsonrpc": "2.0", "method": method, "params": params})
 
     @staticmethod
     def response(request_id: RequestId, result: Any) -> str:
-        """Return the text that answers `request_id`."""
+        """Return the text of the result for `request_id`."""
         return encode({"jsonrpc": "2.0", "id": request_id, "result": result})
 
     @staticmethod
     def error(request_id: RequestId, code: int, message: str, data: Any = None) -> str:
-        """Return the text that refuses `request_id`; `data` is left out when None."""
+        """Return the text of the error for `request_id`; `data` is left out when None."""
         error: dict[str, Any] = {"code": code, "message": message}
         if data is not None:
             error["data"] = data
@@ -225,7 +225,7 @@ class Peer:
         if params is None:
             params = {}
         if "id" not in message:
-            # A notification can't be answered, so one with unusable params is dropped with its reason logged.
+            # A notification cannot be answered, so one with unusable params is dropped with its reason logged.
             return (
                 Notification(method, params)
                 if isinstance(params, dict)

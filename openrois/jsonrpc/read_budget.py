@@ -1,4 +1,4 @@
-"""Taking what comes over one connection without holding up the others, whatever it costs."""
+"""Reading from one connection without holding up the others, whatever its messages cost."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -8,17 +8,17 @@ from typing import Final, NoReturn
 __all__ = ["FAIR_SHARE", "FAIR_TEXT", "FAIR_TIME", "fair_share", "read_fairly"]
 
 FAIR_SHARE: Final = 64
-"""Messages of one connection that are taken in a row at most; then others have their turn."""
+"""Messages of one connection that are read in a row at most; then other tasks have their turn."""
 
 FAIR_TEXT: Final = 16 * 1024
-"""Characters of them after which others have their turn, too."""
+"""Characters of them after which other tasks have their turn, too."""
 
 FAIR_TIME: Final = 0.01
-"""Seconds that a turn of the loop may take until fewer are taken in a row: some cost a thousand times others."""
+"""Seconds that a turn of the loop may take until fewer are read in a row: some cost a thousand times others."""
 
 
 async def read_fairly(receive: Callable[[], Awaitable[str]], take: Callable[[str], None]) -> NoReturn:
-    """Take messages for ever.
+    """Read and handle messages for ever.
 
     Args:
         receive: waits for the next message; what it raises ends this.
@@ -40,10 +40,10 @@ async def read_fairly(receive: Callable[[], Awaitable[str]], take: Callable[[str
 
 
 def fair_share(share: int = 2, turn: float = 0.0) -> int:
-    """Return how many messages may be taken in a row after a turn of the loop; without one, how many at first.
+    """Return how many messages may be read in a row after a turn of the loop; without one, how many at first.
 
     Args:
         share: how many were taken.
-        turn: seconds that they and everybody else's took.
+        turn: seconds that they and all other tasks took.
     """
     return max(1, share // 4) if turn > FAIR_TIME else min(FAIR_SHARE, share * 2)

@@ -1,4 +1,4 @@
-"""A reply before the notifications that its call causes, where both come from an engine behind this one.
+"""A reply before the notifications that its call causes, where both come from an engine behind this one. Pure.
 
 There they arrive in the right order and then go different ways: the reply through the call that waits for it, a
 notification straight to the application. So notifications are held back until the reply has left.
@@ -17,7 +17,7 @@ MAX_HELD: Final = 256
 
 @dataclass(slots=True)
 class _Lane:
-    """Calls without a reply by number, and what is held: each with the last call that was asked before it."""
+    """Calls without a reply by number, and held notifications, each with the last call made before it."""
 
     calls: set[int] = field(default_factory=set)
     last: int = 0
@@ -38,7 +38,7 @@ class ReplyFirst:
         self._lanes: dict[Hashable, _Lane] = {}
 
     def asked(self, lane: Hashable) -> Callable[[], None]:
-        """Note a call and return what has to be called, once or more, when its reply has left."""
+        """Note a call and return a function to call, once or more, when its reply has left."""
         entry = self._lanes.setdefault(lane, _Lane())
         entry.last += 1
         call = entry.last
@@ -52,7 +52,7 @@ class ReplyFirst:
 
         return replied
 
-    def tell(self, lane: Hashable, notify: Callable[[], None]) -> None:
+    def notify_after_replies(self, lane: Hashable, notify: Callable[[], None]) -> None:
         """Call `notify` as soon as every call that came before it has its reply."""
         entry = self._lanes.get(lane)
         if entry is None:

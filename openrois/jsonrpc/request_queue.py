@@ -1,4 +1,4 @@
-"""Which requests of a connection run, wait or are refused: so many at a time, and what is urgent before all. Pure."""
+"""Requests of a connection that run, wait or are refused: so many at a time, and urgent ones before all. Pure."""
 
 from collections import deque
 from collections.abc import Callable
@@ -26,7 +26,7 @@ MAX_URGENT_REQUESTS: Final = 64
 
 @dataclass(frozen=True, slots=True)
 class QueueRules:
-    """What is special about the requests of a connection.
+    """Rules for the requests of a connection: which are urgent, and what they concern.
 
     Attributes:
         is_urgent: whether a request passes all that wait and counts against no limit.
@@ -46,7 +46,7 @@ class QueueRules:
 
 @dataclass(frozen=True, slots=True)
 class _Waiting:
-    """A request that waits. What it names is read once: urgent ones, which may be many, look at all that wait."""
+    """A request that waits. What it names is read once: urgent ones, which may be many, check all that wait."""
 
     request: Request
     length: int
@@ -88,7 +88,7 @@ class RequestQueue:
     def __len__(self) -> int:
         return len(self._waiting)
 
-    def take(self, request: Request, length: int) -> None:
+    def put_request(self, request: Request, length: int) -> None:
         """Take a request whose text has so many characters: start it, let it wait, or refuse it."""
         if self._running_urgent < MAX_URGENT_REQUESTS and self._rules.is_urgent(request):
             self._pass_all(request)

@@ -1,9 +1,9 @@
 """One JSON-RPC connection at work: a `Peer` over a `MessageStream`, with its tasks, waiters and bounds.
 
-Both sides may ask and tell. Four orders are kept, because callers build on them: messages leave in the order they were
-put; what explains a reply stands right before it (`Reply.reason`); a reply leaves before the notifications that its
-call causes (`Reply.then`); and replies and notifications that arrive are offered in the order of arrival (`on_result`
-runs before the next message is looked at).
+Both sides may send requests and notifications. Four orders are kept, because callers build on them: messages leave in
+the order they were put; what explains a reply stands right before it (`Reply.reason`); a reply leaves before the
+notifications that its call causes (`Reply.then`); and replies and notifications that arrive are offered in the order of
+arrival (`on_result` runs before the next message is read).
 """
 
 import asyncio
@@ -65,18 +65,18 @@ class RpcSession:
     """A JSON-RPC connection; `run` does the work and ends with the connection.
 
     Attributes:
-        stream: what it speaks over; whoever opened it closes it after `run`.
-        methods: what the other side may ask.
-        notifications: what the other side may tell; unknown ones are dropped.
+        stream: what it speaks over; its owner closes it after `run`.
+        methods: handlers of the other side's requests.
+        notifications: handlers of the other side's notifications; unknown ones are dropped.
         outbox: what waits to be sent.
         call_timeout: seconds that a call of ours waits for its answer.
         on_failure: called with what failed when a handler here raised what it must not raise, after that was logged.
         explain: called with the id of a request and a `Reply.reason` that is not empty; what it tells the other side
             stands right before the reply.
-        rules: which requests come first and how many there may be; the `intake` made of them keeps count.
+        rules: which requests come first and how many there may be; the `RequestQueue` made of them keeps count.
         on_refusal: called with the method, the params, the result and the reason of such a reply.
         latencies, call_latencies: of the requests that are served here, and of our own; None for not measured.
-        peer: who is at the other end, for the log.
+        peer: the name of the other end, for the log.
         requests: how many came.
         refused: how many of them were answered with a reason.
         failed: how many handlers raised what they must not raise.
@@ -108,28 +108,28 @@ class RpcSession:
         self._closed: StreamClosed | None = None
         self._reading: asyncio.Timeout | None = None
         self._answered = 0
-        self.intake = RequestQueue(
+        self.request_queue = RequestQueue(
             lambda request, over: self._tasks.create_task(self._serve(request, over)), self._turn_away, self.rules
         )
 
     @property
     def closed(self) -> StreamClosed | None:
-        """Why the connection ended; None while it lives."""
+        """The reason for which the connection ended; None while it lives."""
         return self._closed
 
     @property
     def running(self) -> int:
-        """How many requests are being served."""
+        """Number of requests that are being served."""
         return self.requests - self._answered
 
     @property
     def unanswered(self) -> int:
-        """How many requests of our own wait."""
+        """Number of requests of our own that wait."""
         return len(self._calls)
 
     @property
     def violations(self) -> int:
-        """How many messages were none, or did not fit."""
+        """Number of malformed messages."""
         return self._violations.count
 
     async def run(self) -> StreamClosed:
@@ -147,7 +147,7 @@ class RpcSession:
                 except StreamClosed as closed:
                     self._closed = self._closed or closed
                 finally:
-                    self.intake.close()
+                    self.request_queue.close()
                 raise _Ended
         except* _Ended:
             pass
@@ -168,28 +168,28 @@ class RpcSession:
         self._closed = self._closed or StreamClosed(code, reason)
         await self.stream.close(code, reason)
 
-    def end(self, code: int, reason: str) -> None:
-        """Take and send nothing more from now on: `run` ends with this, and the stream is its owner's to close."""
+    def end_session(self, code: int, reason: str) -> None:
+        """Receive and send nothing more from now on: `run` ends with this, and the stream is its owner's to close."""
         if self._closed is None:
             self._closed = StreamClosed(code, reason)
             if self._reading is not None:
                 self._reading.reschedule(0)
 
     async def _read(self) -> None:
-        """Take messages until the connection ends, or `end` ends it."""
+        """Handle messages until the connection ends, or `end_session` ends it."""
         try:
             async with asyncio.timeout(None) as self._reading:
-                await read_fairly(self.stream.receive, self._take)
+                await read_fairly(self.stream.receive, self._handle_text)
         except TimeoutError:
             if self._closed is None:
                 raise
         finally:
             self._reading = None
 
-    def _take(self, text: str) -> None:
+    def _handle_text(self, text: str) -> None:
         match self._peer.receive(text):
             case protocol.Request() as request:
-                self.intake.take(request, len(text))
+                self.request_queue.put_request(request, len(text))
             case protocol.Notification(name, params):
                 self._take_notification(name, params)
             case protocol.Response() as response:
@@ -251,7 +251,7 @@ class RpcSession:
         try:
             then()
         except Exception:
-            # The reply has left, so this can't be told any more.
+            # The reply has left, so this cannot be answered any more.
             self._failed(f"what follows the reply of {name}")
 
     def _take_notification(self, name: str, params: dict[str, Any]) -> None:
@@ -266,7 +266,7 @@ class RpcSession:
             self._failed(f"taking the notification {name}")
 
     def _failed(self, what: str) -> None:
-        """Log the exception that is being handled, and say that there was one."""
+        """Log the exception that is being handled, and report that there was one."""
         _log.exception("%s failed", what)
         self.failed += 1
         self.on_failure(what)
@@ -280,8 +280,8 @@ class RpcSession:
             self._cut(str(overflow))
 
     def cut_unread(self) -> None:
-        """End the connection: others, which read, need the room that is taken by what waits on it."""
-        self._cut("all connections together have more unread than there may be, and this one most")
+        """End the connection: others, which do read, need the room of what waits on it."""
+        self._cut("too much waits unread on all connections, and most of it on this one")
 
     def _cut(self, reason: str) -> None:
         if self._closed is not None:
@@ -305,7 +305,7 @@ class RpcSession:
         on_late: Callable[[Any], None] | None = None,
         on_reason: Callable[[str], None] | None = None,
     ) -> Any:
-        """Ask the other side, wait for its answer and return the result.
+        """Send a request, wait for its answer and return the result.
 
         Args:
             name: the method.
@@ -313,10 +313,10 @@ class RpcSession:
             timeout: seconds to wait at most, for room to ask as for the answer; `call_timeout` unless given.
             urgent: whether it is sent also where there is no room to ask.
             before: called when there is room, right before it is sent; what it raises is raised, and nothing is sent.
-            on_result: makes of the result what is returned, before any later message of the other side is looked at.
+            on_result: turns the result into the return value, before any later message of the other side is read.
             on_late: called with a result that comes after the caller gave up, by timeout or cancellation; without it
                 such a result is dropped.
-            on_reason: called with what `take_reason` is told of this request, before its result comes.
+            on_reason: called with what `handle_reason` gets for this request, before its result comes.
 
         Raises:
             RpcError: the other side answered with an error.
@@ -326,7 +326,7 @@ class RpcSession:
         loop = asyncio.get_running_loop()
         deadline = loop.time() + (self.call_timeout if timeout is None else timeout)
         if not urgent and not self.outbox.is_roomy:
-            # A question can wait: many at once may not end the connection, as answers that nobody reads do.
+            # A request can wait: many at once may not end the connection, as answers that are not read do.
             async with asyncio.timeout_at(deadline):
                 await self.outbox.room()
         if self._closed is not None:
@@ -348,19 +348,19 @@ class RpcSession:
             if self.call_latencies is not None:
                 self.call_latencies.note(name, perf_counter() - started)
 
-    def take_reason(self, request_id: RequestId, reason: str) -> None:
-        """Take why the other side is about to refuse a request of ours; it is forgotten where there is no such one."""
+    def handle_reason(self, request_id: RequestId, reason: str) -> None:
+        """Note the reason of a refusal that follows; unknown requests are ignored."""
         self._calls.explain(request_id, reason)
 
     def post(self, name: str, params: protocol.Params) -> None:
-        """Ask and let the answer be dropped; nothing happens when the connection has ended."""
+        """Send a request and drop its answer; nothing happens when the connection has ended."""
         if self._closed is None:
             request_id, text, _ = self._calls.open(name, params, None, _ignore)
             self._calls.abandon(request_id)
             self._put(text)
 
     def notify(self, name: str, params: protocol.Params, *, droppable: bool = False, dispensable: bool = False) -> None:
-        """Tell the other side; when the connection has ended, nobody.
+        """Send a notification; nothing happens when the connection has ended.
 
         Args:
             name: the method.
@@ -393,7 +393,7 @@ def _expire(answer: asyncio.Future[Any], deadline: float) -> None:
 
 
 def _ignore(_result: Any) -> None:
-    """Take an answer that nobody asked for."""
+    """Drop an answer that has no caller."""
 
 
 def _cancellations() -> int:

@@ -1,4 +1,4 @@
-"""A new token in time: when the gateway says that the present one ends soon, the newest is shown on the connection."""
+"""Renewal of the token on an open connection, when the gateway notifies that the present one ends soon."""
 
 import asyncio
 import logging
@@ -28,7 +28,7 @@ def renew_token(
     tasks: TaskScope,
     sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
 ) -> dict[str, NotificationHandler]:
-    """Return what takes the gateway's notice that a token ends soon; nothing where there is no other one to show.
+    """Return the handler of the notice that a token ends soon; none where there is no other token to show.
 
     Args:
         session: the connection.
@@ -51,7 +51,7 @@ def renew_token(
                 _log.warning("no new token: %s", error)
                 continue
             if _is_enough(answer):
-                _log.info("the gateway has taken a new token")
+                _log.info("the gateway has accepted a new token")
                 return
         _log.warning("the token ends, and no newer one was found: the gateway will close the connection")
 

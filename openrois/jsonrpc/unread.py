@@ -11,7 +11,7 @@ MAX_UNREAD: Final = 64 * 1024 * 1024
 
 
 class UnreadAccount:
-    """What waits on one connection.
+    """The characters that wait on one connection.
 
     Args:
         budget: what it counts against.
@@ -27,7 +27,7 @@ class UnreadAccount:
         self.is_open = True
 
     def add(self, text: int) -> None:
-        """Count characters that wait from now on; where that is too much, the fullest connection is cut.
+        """Add characters that wait from now on; where that is too much, the fullest connection is cut.
 
         It is the fullest one of the subject that takes most: a subject that has no more than its share of the budget is
         never that. This connection may be it, and `is_open` says so.
@@ -38,19 +38,19 @@ class UnreadAccount:
             self._budget.keep_within()
 
     def remove(self, text: int) -> None:
-        """Count characters no more: they were sent, or dropped."""
+        """Remove characters: they were sent, or dropped."""
         if self.is_open:
             self.text -= text
             self._budget.add(self.subject, -text)
 
     def close(self) -> None:
-        """Count nothing of this connection any more."""
+        """Remove everything of this connection."""
         self.remove(self.text)
         self.is_open = False
 
 
 class UnreadBudget:
-    """What waits on all connections.
+    """The characters that wait on all connections.
 
     Args:
         most: characters.

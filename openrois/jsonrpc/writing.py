@@ -1,4 +1,4 @@
-"""What one connection sends: at once where nothing waits before it, and else all that waits with one write."""
+"""Sending on one connection: at once where nothing waits before it, and else all that waits with one write."""
 
 import asyncio
 from contextlib import suppress

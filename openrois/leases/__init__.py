@@ -1,1 +1,1 @@
-"""Leases: who holds which component, who waits for it, and how it changes hands."""
+"""Leases: the holder of each component, the queue for it, and hand-over."""

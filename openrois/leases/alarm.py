@@ -1,4 +1,4 @@
-"""One alarm: at the earliest of the times that it is set to, something is done."""
+"""One alarm: at the earliest of the times that it is set to, a function is called."""
 
 import asyncio
 from collections.abc import Awaitable, Callable

@@ -1,4 +1,4 @@
-"""What follows from an operation on leases: whom to tell what, in this order."""
+"""Changes that follow from an operation on leases, in the order in which they are notified. Pure."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -9,7 +9,7 @@ __all__ = ["Asked", "Change", "Declined", "Gained", "Lost", "Queued", "Why", "Wi
 
 
 class Why(StrEnum):
-    """Why a component has another holder, or none."""
+    """Reason why a component has another holder, or none."""
 
     BOUND = "bound"
     RELEASED = "released"
@@ -55,7 +55,7 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class Declined:
-    """The holder has answered no, or not in time; the place in the queue stays unless the component is `gone`."""
+    """The holder has declined, or not answered in time; the place in the queue stays unless the component is `gone`."""
 
     request: Request
     in_time: bool
@@ -64,7 +64,7 @@ class Declined:
 
 @dataclass(frozen=True, slots=True)
 class Withdrawn:
-    """A request that the holder was asked about is none any more."""
+    """A request that the holder was asked about was withdrawn."""
 
     request: Request
     holder: object
@@ -72,7 +72,7 @@ class Withdrawn:
 
 @dataclass(frozen=True, slots=True)
 class Queued:
-    """Whoever waits for the component may have another place in the queue now."""
+    """Applications that wait for the component may have another place in the queue now."""
 
     component_ref: str
 

@@ -1,4 +1,4 @@
-"""Who holds which component: bind is exclusive, per session, and needed for actuation components only."""
+"""Holders of components: bind is exclusive, per session, and needed for actuation components only. Pure."""
 
 from itertools import count
 
@@ -10,7 +10,7 @@ __all__ = ["Holding"]
 class Holding:
     """The holders of one engine's components. A holder is any object; identity decides.
 
-    Each time that somebody else begins to hold a component there is a new epoch, and its number is greater than all
+    Each time that a component gets another holder there is a new epoch, and its number is greater than all
     before it: what was allowed to a former holder can be told from what is allowed to the present one.
 
     Args:
@@ -22,10 +22,10 @@ class Holding:
         self._numbers = count(first_epoch)
 
     def bind(self, component_ref: str, holder: object) -> int:
-        """Reserve a component and return the epoch; binding again what one holds is fine, and begins no new one.
+        """Reserve a component and return the epoch; binding again begins no new one.
 
         Raises:
-            OutOfResources: somebody else holds it.
+            OutOfResources: another holder has it.
         """
         held = self._held.get(component_ref)
         if held is None:
@@ -35,13 +35,13 @@ class Holding:
         return held[1]
 
     def move(self, component_ref: str, holder: object) -> int:
-        """Let somebody hold a component from now on, and nobody else; return the epoch that begins."""
+        """Make `holder` the only holder of a component; return the epoch that begins."""
         epoch = next(self._numbers)
         self._held[component_ref] = holder, epoch
         return epoch
 
     def holder(self, component_ref: str) -> tuple[object, int] | None:
-        """Return who holds the component and the epoch, or None where nobody does."""
+        """Return the holder of the component and the epoch, or None where it is free."""
         return self._held.get(component_ref)
 
     def is_held(self, component_ref: str, holder: object) -> bool:
@@ -50,7 +50,7 @@ class Holding:
         return held is not None and held[0] is holder
 
     def is_held_by_another(self, component_ref: str, holder: object) -> bool:
-        """Tell whether somebody holds the component who is not `holder`."""
+        """Tell whether the component has a holder other than `holder`."""
         held = self._held.get(component_ref)
         return held is not None and held[0] is not holder
 
@@ -59,15 +59,15 @@ class Holding:
         return {ref: epoch for ref, (other, epoch) in self._held.items() if other is holder}
 
     def held(self) -> frozenset[str]:
-        """Return every component that somebody holds."""
+        """Return every component that is held."""
         return frozenset(self._held)
 
     def release(self, component_ref: str, holder: object) -> int | None:
-        """Give a component back and return the epoch that is over; None if `holder` does not hold it."""
+        """Release a component and return the epoch that is over; None if `holder` does not hold it."""
         if not self.is_held(component_ref, holder):
             return None
         return self._held.pop(component_ref)[1]
 
     def succeed(self, component_ref: str, successor: object) -> None:
-        """Let a successor hold what somebody holds, in the same epoch."""
+        """Make a successor the holder in the same epoch."""
         self._held[component_ref] = successor, self._held[component_ref][1]

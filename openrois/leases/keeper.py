@@ -1,4 +1,4 @@
-"""Leases at work: the rules with a clock, told to sessions and adapters, and the end of a former holder's commands."""
+"""Leases at work: the rules with a clock, the notifications, and the end of a former holder's commands."""
 
 import asyncio
 import time
@@ -26,18 +26,18 @@ class LeaseKeeper:
     Args:
         engine: whose components are held.
         tasks: owns what goes on when a call has been answered.
-        accepted: the commands that end when their component is handed over.
+        pending: the commands that end when their component is handed over.
         rules: how long what lasts.
         first_epoch: the number of the first epoch; greater than all that a former process of this gateway gave.
         clock: monotonic seconds.
         sleep: waits for some seconds.
-        acted: hears of components that change hands without their new or former holder asking for it at that moment:
+        acted: records components that change hands without their new or former holder asking for it at that moment:
             whose, what, which component, and why.
-        on_lost: is told when somebody does not hold a component any more.
+        on_lost: called when a session does not hold a component any more.
 
     Attributes:
         model: the rules, and how things stand.
-        telling: tells of it.
+        notifications: sends them.
         ended: how many leases ended, by the reason.
     """
 
@@ -45,7 +45,7 @@ class LeaseKeeper:
         self,
         engine: Engine,
         tasks: TaskScope,
-        accepted: PendingCommands,
+        pending: PendingCommands,
         *,
         rules: Rules | None = None,
         first_epoch: int = 1,
@@ -60,8 +60,8 @@ class LeaseKeeper:
         self.model = LeaseModel(rules, first_epoch)
         self._engine = engine
         self._tasks = tasks
-        self._accepted = accepted
-        self.telling = LeaseNotifications(self.model, engine, tasks, clock)
+        self._pending = pending
+        self.notifications = LeaseNotifications(self.model, engine, tasks, clock)
         self._clearing: dict[str, asyncio.Task[None]] = {}
         self._alarm = Alarm(self._advance, tasks, clock, sleep)
         self._now = clock
@@ -71,35 +71,35 @@ class LeaseKeeper:
         return self.model.holding.is_held(component_ref, holder) and component_ref not in self._clearing
 
     def is_held_by_another(self, component_ref: str, holder: Holder) -> bool:
-        """Tell whether somebody holds the component who is not `holder`."""
+        """Tell whether the component has a holder other than `holder`."""
         return self.model.holding.is_held_by_another(component_ref, holder)
 
     def bind(self, component_ref: str, holder: Holder) -> int:
-        """Reserve a component and return the epoch; its adapter is told, also when `holder` has it already.
+        """Reserve a component and return the epoch; its adapter is notified, also when `holder` has it already.
 
         Raises:
-            OutOfResources: somebody else holds it.
+            OutOfResources: another session holds it.
         """
         is_new = self.model.holding.holder(component_ref) is None
         epoch = self.model.holding.bind(component_ref, holder)
         if is_new:
             self._carry([Gained(component_ref, holder, epoch, Why.BOUND)], by=holder)
         else:
-            self.telling.adapter(component_ref, holder, epoch, holds=True)
+            self.notifications.adapter(component_ref, holder, epoch, holds=True)
         return epoch
 
     def release(self, component_ref: str, holder: Holder) -> None:
-        """Give a component back, if `holder` has it: the first in line has it next."""
+        """Release a component, if `holder` has it: the first in the queue has it next."""
         self._carry(self.model.release(component_ref, holder, self._now()), by=holder)
 
     def leave(self, holder: Holder) -> None:
-        """Give everything back, and wait for nothing more. The adapters learn that from whoever forgets the client."""
-        self.telling.forget(holder)
+        """Release everything, and withdraw every request. The adapters learn that from `forget_client`."""
+        self.notifications.forget_watcher(holder)
         self._carry(self.model.leave(holder, self._now()))
 
     def lose(self, holder: Holder) -> None:
-        """Learn that a connection was lost: what a session with a resume token holds is kept for the grace."""
-        self.telling.forget(holder)
+        """Note that a connection was lost: what a session with a resume token holds is kept for the grace."""
+        self.notifications.forget_watcher(holder)
         self._carry(self.model.lose(holder, self._now()))
 
     def keep_only(self, component_refs: Iterable[str]) -> None:
@@ -107,7 +107,7 @@ class LeaseKeeper:
         self._carry(self.model.keep_only(component_refs))
 
     def request(self, component_ref: str, asker: Holder) -> str:
-        """Ask for a component; return the id of the request, or empty text where nobody has to be asked.
+        """Request a component; return the id of the request, or empty text where no holder has to be asked.
 
         Raises:
             OutOfResources: too many wait for it.
@@ -117,15 +117,15 @@ class LeaseKeeper:
         return "" if request is None else request.request_id
 
     def withdraw(self, component_ref: str, asker: Holder) -> None:
-        """Wait for a component no more."""
+        """Withdraw the request for a component."""
         self._carry(self.model.withdraw(component_ref, asker), by=asker)
 
     def waited_for(self, asker: Holder) -> list[str]:
-        """Return the components that somebody waits for."""
+        """Return the components that `asker` waits for."""
         return [request.component_ref for request in self.model.waiting.of(asker)]
 
     def grant(self, request_id: str, holder: Holder) -> str:
-        """Let who asks have the component, once what runs there has been stopped; return which it is.
+        """Hand the component over once what runs there has been stopped; return which it is.
 
         Raises:
             Unsupported: `holder` was not asked that.
@@ -143,15 +143,15 @@ class LeaseKeeper:
         self._carry(self.model.decline(request_id, holder))
 
     async def take(self, component_ref: str, taker: Holder) -> None:
-        """Have a component, whoever holds it, once what runs there has been stopped."""
+        """Take a component from its holder, once what runs there has been stopped."""
         self._carry(self.model.take(component_ref, taker, self._now()))
         clearing = self._clearing.get(component_ref)
         if clearing is not None:
-            # It goes on when whoever takes it is gone meanwhile.
+            # The hand-over goes on when the session that takes it is gone meanwhile.
             await asyncio.wait({clearing})
 
     def token(self, holder: Holder) -> str:
-        """Return what the session is resumed with when its connection is lost.
+        """Return the token that resumes the session when its connection is lost.
 
         Raises:
             Unsupported: leases do not survive a connection here.
@@ -159,7 +159,7 @@ class LeaseKeeper:
         return self.model.token(holder, holder.principal.subject)
 
     def resume(self, token: str, successor: Holder) -> object:
-        """Let a session go on in the place of another; return that one. Adapters are told who holds what now.
+        """Let a session go on in the place of another; return that one. Adapters are notified of the holders.
 
         Raises:
             Replayed: the token comes a second time.
@@ -175,33 +175,33 @@ class LeaseKeeper:
         for component_ref, epoch in self.model.holding.held_by(successor).items():
             successor.bound.add(component_ref)
             if component_ref not in begun:
-                self.telling.adapter(component_ref, successor, epoch, holds=True)
+                self.notifications.adapter(component_ref, successor, epoch, holds=True)
         self._carry(changes, by=successor)
         return former
 
     # How it is done.
 
     def _carry(self, changes: list[Change], by: Holder | None = None) -> None:
-        """Carry out what follows from an operation, and tell everybody of it but whom its answer tells."""
-        told: dict[str, tuple[Holder | None, str]] = {}
+        """Carry out changes, and notify all that they concern but the session whose answer contains them."""
+        changed: dict[str, tuple[Holder | None, str]] = {}
         for change in changes:
             match change:
                 case Lost(component_ref, holder, epoch, why):
                     self._lost(component_ref, session_of(holder), epoch, why)
-                    told[component_ref] = session_of(holder), SENTENCES[why]
+                    changed[component_ref] = session_of(holder), SENTENCES[why]
                 case Gained(component_ref, holder, epoch, why):
                     self._gained(component_ref, session_of(holder), epoch, why)
-                    former, _ = told.get(component_ref, (None, ""))
-                    told[component_ref] = former, SENTENCES[why]
+                    former, _ = changed.get(component_ref, (None, ""))
+                    changed[component_ref] = former, SENTENCES[why]
                 case Queued(component_ref):
-                    told.setdefault(component_ref, (None, ""))
+                    changed.setdefault(component_ref, (None, ""))
                 case _:
-                    self.telling.of_request(change)
-        for component_ref, (former, sentence) in told.items():
+                    self.notifications.of_request(change)
+        for component_ref, (former, sentence) in changed.items():
             if component_ref not in self._clearing:
-                self.telling.to_all(component_ref, former, sentence, but=by)
+                self.notifications.to_all(component_ref, former, sentence, but=by)
             elif former is not None:
-                self.telling.say(former, self.telling.changed(component_ref, former, sentence))
+                self.notifications.say(former, self.notifications.changed(component_ref, former, sentence))
         self._alarm.set(self.model.next_due())
 
     def _lost(self, component_ref: str, holder: Holder, epoch: int, why: Why) -> None:
@@ -211,14 +211,14 @@ class LeaseKeeper:
             self._acted(holder.principal, "lease.lost", component_ref, f"epoch {epoch}: {why}")
         self._on_lost(component_ref, holder)
         if why is Why.RELEASED or why in _HANDED:
-            self.telling.adapter(component_ref, holder, epoch, holds=False)
+            self.notifications.adapter(component_ref, holder, epoch, holds=False)
 
     def _gained(self, component_ref: str, holder: Holder, epoch: int, why: Why) -> None:
         holder.bound.add(component_ref)
         if why is not Why.BOUND:
             self._acted(holder.principal, "lease.gained", component_ref, f"epoch {epoch}: {why}")
         if why not in _HANDED:
-            self.telling.adapter(component_ref, holder, epoch, holds=True)
+            self.notifications.adapter(component_ref, holder, epoch, holds=True)
             return
         before = self._clearing.get(component_ref)
         self._clearing[component_ref] = self._tasks.start(self._clear(component_ref, holder, why, before))
@@ -228,16 +228,16 @@ class LeaseKeeper:
         try:
             if before is not None:
                 await asyncio.wait({before})
-            reason = f"{component_ref} is {holder.principal.subject}'s now: {SENTENCES[why]}"
-            await stop_components(self._engine, self._accepted, self._tasks, (component_ref,), reason)
+            reason = f"{component_ref} is now held by {holder.principal.subject}: {SENTENCES[why]}"
+            await stop_components(self._engine, self._pending, self._tasks, (component_ref,), reason)
         finally:
             if self._clearing.get(component_ref) is asyncio.current_task():
                 del self._clearing[component_ref]
         held = self.model.holding.holder(component_ref)
         if held is not None and component_ref not in self._clearing:
             # It may have resumed meanwhile.
-            self.telling.adapter(component_ref, session_of(held[0]), held[1], holds=True)
-            self.telling.to_all(component_ref, None, SENTENCES[why])
+            self.notifications.adapter(component_ref, session_of(held[0]), held[1], holds=True)
+            self.notifications.to_all(component_ref, None, SENTENCES[why])
 
     def _advance(self) -> None:
         self._carry(self.model.advance(self._now()))

@@ -1,6 +1,7 @@
-"""Tells of leases: sessions how things stand as they see it, adapters who holds what."""
+"""Notifications of leases: to sessions the lease as each sees it, to adapters the holder of a component."""
 
 import asyncio
+import logging
 from collections.abc import Callable, Mapping
 from typing import Any, Final, Protocol, cast
 
@@ -8,8 +9,8 @@ from openrois.aio.tasks import TaskScope
 from openrois.auth.principal import Principal
 from openrois.contract import Client
 from openrois.engine.engine import Engine
+from openrois.errors import RoISError
 from openrois.leases.changes import Asked, Declined, Why, Withdrawn
-from openrois.leases.lease_notify import notify_holder
 from openrois.leases.model import LeaseModel
 from openrois.types.leases import (
     LeaseChangedNotification,
@@ -21,7 +22,15 @@ from openrois.types.leases import (
 )
 from openrois.types.streams import HolderNotification
 
-__all__ = ["SENTENCES", "Holder", "LeaseNotifications", "session_of"]
+__all__ = [
+    "SENTENCES",
+    "Holder",
+    "LeaseNotifications",
+    "notify_holder",
+    "session_of",
+]
+
+_log = logging.getLogger(__name__)
 
 SENTENCES: Final[Mapping[Why, str]] = {
     Why.BOUND: "it was free",
@@ -39,9 +48,9 @@ class Holder(Protocol):
     """A session that may hold components. Identity decides.
 
     Attributes:
-        principal: who it is.
+        principal: of the application.
         client: it, as adapters know it.
-        leasing: whether it knows of leases, and wants to hear of them.
+        leasing: whether it knows of leases, and wants their notifications.
         bound: what it has bound.
     """
 
@@ -50,17 +59,17 @@ class Holder(Protocol):
     leasing: bool
     bound: set[str]
 
-    def tell(self, method: str, params: Mapping[str, Any]) -> None:
+    def send_notification(self, method: str, params: Mapping[str, Any]) -> None:
         """Send the application a notification; must not block."""
         ...
 
 
 class LeaseNotifications:
-    """Tells of the leases of one engine.
+    """Sends the notifications of the leases of one engine.
 
     Args:
         model: how things stand.
-        engine: whose adapters are told.
+        engine: its adapters are notified.
         tasks: owns what goes on when a call has been answered.
         now: monotonic seconds.
     """
@@ -73,7 +82,7 @@ class LeaseNotifications:
         self._watchers: dict[str, set[Holder]] = {}
 
     def status(self, component_ref: str, viewer: Holder) -> LeaseStatus:
-        """Return how things stand with a component, as somebody sees it."""
+        """Return the lease of a component, as one session sees it."""
         held = self._model.holding.holder(component_ref)
         queue = self._model.waiting.queue(component_ref)
         position = next((place for place, request in enumerate(queue, 1) if request.asker is viewer), 0)
@@ -94,16 +103,16 @@ class LeaseNotifications:
         return LeaseState.ABSENT if holder in self._model.absent else LeaseState.HELD
 
     def watch(self, component_ref: str, viewer: Holder) -> None:
-        """Tell somebody from now on, until it leaves, when a component has another holder."""
+        """Notify a session from now on, until it leaves, when a component has another holder."""
         self._watchers.setdefault(component_ref, set()).add(viewer)
 
     def adapter(self, component_ref: str, holder: Holder, epoch: int, *, holds: bool) -> None:
-        """Tell the adapter of a component whether somebody holds it."""
-        told = HolderNotification(component_ref=component_ref, holds=holds, epoch=epoch)
-        self._tasks.start(notify_holder(self._engine, told, holder.client))
+        """Notify the adapter of a component whether a session holds it."""
+        notice = HolderNotification(component_ref=component_ref, holds=holds, epoch=epoch)
+        self._tasks.start(notify_holder(self._engine, notice, holder.client))
 
     def of_request(self, change: Asked | Declined | Withdrawn) -> None:
-        """Tell the holder, or who asks, what became of a request."""
+        """Notify the holder, or the session that asks, what became of a request."""
         request = change.request
         named = {"component_ref": request.component_ref, "request_id": request.request_id}
         match change:
@@ -120,7 +129,7 @@ class LeaseNotifications:
                 self.say(session_of(holder), LeaseWithdrawnNotification(**named))
 
     def to_all(self, component_ref: str, former: Holder | None, reason: str, *, but: Holder | None = None) -> None:
-        """Tell everybody whom it concerns how things stand with a component."""
+        """Notify every session concerned of the lease of a component."""
         held = self._model.holding.holder(component_ref)
         concerned = set(self._watchers.get(component_ref, ()))
         concerned |= {session_of(request.asker) for request in self._model.waiting.queue(component_ref)}
@@ -131,19 +140,19 @@ class LeaseNotifications:
             self.say(viewer, self.changed(component_ref, viewer, reason))
 
     def changed(self, component_ref: str, viewer: Holder, reason: str) -> LeaseChangedNotification:
-        """Return what somebody is told when a component has another holder or another queue."""
+        """Return the notification of another holder or another queue for one session."""
         status = self.status(component_ref, viewer)
         return LeaseChangedNotification(**status.model_dump(), reason=reason)
 
-    def say(self, viewer: Holder, told: "_Told") -> None:
-        """Tell somebody, if it wants notifications of extensions, once what it has asked is answered."""
-        if viewer.leasing and viewer.principal.sees(told.component_ref):
-            # What was asked is answered first.
-            params = told.model_dump(mode="json")
-            asyncio.get_running_loop().call_soon(viewer.tell, told.method, params)
+    def say(self, viewer: Holder, notice: "_Told") -> None:
+        """Notify a session, if it wants notifications of extensions, after the answer to its request."""
+        if viewer.leasing and viewer.principal.sees(notice.component_ref):
+            # The reply to the request leaves first.
+            params = notice.model_dump(mode="json")
+            asyncio.get_running_loop().call_soon(viewer.send_notification, notice.method, params)
 
-    def forget(self, viewer: Holder) -> None:
-        """Tell somebody no more what it only watches."""
+    def forget_watcher(self, viewer: Holder) -> None:
+        """Stop notifying a session of what it only watches."""
         for component_ref in [ref for ref, viewers in self._watchers.items() if viewer in viewers]:
             self._watchers[component_ref].discard(viewer)
             if not self._watchers[component_ref]:
@@ -154,5 +163,13 @@ _Told = LeaseChangedNotification | LeaseRequestedNotification | LeaseDeclinedNot
 
 
 def session_of(holder: object) -> Holder:
-    """Return what the model takes for any object as what it is."""
+    """Return a holder of the model, which takes any object for one, as the session that it is."""
     return cast(Holder, holder)
+
+
+async def notify_holder(engine: Engine, notice: HolderNotification, client: Client) -> None:
+    """Notify the engine of a component whether `client` holds it; an engine that refuses that is left alone."""
+    try:
+        await engine.extension.set_holder(notice, client)
+    except RoISError as error:
+        _log.debug("%s is not told who holds it: %s", notice.component_ref, error)

@@ -1,4 +1,7 @@
-"""The rules of leases: bind, release, grace after a lost connection, resume, queue, hand-over. Time is an argument."""
+"""The rules of leases: bind, release, grace after a lost connection, resume, queue, hand-over. Time is an argument.
+
+Pure.
+"""
 
 import secrets
 from collections.abc import Callable, Iterable
@@ -17,16 +20,16 @@ GRACE: Final = 10.0
 """Seconds for which a lease survives the connection of its holder."""
 
 PATIENCE: Final = 30.0
-"""Seconds that a holder has to answer who asks for its component."""
+"""Seconds that a holder has to answer a request for its component."""
 
 _NOT_VALID: Final = "the resume token is not valid"
 
 
 class Replayed(Unsupported):
-    """A resume token came a second time: one of the two who had it is a thief.
+    """A resume token came a second time: one of its two users is a thief.
 
     Attributes:
-        holder: who has gone on by it, and is not resumed again.
+        holder: the session that has gone on by it, and is not resumed again.
         changes: what follows.
     """
 
@@ -38,7 +41,7 @@ class Replayed(Unsupported):
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """What an operator of a gateway sets.
+    """Settings of leases by the operator of a gateway.
 
     Attributes:
         grace: seconds for which a lease survives a lost connection; 0 for none.
@@ -50,9 +53,9 @@ class Rules:
 
 
 class LeaseModel:
-    """The leases of one engine. Exactly one holds a component, or nobody; nobody waits for one that nobody holds.
+    """The leases of one engine. A component has one holder or none; a free component has no queue.
 
-    Holders are any objects; identity decides. What follows from an operation is returned as changes, to be told in
+    Holders are any objects; identity decides. What follows from an operation is returned as changes, to be notified in
     their order.
 
     Args:
@@ -61,8 +64,8 @@ class LeaseModel:
         mint: makes tokens.
 
     Attributes:
-        holding: who holds what. Nobody waits for a free component, so to bind one needs nothing but this.
-        waiting: who waits for what.
+        holding: the holder of each component. A free component has no queue, so to bind one needs nothing but this.
+        waiting: the queue of each component.
         absent: whose connection was lost, and until when it may be resumed.
     """
 
@@ -79,7 +82,7 @@ class LeaseModel:
         return min((*self.absent.values(), *deadlines), default=None)
 
     def release(self, component_ref: str, holder: object, now: float, why: Why = Why.RELEASED) -> list[Change]:
-        """Give a component back; the first in line has it next. Nothing changes if `holder` does not hold it."""
+        """Release a component; the first in the queue has it next. Nothing changes if `holder` does not hold it."""
         epoch = self.holding.release(component_ref, holder)
         if epoch is None:
             return []
@@ -92,9 +95,9 @@ class LeaseModel:
         return changes
 
     def leave(self, holder: object, now: float, why: Why = Why.LEFT) -> list[Change]:
-        """Give everything back, ask for nothing more, and be resumed by nobody."""
+        """Release everything, withdraw every request, and forget the resume tokens."""
         self.absent.pop(holder, None)
-        self._tokens.forget(holder)
+        self._tokens.forget_holder(holder)
         changes = self._withdraw_all(holder)
         for component_ref in self.holding.held_by(holder):
             changes += self.release(component_ref, holder, now, why)
@@ -115,9 +118,9 @@ class LeaseModel:
     # Hand-over.
 
     def request(self, component_ref: str, asker: object, now: float) -> list[Change]:
-        """Ask for a component: have it where nobody holds it, or else wait in line while the holder is asked.
+        """Request a component: hold it where it is free, or else wait in the queue while the holder is asked.
 
-        Who waits already keeps its place; the holder is asked again if it has answered, or did not in time.
+        A session that waits already keeps its place; the holder is asked again if it has answered, or did not in time.
 
         Raises:
             OutOfResources: too many wait for it.
@@ -137,12 +140,12 @@ class LeaseModel:
         return [Asked(request, held[0]), Queued(component_ref)]
 
     def withdraw(self, component_ref: str, asker: object) -> list[Change]:
-        """Wait for a component no more."""
+        """Withdraw the request for a component."""
         request = self.waiting.find(component_ref, asker)
         return [] if request is None else self._withdraw(request)
 
     def grant(self, request_id: str, holder: object, now: float) -> list[Change]:
-        """Let who asks have the component.
+        """Hand the component over to the session that asked.
 
         Raises:
             Unsupported: `holder` was not asked that.
@@ -151,7 +154,7 @@ class LeaseModel:
         return self._hand_over(request.component_ref, request.asker, now, Why.GRANTED)
 
     def decline(self, request_id: str, holder: object) -> list[Change]:
-        """Keep the component; who asks may go on waiting for it.
+        """Keep the component; the session that asked may go on waiting for it.
 
         Raises:
             Unsupported: `holder` was not asked that.
@@ -161,7 +164,7 @@ class LeaseModel:
         return [Declined(request, in_time=True)]
 
     def take(self, component_ref: str, taker: object, now: float) -> list[Change]:
-        """Have a component, whoever holds it. Whether one may is the caller's to know."""
+        """Take a component from its holder. Whether the caller may do that is not checked here."""
         if self.holding.holder(component_ref) is None:
             return self.request(component_ref, taker, now)
         if self.holding.is_held(component_ref, taker):
@@ -171,17 +174,17 @@ class LeaseModel:
     # A lost connection.
 
     def token(self, holder: object, subject: str) -> str:
-        """Return what another session resumes this one with: good once, for that subject.
+        """Return the token with which another session resumes this one: valid once, for that subject.
 
         Raises:
             Unsupported: leases do not survive a connection here.
         """
         if self.rules.grace <= 0:
-            raise Unsupported("no lease outlives its connection here")
+            raise Unsupported("this gateway ends leases with their connection (--lease-grace 0)")
         return self._tokens.issue(holder, subject)
 
     def lose(self, holder: object, now: float) -> list[Change]:
-        """Learn that a connection was lost: what a session with a token holds is kept for the grace."""
+        """Note that a connection was lost: what a session with a token holds is kept for the grace."""
         if not self._tokens.has_one(holder):
             return self.leave(holder, now)
         self.absent[holder] = now + self.rules.grace
@@ -194,7 +197,7 @@ class LeaseModel:
         put out: new epochs begin, so that whatever comes of it yet is late.
 
         Raises:
-            Unsupported: nobody knows the token, it is another subject's or the successor's own, or its time is over.
+            Unsupported: the token is unknown, another subject's or the successor's own, or its time is over.
             Replayed: it comes a second time; what was resumed by it is not resumed again.
         """
         found = self._tokens.find(token, subject)
@@ -204,7 +207,7 @@ class LeaseModel:
         if found.replayed:
             raise Replayed(former, self.leave(former, now, Why.EXPIRED) if former in self.absent else [])
         if former is successor:
-            raise Unsupported("a session resumes another one, not itself")
+            raise Unsupported("this token is the session's own: resume a former one")
         self._tokens.succeed(former, successor)
         was_lost = self.absent.pop(former, None) is not None
         changes = self._withdraw_all(former)
@@ -224,7 +227,7 @@ class LeaseModel:
         return former, changes
 
     def advance(self, now: float) -> list[Change]:
-        """Do what time has brought: graces that are over, and answers that did not come."""
+        """Do what is due: graces that are over, and answers that did not come."""
         changes: list[Change] = []
         for holder in [holder for holder, until in self.absent.items() if until <= now]:
             changes += self.leave(holder, now, Why.EXPIRED)
@@ -238,7 +241,7 @@ class LeaseModel:
 
     def _held(self, component_ref: str) -> tuple[object, int]:
         held = self.holding.holder(component_ref)
-        assert held is not None, "nobody waits for what nobody holds"
+        assert held is not None, "a free component has no queue"
         return held
 
     def _asked(self, request_id: str, holder: object) -> Request:

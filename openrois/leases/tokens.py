@@ -1,4 +1,4 @@
-"""Resume tokens: proof that a new session goes on where a lost one ended. Each is good once, for one subject."""
+"""Resume tokens: proof that a new session goes on where a lost one ended. Each is good once, for one subject. Pure."""
 
 import secrets
 from collections import deque
@@ -10,7 +10,7 @@ from typing import Final
 __all__ = ["Redeemed", "ResumeTokens", "new_token"]
 
 _SPENT: Final = 64
-"""Used tokens that are remembered of one line of sessions, to notice when one comes a second time."""
+"""Used tokens of one line of sessions that are kept, to notice when one comes a second time."""
 
 _TOKEN_BYTES: Final = 32
 
@@ -32,10 +32,10 @@ class _Line:
 
 @dataclass(frozen=True, slots=True)
 class Redeemed:
-    """What became of a token that somebody showed.
+    """The finding about a token that was shown.
 
     Attributes:
-        holder: whose token it is or was; None where nobody knows it, or it is another subject's.
+        holder: its session; None where it is unknown, or another subject's.
         replayed: it was used before: from now on none that its line has been given is good.
     """
 
@@ -72,7 +72,7 @@ class ResumeTokens:
         return line is not None and line.valid is not None
 
     def find(self, token: str, subject: str) -> Redeemed:
-        """Say whose token this is, and whether it comes a second time: then its line is over."""
+        """Return whose token this is, and whether it comes a second time: then its line is over."""
         digest = _digest(token)
         line = self._known.get(digest)
         if line is None or line.subject != subject:
@@ -85,13 +85,13 @@ class ResumeTokens:
     def succeed(self, former: object, successor: object) -> None:
         """Use up the token of a session, and let its line go on with another session."""
         line = self._lines.pop(former)
-        self.forget(successor)
+        self.forget_holder(successor)
         self._spend(line)
         line.holder = successor
         self._lines[successor] = line
 
-    def forget(self, holder: object) -> None:
-        """Forget the line of a session: nobody goes on where it ended."""
+    def forget_holder(self, holder: object) -> None:
+        """Drop the line of a session: it cannot be resumed any more."""
         line = self._lines.pop(holder, None)
         if line is not None:
             self._spend(line)

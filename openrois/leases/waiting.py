@@ -1,4 +1,4 @@
-"""Who waits for a component, in which order, and which of them still waits for the holder's answer."""
+"""The queue for each component, and which requests in it still wait for the holder's answer. Pure."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -18,7 +18,7 @@ class Request:
     Attributes:
         request_id: by which the holder answers it.
         component_ref: the component.
-        asker: who wants it.
+        asker: the session that wants it.
         deadline: until when the holder may answer; None once it has, or did not in time.
     """
 
@@ -56,19 +56,19 @@ class Waiting:
         return self._by_id.get(request_id)
 
     def queue(self, component_ref: str) -> tuple[Request, ...]:
-        """Return who waits for a component, the first in line first."""
+        """Return the requests for a component, the first in the queue first."""
         return tuple(self._queues.get(component_ref, ()))
 
     def of(self, asker: object) -> tuple[Request, ...]:
-        """Return everything that somebody waits for."""
+        """Return every request of `asker`."""
         return tuple(request for request in self._by_id.values() if request.asker is asker)
 
     def find(self, component_ref: str, asker: object) -> Request | None:
-        """Return the request of somebody for a component."""
+        """Return the request of `asker` for a component."""
         return next((request for request in self.queue(component_ref) if request.asker is asker), None)
 
     def remove(self, request: Request) -> None:
-        """Take a request out of its queue."""
+        """Remove a request from its queue."""
         queue = self._queues[request.component_ref]
         queue.remove(request)
         if not queue:

@@ -1,4 +1,4 @@
-"""From figures to the text that Prometheus reads."""
+"""Figures in the text format that Prometheus reads."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final, TypeVar
@@ -34,7 +34,7 @@ def written(found: Iterable[Metric], accept: str = "") -> tuple[bytes, str]:
 
 
 class _Found:
-    """A collector that gives what was found."""
+    """A collector that yields the families it was given."""
 
     def __init__(self, found: Iterable[Metric]) -> None:
         self._found = tuple(found)

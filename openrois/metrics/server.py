@@ -25,7 +25,7 @@ _SHUTDOWN_TIMEOUT: Final = 0.5
 
 
 class MetricsUnavailable(Exception):
-    """Figures cannot be served where they should be; the text says why."""
+    """Figures cannot be served at that address; the text says why."""
 
 
 def metrics_address(text: str) -> tuple[str, int]:
@@ -37,7 +37,7 @@ def metrics_address(text: str) -> tuple[str, int]:
     host, _, port = text.rpartition(":")
     host = host.removeprefix("[").removesuffix("]") or LOOPBACK
     if not (port.isascii() and port.isdigit() and int(port) < 2**16):
-        raise ValueError(f"{text!r} is no address for metrics: HOST:PORT or PORT")
+        raise ValueError(f"{text!r} is no address for metrics: write it as HOST:PORT or PORT")
     return host, int(port)
 
 
@@ -50,22 +50,22 @@ async def serving_metrics(
     turned_away: Callable[[str], None] = lambda _reason: None,
     beside: Mapping[str, Callable[[web.Request], Awaitable[web.StreamResponse]]] = MappingProxyType({}),
 ) -> AsyncIterator[str]:
-    """Serve figures for as long as the block runs; gives the URL, with the port that was chosen for 0.
+    """Serve figures while the block runs; yields the URL, with the port that was chosen for 0.
 
     Args:
         host: the address to listen on.
         port: the TCP port.
         write: given the header `Accept`, returns all figures and the content type; never called twice at a time.
-        token: what whoever asks has to show, as `Authorization: Bearer`; empty for nothing.
-        turned_away: told the reason whenever a connection is cut, or a request refused for being one too many.
-        beside: what is answered at other paths of the same port, to whoever asks.
+        token: what a client has to show, as `Authorization: Bearer`; empty for nothing.
+        turned_away: called with the reason whenever a connection is cut, or a request refused for being one too many.
+        beside: handlers of other paths of the same port, without a token.
 
     Raises:
         MetricsUnavailable: the port is taken, or the address is not this machine's.
     """
     one_at_a_time = asyncio.Lock()
     scrapes = 0
-    heads = HeaderTimeouts(turned_away)
+    header_timeouts = HeaderTimeouts(turned_away)
 
     async def answer(request: web.Request) -> web.Response:
         shown = request.headers.get("Authorization", "")
@@ -84,7 +84,7 @@ async def serving_metrics(
             scrapes -= 1
         return web.Response(body=text, headers={"Content-Type": content_type})
 
-    app = web.Application(middlewares=[heads.middleware()])
+    app = web.Application(middlewares=[header_timeouts.middleware()])
     app.router.add_get("/metrics", answer)
     for path, handler in beside.items():
         app.router.add_get(path, handler)
@@ -92,11 +92,11 @@ async def serving_metrics(
     await runner.setup()
     assert runner.server is not None
     loop = asyncio.get_running_loop()
-    connections = partial(Connection, runner.server, heads, loop=loop, **OPTIONS)
+    connections = partial(Connection, runner.server, header_timeouts, loop=loop, **OPTIONS)
     async with AsyncExitStack() as stack:
         stack.push_async_callback(runner.cleanup)
         try:
-            chosen = await stack.enter_async_context(serving_tcp(host, port, heads, connections))
+            chosen = await stack.enter_async_context(serving_tcp(host, port, header_timeouts, connections))
         except OSError as error:
             raise MetricsUnavailable(f"metrics cannot be served at {host}:{port}: {_why(error)}") from error
         yield f"http://{f'[{host}]' if ':' in host else host}:{chosen}/metrics"

@@ -1,4 +1,4 @@
-"""The audit trail: who came, was refused what, and moved what, as JSON lines; what happens is never delayed by it."""
+"""The audit trail: sign-ins, refusals and actions as JSON lines, written without delaying anything."""
 
 import json
 import time
@@ -18,7 +18,7 @@ from openrois.observability.log_lines import Redaction
 __all__ = ["Audit"]
 
 _LONGEST: Final = 300
-"""Characters of one value in a record; whoever is refused chose them."""
+"""Characters of one value in a record; a refused client may have chosen them."""
 
 
 _quoted: Final[Callable[[str], str]] = encode_basestring_ascii
@@ -29,7 +29,7 @@ _Record = tuple[float, str, str, str, str, str, str, str]
 
 
 class Audit(AbstractContextManager["Audit"]):
-    """Where records go: to a file, or nowhere.
+    """Destination of the records: a file, or none.
 
     A call takes a microsecond or two and never waits: a thread writes. Refusals and sign-ins, which others can cause at
     will, may fill half of the queue only, so that they do not crowd out what was done. What is lost is counted, here
@@ -75,22 +75,22 @@ class Audit(AbstractContextManager["Audit"]):
 
     @property
     def waiting(self) -> int:
-        """How many records wait to be written."""
+        """Number of records that wait to be written."""
         return 0 if self._writer is None else len(self._writer)
 
     @property
     def lost(self) -> int:
-        """How many records were lost because too many waited."""
+        """Number of records that were lost because too many waited."""
         return 0 if self._writer is None else self._writer.lost
 
     @property
     def failures(self) -> int:
-        """How often the file could not be written."""
+        """Number of times the file could not be written."""
         return 0 if self._writer is None else self._writer.failures
 
     @property
     def is_kept(self) -> bool:
-        """Whether what is recorded now will be in the file; without a file nobody wants that."""
+        """Whether what is recorded now will be in the file; also True where no file is configured."""
         writer = self._writer
         return writer is None or (not writer.failing and len(writer) < writer.limit)
 
@@ -101,13 +101,15 @@ class Audit(AbstractContextManager["Audit"]):
             ComponentFailed: the trail cannot be written now.
         """
         if not self.is_kept:
-            raise ComponentFailed("the audit trail cannot be written, and without it administrators do nothing here")
+            raise ComponentFailed(
+                "the audit trail cannot be written, and without it an administrator's operation is refused"
+            )
 
     def refused(self, principal: Principal | None, method: str, subject: str, reason: str) -> None:
         """Record that something was not allowed or not possible.
 
         Args:
-            principal: who wanted it; None for a stranger.
+            principal: of the client; None where it has none.
             method: what was called.
             subject: the component, command or stream that it was about.
             reason: why not; no secret.
@@ -116,10 +118,10 @@ class Audit(AbstractContextManager["Audit"]):
         self._put("refused", principal, method, subject, reason)
 
     def acted(self, principal: Principal | None, method: str, subject: str, detail: str = "") -> None:
-        """Record that something was done or begun that changes what a robot does or who may change that.
+        """Record that something was done or begun that changes what a robot does, or the permission for that.
 
         Args:
-            principal: who did it.
+            principal: of the client.
             method: what was called.
             subject: the component, command or stream that it was about.
             detail: what else matters, such as the kind of the command and its id; no secret.
@@ -131,7 +133,7 @@ class Audit(AbstractContextManager["Audit"]):
         """Record that a connection has signed in or out.
 
         Args:
-            principal: who.
+            principal: of the client.
             path: what for: `/` for an application, `/adapter` for an adapter.
             detail: with which roles and from where it came, or how it ended.
         """
@@ -158,7 +160,7 @@ class Audit(AbstractContextManager["Audit"]):
         whole = "\n".join(told.values())
         if len(whole) > _LONGEST or self._redact(whole) != whole:
             told = {name: self._fit(text) for name, text in told.items()}
-        # Characters beyond ASCII and controls are escaped: one record is one line, whatever somebody put in it.
+        # Characters beyond ASCII and controls are escaped: one record is one line, whatever its values hold.
         written = [f'"{name}": {_quoted(text)}' for name, text in told.items() if text]
         return f'{{"time": {at:.6f}, {", ".join(written)}}}'.replace("\x7f", "\\u007f")
 

@@ -1,4 +1,4 @@
-"""Which connection and request the running task works for: every log line and audit record of it says so."""
+"""The connection and request that the running task works for: part of every log line and audit record of it. Pure."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

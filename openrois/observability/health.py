@@ -1,4 +1,4 @@
-"""Whether a gateway or an adapter lives and is ready, as probes ask; why not is for its owner."""
+"""Liveness and readiness of a gateway or an adapter for probes; the reasons are for the operator alone."""
 
 import hmac
 from collections.abc import Callable
@@ -14,13 +14,13 @@ _PASSED_ON: Final = ("Forwarded", "X-Forwarded-For", "X-Real-IP", "Via")
 
 
 class Readiness:
-    """What has to hold so that a gateway takes new connections, or an adapter is behind its gateway."""
+    """Conditions under which a gateway takes new connections, or an adapter is behind its gateway."""
 
     def __init__(self) -> None:
         self._checks: dict[str, Callable[[], bool]] = {}
 
     def require(self, what: str, holds: Callable[[], bool]) -> None:
-        """Ask `holds`, which must not block, whenever somebody wants to know; `what` is named where it does not."""
+        """Add a condition `holds`, which must not block; `what` is named where it does not hold."""
         self._checks[what] = holds
 
     def lacking(self) -> list[str]:
@@ -29,12 +29,12 @@ class Readiness:
 
 
 async def healthz(_request: web.Request) -> web.Response:
-    """Answer that the event loop turns: who gets no answer in time may start the process again."""
+    """Answer that the event loop turns: a process manager that gets no answer in time may restart the process."""
     return web.json_response({"status": "ok"})
 
 
 async def readyz(readiness: Readiness, token: str, request: web.Request) -> web.Response:
-    """Answer 200 or 503, and to this machine and to whoever shows the token of the figures, what is lacking."""
+    """Answer 200 or 503; a client of this machine or with the token of the figures also gets the reasons."""
     lacking = readiness.lacking()
     told: dict[str, object] = {"status": "not ready" if lacking else "ready"}
     if lacking and _may_know(request, token):

@@ -1,4 +1,4 @@
-"""The log of the HTTP server's library: without what it could not read of a request, for a token may stand in it."""
+"""The log of the HTTP server's library, without the unreadable part of a request, which may contain a token."""
 
 import logging
 from typing import Final
@@ -10,7 +10,7 @@ from openrois.observability.logs import Tally
 __all__ = ["HTTP_LOG"]
 
 HTTP_LOG: Final = logging.getLogger(__name__)
-"""For `AppRunner(logger=...)`: the library's own shows every line that it could not read, and a traceback for each."""
+"""For `AppRunner(logger=...)`: the library's own logs every line that it cannot read, and a traceback for each."""
 
 HTTP_LOG.setLevel(logging.INFO)
 
@@ -19,9 +19,9 @@ _failed = Tally(logging.getLogger(f"{__name__}.failed"), "requests that failed i
 
 
 def _is_worth_a_line(record: logging.LogRecord) -> bool:
-    """Tell whether a record is about something else than a request that could not be read, and count that.
+    """Tell whether a record is about something else than an unreadable request, and count those.
 
-    A traceback stands at 1, 2, 4, 8 ... requests that failed: who finds one that does may send it for ever.
+    A traceback is logged at 1, 2, 4, 8 ... unreadable requests: a client may send them for ever.
     """
     error = record.exc_info[1] if record.exc_info else None
     if error is None:

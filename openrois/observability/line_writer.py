@@ -1,4 +1,4 @@
-"""Lines to a file that may be rotated, written by a thread: whoever writes never waits for the disk."""
+"""Lines to a file that may be rotated, written by a thread: the caller never waits for the disk."""
 
 import logging
 import os
@@ -91,11 +91,11 @@ class LineWriter(Generic[RecordT]):
 
     @property
     def limit(self) -> int:
-        """How many records may wait."""
+        """Number of records that may wait."""
         return self._limit
 
     def put(self, record: RecordT, *, dispensable: bool = False) -> bool:
-        """Have a record written; False if too many wait already, and it is lost.
+        """Queue a record; False if too many wait already, and it is lost.
 
         Args:
             record: what to write.

@@ -1,4 +1,4 @@
-"""How a log record is written: as one line whatever is in it, for people or as JSON, and without secrets. Pure."""
+"""Formats of a log record: one line whatever is in it, for people or as JSON, and without secrets. Pure."""
 
 import json
 import logging
@@ -18,7 +18,7 @@ LONGEST: Final = 16_384
 """Characters of a message or a traceback; the middle of a longer one is left out."""
 
 _SECRETS: Final = (
-    # Each behind texts of which one stands in whatever matches: to look for these is ten times as fast.
+    # Each behind texts of which one is part of whatever matches: searching those is ten times as fast.
     # JSON Web Tokens; what follows a scheme of authorization or a name of a secret; what media negotiation is made of.
     (("eyJ",), re.compile(r"()\beyJ[A-Za-z0-9_-]{5,}\.[A-Za-z0-9_-]+(?:\.[A-Za-z0-9_-]*)?")),
     (("earer", "EARER"), re.compile(r"(\b[Bb](?:earer|EARER)[ .])[A-Za-z0-9._~+/=-]{8,}")),
@@ -36,7 +36,7 @@ _HINTS: Final = tuple((hint, pattern) for hints, pattern in _SECRETS for hint in
 
 
 class Redaction:
-    """Takes secrets out of text: the last net, for nothing should log one.
+    """Removes secrets from text: the last net, for none should be logged.
 
     Args:
         secrets: texts that are secret whatever they look like; short ones are no secrets.

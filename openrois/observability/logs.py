@@ -1,4 +1,4 @@
-"""Where log lines go: standard error or a file, one line each; and how often the same thing may be said."""
+"""Destination of log lines: standard error or a file, one line each; and rates of repeated messages."""
 
 import logging
 from collections.abc import Iterable
@@ -20,7 +20,7 @@ def set_up_logging(
     file: Path | None = None,
     secrets: Iterable[str] = (),
 ) -> None:
-    """Log warnings of everything and this project's news; where the process logs elsewhere already, it goes on to.
+    """Log warnings of all libraries and this project's information; handlers that the process has already stay.
 
     Args:
         verbose: log this project's details, too.
@@ -40,7 +40,7 @@ def set_up_logging(
 
 
 class LogFile(logging.Handler):
-    """Lines in a file that may be rotated; a thread writes them, so that a slow disk delays nobody.
+    """Lines in a file that may be rotated; a thread writes them, so that a slow disk delays nothing.
 
     Raises:
         OSError: the file cannot be written.
@@ -52,7 +52,7 @@ class LogFile(logging.Handler):
         self._writer.__enter__()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Have a record written."""
+        """Queue a record."""
         self._writer.put(self.format(record), dispensable=record.levelno < logging.WARNING)
 
     def close(self) -> None:
@@ -63,7 +63,7 @@ class LogFile(logging.Handler):
 
 
 class Tally:
-    """Counts what somebody else can cause at will, and logs it ever more seldom: at 1, 2, 4, 8 ... occurrences.
+    """Counts what clients can cause at will, and logs it ever more seldom: at 1, 2, 4, 8 ... occurrences.
 
     Args:
         log: the logger of the module that counts.
@@ -78,7 +78,7 @@ class Tally:
         self.count = 0
 
     def note(self, detail: str = "") -> None:
-        """Count one more; `detail` says what this one was."""
+        """Count one more; `detail` describes this one."""
         self.count += 1
         if self.count.bit_count() == 1:
             self._log.log(self._level, "%s: %d so far%s", self._what, self.count, f", now {detail}" if detail else "")

@@ -45,7 +45,7 @@ def main(arguments: Sequence[str]) -> int:
         _say(str(error))
         return 1
     except BrokenPipeError:
-        # Whoever reads has seen enough. What is left to be flushed when Python ends has to go somewhere.
+        # The reader of a pipe has closed it. What is left to be flushed when Python ends has to go somewhere.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
         _say(f"{error.filename}: {error.strerror}" if error.filename else error.strerror or str(error))
@@ -128,7 +128,7 @@ def _import(chosen: argparse.Namespace) -> None:
 
 
 def _read_all(paths: Sequence[Path]) -> list[EngineDocument | ComponentDocument]:
-    """Read all files, so that all that is wrong is said at once."""
+    """Read all files, so that every error is reported at once."""
     documents: list[EngineDocument | ComponentDocument] = []
     files, wrong = 0, 0
     for path in paths:

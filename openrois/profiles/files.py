@@ -7,21 +7,30 @@ from typing import Any, Final
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from openrois.profiles.problems import problem
 from openrois.profiles.xml.documents import Profiles
 from openrois.profiles.xml.parse import MAX_SIZE
 from openrois.profiles.xml.read import ComponentDocument, EngineDocument, read_profile
 from openrois.types.messages import ProfileResult
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
 
-__all__ = ["documents_in", "json_text", "plain", "profile_files", "write_set"]
+__all__ = [
+    "documents_in",
+    "json_text",
+    "plain",
+    "problem",
+    "profile_files",
+    "write_set",
+]
+
+_MAX_PATH: Final = 120
+"""Characters of the path in an error."""
 
 _SUFFIXES: Final = (".xml", ".json")
 _LIST: Final = TypeAdapter(list[HRIComponentProfile])
 
 
 def profile_files(path: Path) -> list[Path]:
-    """Return the files that are meant by a path: itself, or all XML and JSON files of a directory.
+    """Return the files of a path: itself, or all XML and JSON files of a directory.
 
     Raises:
         ValueError: it is a directory without any.
@@ -131,3 +140,11 @@ def write_set(directory: Path, documents: Mapping[str, str]) -> None:
         file = directory / name
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text, encoding="utf-8")
+
+
+def problem(error: ValidationError) -> str:
+    """Return the first problem: its dotted path, of a long one the end, and the message."""
+    first = error.errors(include_url=False, include_context=False, include_input=False)[0]
+    path = ".".join(str(part) for part in first["loc"])
+    shown = path if len(path) <= _MAX_PATH else f"…{path[-_MAX_PATH:]}"
+    return f"{shown}: {first['msg']}" if path else first["msg"]

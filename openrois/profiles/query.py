@@ -1,4 +1,4 @@
-"""The profiles of a running system, asked over its wire."""
+"""The profiles of a running system, read over its wire."""
 
 import asyncio
 from collections.abc import Mapping
@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from websockets.exceptions import InvalidHandshake
 
 from openrois.jsonrpc.session import CALL_TIMEOUT, RpcError, RpcSession, SessionClosed
-from openrois.profiles.problems import problem
+from openrois.profiles.files import problem
 from openrois.transport.address import gateway_url
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.unreachable import unreachable
@@ -22,13 +22,13 @@ _NOTHING: Final[Mapping[str, Any]] = {}
 
 
 class NoProfile(Exception):
-    """The profiles cannot be had; the message is a sentence."""
+    """The profiles cannot be read; the message is a sentence."""
 
 
 async def ask_profiles(
     url: str, component_ref: str = "", *, credentials: Credentials = NO_CREDENTIALS, timeout: float = CALL_TIMEOUT
 ) -> ProfileResult:
-    """Return what `get_profile` answers at `url`.
+    """Return the result of `get_profile` at `url`.
 
     Args:
         url: of a gateway, as `gateway_url` takes it.
@@ -37,7 +37,7 @@ async def ask_profiles(
         timeout: seconds to wait for each answer.
 
     Raises:
-        NoProfile: nobody answers there, or not as an HRI engine does, or it has no such component.
+        NoProfile: there is no answer, or not that of an HRI engine, or it has no such component.
     """
     try:
         address = gateway_url(url)
@@ -69,7 +69,7 @@ def _checked(url: str, component_ref: str, answer: object) -> ProfileResult:
     try:
         result = ProfileResult.model_validate(answer)
     except ValidationError as error:
-        raise NoProfile(f"{url} answers with a profile that is none: {problem(error)}") from None
+        raise NoProfile(f"{url} answers with a malformed profile: {problem(error)}") from None
     if result.return_code is not ReturnCode.OK:
         raise NoProfile(f"{url} answers {result.return_code} and no profile")
     if component_ref and component_ref not in result.component_profiles:

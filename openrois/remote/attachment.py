@@ -1,4 +1,4 @@
-"""Whether the parent has taken an engine in: it says so itself, and of one that does not the first questions do."""
+"""Notes that the parent has attached an engine: a parent notifies that, an older one shows it by its first requests."""
 
 from collections.abc import Callable
 from typing import Final
@@ -11,14 +11,14 @@ ATTACHED: Final = "openrois.attached"
 In the extensions of `openrois.hello` it says that this notification will come."""
 
 QUESTIONS_ALONE: Final = 2.0
-"""Seconds after which a parent that asked for the profile and says no hello is taken for one of the base wire."""
+"""Seconds after which a parent that asked for the profile and sends no hello is taken for one of the base wire."""
 
 
 class Attachment:
     """One connection to a parent.
 
     Args:
-        tell: told True when the engine has been taken in, and False when the connection ends after that.
+        tell: called with True when the engine was attached, and with False when the connection ends after that.
     """
 
     def __init__(self, tell: Callable[[bool], None]) -> None:
@@ -27,23 +27,23 @@ class Attachment:
         self._is_greeted = False
 
     def greet(self, extensions: tuple[str, ...]) -> None:
-        """Take a hello, whose extensions say whether `ATTACHED` will follow."""
+        """Note the hello, whose extensions say whether `ATTACHED` will follow."""
         self._is_greeted = True
         if ATTACHED not in extensions:
             self.confirm()
 
     def confirm(self) -> None:
-        """Note that the parent has taken the engine in."""
+        """Note that the parent has attached the engine."""
         if not self._is_attached:
             self._is_attached = True
             self._tell(True)
 
     def assume(self, *, was_asked: bool) -> None:
-        """Judge a parent after `QUESTIONS_ALONE` seconds by whether it has asked anything."""
+        """Judge a parent after `QUESTIONS_ALONE` seconds by whether it has sent any request."""
         if was_asked and not self._is_greeted:
             self.confirm()
 
-    def end(self) -> None:
+    def connection_ended(self) -> None:
         """Note that the connection has ended."""
         if self._is_attached:
             self._is_attached = False

@@ -1,4 +1,4 @@
-"""Commands that run in a remote engine, until the other side has said how each of them ended."""
+"""Commands that run in a remote engine, until it has notified how each of them ended."""
 
 import asyncio
 import logging
@@ -19,7 +19,7 @@ __all__ = ["RemoteCommand", "RemoteCommands"]
 _log = logging.getLogger(__name__)
 
 MAX_USED: Final = 4096
-"""Ids chosen by applications that are remembered of one connection, so that none is sent twice."""
+"""Ids chosen by applications that are kept of one connection, so that none is sent twice."""
 MAX_USED_TEXT: Final = 1024 * 1024
 """Characters of these ids."""
 
@@ -33,7 +33,7 @@ class RemoteCommand:
     Attributes:
         ended: how it ended; None where the engine went away first.
         reason: why it did not end OK, where the other side has said so.
-        is_stopped: its component was told to stop, so that it must not be sent any more.
+        is_stopped: its component was stopped, so that it must not be sent any more.
         command_id: the id that the other side knows it by; empty before that is settled.
     """
 
@@ -44,7 +44,7 @@ class RemoteCommand:
         self.is_stopped = False
         self.command_id = ""
 
-    def end(self, status: CompletedStatus | None) -> None:
+    def record_end(self, status: CompletedStatus | None) -> None:
         """Note how it ended; only the first time counts."""
         if not self.ended.done():
             self.ended.set_result(status)
@@ -86,19 +86,19 @@ class RemoteCommands:
         return f"{wanted}-{suffix}" if 0 < len(wanted) < MAX_ID - len(suffix) else suffix
 
     def expect(self, command_id: str, command: RemoteCommand) -> None:
-        """Note a command before its end can be told."""
+        """Add a command before its end can be notified."""
         command.command_id = command_id
         self._running[command_id] = command
 
     def wait(self, command: RemoteCommand) -> None:
-        """Note a command that is to be sent as soon as there is room."""
+        """Add a command that is to be sent as soon as there is room."""
         self._unsent.add(command)
 
     def send(self, command: RemoteCommand) -> None:
         """Note that a command is sent now.
 
         Raises:
-            Aborted: its component was told to stop while it waited for that, and must not begin behind the stop.
+            Aborted: its component was stopped while it waited for that, and it must not begin behind the stop.
         """
         self._unsent.discard(command)
         if command.is_stopped:
@@ -111,22 +111,22 @@ class RemoteCommands:
             if command.component_ref == component_ref:
                 command.is_stopped = True
 
-    def forget(self, command: RemoteCommand) -> None:
-        """Forget a command that is not waited for any more."""
+    def forget_command(self, command: RemoteCommand) -> None:
+        """Drop a command that is not waited for any more."""
         self._running.pop(command.command_id, None)
         self._unsent.discard(command)
 
-    def take_completed(self, params: dict[str, Any]) -> None:
-        """Take how a command ended; one that nobody waits for is passed over."""
+    def handle_completed(self, params: dict[str, Any]) -> None:
+        """Note how a command ended; unknown commands are ignored."""
         completed = Completed.model_validate(params)
         command = self._running.get(completed.command_id)
         if command is None:
             self.strays.note(completed.command_id[:80])
         else:
-            command.end(completed.status)
+            command.record_end(completed.status)
 
     def take_reason(self, command_id: str, reason: str) -> None:
-        """Take why a command is about to end otherwise than OK."""
+        """Note the reason of an end other than OK, which follows."""
         command = self._running.get(command_id)
         if command is not None:
             command.reason = reason
@@ -134,4 +134,4 @@ class RemoteCommands:
     def lost(self) -> None:
         """End all: the other side is gone."""
         for command in self._running.values():
-            command.end(None)
+            command.record_end(None)

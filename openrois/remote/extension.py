@@ -33,7 +33,7 @@ EXTENSION_METHODS: Final = (
     "signaling.restart",
     "signaling.bye",
 )
-"""What a parent asks its sub-engine for an application, with `client_id` beside the params."""
+"""Methods that a parent calls at its sub-engine for an application, with `client_id` beside the params."""
 
 EXTENSION_NOTIFICATIONS: Final = (
     "rois.stream.notify_stream_status",
@@ -42,16 +42,16 @@ EXTENSION_NOTIFICATIONS: Final = (
     "signaling.capture_clocks",
     "signaling.bye",
 )
-"""What a sub-engine tells its parent for an application, with `client_id` beside the params."""
+"""Notifications of a sub-engine to its parent for an application, with `client_id` beside the params."""
 
 CLIENT_GONE: Final = "openrois.client_gone"
 """Notification of a parent to its sub-engine: the application `client_id` is gone for good."""
 
 MAY_BIND: Final = "openrois.may_bind"
-"""Extension of an engine that takes `may_bind` beside the params of connect_stream; to others it is not said."""
+"""Extension of an engine that takes `may_bind` beside the params of connect_stream; others do not get it."""
 
 MAX_GONE: Final = 4096
-"""Applications that are gone and of which that waits to be told; with one more it is told without room."""
+"""Applications whose end waits to be notified; with one more it is notified without room."""
 
 
 class RemoteExtension:
@@ -60,7 +60,7 @@ class RemoteExtension:
     A client has its own `client_id` on the other side, too, unless a former one with that id is still there.
 
     Args:
-        ask: asks the other side and returns the result as it came; one that comes after the asking was given up goes to
+        ask: calls the other side and returns the result as it came; one that comes after the caller gave up goes to
             its third argument. Its fourth is called right before it asks, when there is room for that.
         post: asks the other side and drops the answer.
         notify: tells the other side.
@@ -89,13 +89,13 @@ class RemoteExtension:
         self._clients: dict[str, Client] = {}
         self._ids: dict[Client, str] = {}
         self._heard: set[str] = set()
-        """The ids of clients that the other side has heard of."""
+        """The ids of clients that the other side knows."""
         self._gone: deque[str] = deque()
-        """Those of clients that are gone, where that waits for room to be told."""
+        """Those of clients that are gone, where that waits for room to be notified."""
         self._outbox = outbox
         self._tasks = tasks
         self.takes_may_bind = False
-        self._holders = LeaseOutbox(self._named, notify, outbox, tasks)
+        self._lease_outbox = LeaseOutbox(self._named, notify, outbox, tasks)
         self._foreign = Tally(_log, "notifications that name a reference or id of another engine")
 
     def engines(self) -> frozenset[str]:
@@ -103,17 +103,11 @@ class RemoteExtension:
         return self._engines
 
     def limit_to(self, engines: Iterable[str]) -> None:
-        """Note which engines of the other side have the extension."""
+        """Set which engines of the other side have the extension."""
         self._engines = frozenset(engines)
 
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
-        """Ask for an application; from its first connect_stream on it is told what the other side says to it.
-
-        Whether it holds a component is told, not asked.
-        """
-        if method == HolderNotification.method:
-            self._holders.take(params, client)
-            return {}
+        """Call a method for an application; from its first connect_stream on it gets the other side's notifications."""
         client_id = self._ids.get(client) or self._free_id(client)
         if method == _CONNECT:
             self._note(client, client_id)
@@ -133,9 +127,13 @@ class RemoteExtension:
             raise ComponentFailed(f"the engine's answer to {method} is not an object")
         return result
 
+    async def set_holder(self, notification: HolderNotification, client: Client) -> None:
+        """Notify the other side, now or when there is room."""
+        self._lease_outbox.put_holder(notification, client)
+
     def catch_up(self) -> None:
-        """Tell who holds what and who is gone, where that waits for room and there is some by now."""
-        self._holders.catch_up()
+        """Notify which clients hold what and which are gone, where that waits and there is room by now."""
+        self._lease_outbox.catch_up()
         while self._gone and self._outbox.is_roomy:
             self._tell_gone()
 
@@ -147,7 +145,7 @@ class RemoteExtension:
         self._notify(CLIENT_GONE, {"client_id": self._gone.popleft()})
 
     def _named(self, client: Client) -> str:
-        """Return the id of a client on the other side, which is told of its end from now on."""
+        """Return the id of a client on the other side, which is notified of its end from now on."""
         if client not in self._ids:
             self._note(client, self._free_id(client))
         self._heard.add(self._ids[client])
@@ -161,14 +159,14 @@ class RemoteExtension:
         return secrets.token_hex(16) if client.client_id in self._clients else client.client_id
 
     def _end_late_stream(self, result: Any, client_id: str) -> None:
-        """End a stream that was connected after nobody waited for it any more: its id is known to nobody else."""
+        """End a stream that was connected too late for its caller: its id is known only here."""
         if isinstance(result, dict) and isinstance(stream_id := result.get("stream_id"), str) and stream_id:
             self._post("rois.stream.disconnect_stream", {"stream_id": stream_id, "client_id": client_id})
 
-    async def forget(self, client: Client) -> None:
-        """Tell the other side that an application is gone, if it was ever heard of there: now or when there is room."""
+    async def forget_client(self, client: Client) -> None:
+        """Notify the other side that an application is gone, if it knows it: now or when there is room."""
         client_id = self._ids.pop(client, None)
-        self._holders.forget(client, client_id)
+        self._lease_outbox.forget_client(client, client_id)
         if client_id is None:
             return
         del self._clients[client_id]
@@ -184,7 +182,7 @@ class RemoteExtension:
         self.catch_up()
 
     def notifications(self) -> dict[str, NotificationHandler]:
-        """Return the handlers that hand a notification to the application it is for."""
+        """Return the handlers that pass a notification to its application."""
         return {name: self._passing(name) for name in EXTENSION_NOTIFICATIONS}
 
     def _passing(self, name: str) -> NotificationHandler:
@@ -201,9 +199,9 @@ class RemoteExtension:
         return take
 
     def lost(self) -> None:
-        """Forget the applications: the other side is gone."""
+        """Drop the applications: the other side is gone."""
         self._clients.clear()
         self._ids.clear()
         self._heard.clear()
         self._gone.clear()
-        self._holders.clear()
+        self._lease_outbox.clear()

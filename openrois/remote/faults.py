@@ -1,4 +1,4 @@
-"""Faults that a remote engine notifies: who it is about is asked for, because the notification does not say."""
+"""Faults that a remote engine notifies: their component is queried, because the notification does not have it."""
 
 import logging
 import time
@@ -26,48 +26,52 @@ class RemoteFaults:
 
     Args:
         ask: asks the other side for the details of an error.
-        claims: which ids are the other side's.
+        remote_profile: which ids are the other side's.
         tasks: owns the questions.
 
     Attributes:
-        on_fault: is told.
+        on_fault: gets them.
     """
 
-    def __init__(self, ask: Callable[[str], Awaitable[ResultsResult]], claims: RemoteProfile, tasks: TaskScope) -> None:
+    def __init__(
+        self, ask: Callable[[str], Awaitable[ResultsResult]], remote_profile: RemoteProfile, tasks: TaskScope
+    ) -> None:
         self.on_fault: OnFault = ignore_fault
         self._ask = ask
-        self._claims = claims
+        self._remote_profile = remote_profile
         self._tasks = tasks
         self._limit = fault_limit()
         self._foreign = Tally(_log, "faults with an id or a component of another engine")
-        self._untold = Tally(_log, "faults of a remote engine that came too fast to be told", logging.WARNING)
+        self._untold = Tally(
+            _log, "faults of a remote engine that were not reported, too many at a time", logging.WARNING
+        )
 
-    def take(self, params: dict[str, Any]) -> None:
-        """Take a notification and ask what it is about; of too many the rest is counted."""
-        told = ErrorNotification.model_validate(params)
-        if not self._claims.is_own(told.error_id):
-            self._foreign.note(f"the id {told.error_id[:200]!r}")
+    def handle_notification(self, params: dict[str, Any]) -> None:
+        """Handle a notification and query its details; of too many the rest is counted."""
+        notice = ErrorNotification.model_validate(params)
+        if not self._remote_profile.is_own(notice.error_id):
+            self._foreign.note(f"the id {notice.error_id[:200]!r}")
         elif not self._limit.admits():
-            self._untold.note(told.error_id[:200])
+            self._untold.note(notice.error_id[:200])
         else:
-            self._tasks.start(self._find_out(told))
+            self._tasks.start(self._find_out(notice))
 
-    async def _find_out(self, told: ErrorNotification) -> None:
+    async def _find_out(self, notice: ErrorNotification) -> None:
         details: dict[str, str] = {}
         try:
-            answer = await self._ask(told.error_id)
+            answer = await self._ask(notice.error_id)
             details = {result.name: result.value for result in answer.results}
         except RoISError as error:
             # An engine of the plain wire may know no details: then the fault is the engine's own.
-            _log.debug("there are no details of %s: %s", told.error_id, error)
+            _log.debug("there are no details of %s: %s", notice.error_id, error)
         component_ref = details.get("component_ref", "")
-        if component_ref and self._claims.profile(component_ref) is None:
+        if component_ref and self._remote_profile.profile(component_ref) is None:
             self._foreign.note(f"the component {component_ref[:200]!r}")
             component_ref = ""
         self.on_fault(
             Fault(
-                error_id=told.error_id,
-                error_type=told.error_type,
+                error_id=notice.error_id,
+                error_type=notice.error_type,
                 component_ref=component_ref,
                 description=details.get("description", "")[:MAX_DESCRIPTION],
                 timestamp=details.get("timestamp", "")[:_MAX_TIMESTAMP] or date_time(time.time()),

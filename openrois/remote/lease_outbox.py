@@ -1,4 +1,4 @@
-"""Telling a remote engine who holds its components: where much waits to be sent, of each no more than how it stands."""
+"""Notifications of holders to a remote engine; while there is no room, only the latest of each component waits."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -12,13 +12,13 @@ __all__ = ["LeaseOutbox"]
 
 
 class LeaseOutbox:
-    """Who holds what, and what the other side was told of it.
+    """The holders of components, and what the other side was notified of them.
 
-    However often components change hands, of each at most its former holder's end and its present holder are told as
+    However often components change hands, of each at most its former holder's end and its present holder are sent as
     soon as there is room: an adapter that does not read for a moment does not lose its connection by it.
 
     Args:
-        id_of: returns an application's id on the other side, which hears of its end from then on.
+        id_of: returns an application's id on the other side, which is notified of its end from then on.
         notify: tells the other side.
         outbox: what waits to be sent there.
         tasks: owns the waiting for room.
@@ -35,16 +35,16 @@ class LeaseOutbox:
         self._notify = notify
         self._outbox = outbox
         self._tasks = tasks
-        self._now: dict[str, tuple[Client, Mapping[str, Any]]] = {}
-        self._told: dict[str, Mapping[str, Any]] = {}
+        self._now: dict[str, tuple[Client, HolderNotification]] = {}
+        self._notified: dict[str, tuple[str, HolderNotification]] = {}
         self._late: dict[str, bool] = {}
         self._is_waiting = False
 
-    def take(self, params: Mapping[str, Any], client: Client) -> None:
-        """Take the params of `openrois.holder`, and tell them now or when there is room."""
-        component_ref = params["component_ref"]
-        if params["holds"]:
-            self._now[component_ref] = client, params
+    def put_holder(self, notification: HolderNotification, client: Client) -> None:
+        """Send a notification now, or when there is room."""
+        component_ref = notification.component_ref
+        if notification.holds:
+            self._now[component_ref] = client, notification
             self._late.setdefault(component_ref, False)
         elif component_ref in self._now and self._now[component_ref][0] is client:
             del self._now[component_ref]
@@ -60,27 +60,31 @@ class LeaseOutbox:
         self._is_waiting = False
 
     def catch_up(self) -> None:
-        """Tell what has not been told, as far as there is room."""
+        """Send what waits, as far as there is room."""
         while self._late and self._outbox.is_roomy:
             component_ref = next(iter(self._late))
-            self._tell(component_ref, has_ended=self._late.pop(component_ref))
+            self._send_holder(component_ref, has_ended=self._late.pop(component_ref))
 
-    def _tell(self, component_ref: str, *, has_ended: bool) -> None:
-        former = self._told.pop(component_ref, None)
+    def _send_holder(self, component_ref: str, *, has_ended: bool) -> None:
+        former = self._notified.pop(component_ref, None)
         if former is not None and has_ended:
-            self._notify(HolderNotification.method, {**former, "holds": False})
+            self._send(former[0], former[1].model_copy(update={"holds": False}))
         if component_ref in self._now:
-            client, params = self._now[component_ref]
-            told = self._told[component_ref] = {**params, "client_id": self._id_of(client)}
-            self._notify(HolderNotification.method, told)
+            client, notification = self._now[component_ref]
+            client_id = self._id_of(client)
+            self._notified[component_ref] = client_id, notification
+            self._send(client_id, notification)
 
-    def forget(self, client: Client, client_id: str | None) -> None:
-        """Drop what an application held that is gone; the other side hears of the end of what it was told anyway."""
+    def _send(self, client_id: str, notification: HolderNotification) -> None:
+        self._notify(notification.method, {**notification.model_dump(mode="json"), "client_id": client_id})
+
+    def forget_client(self, client: Client, client_id: str | None) -> None:
+        """Drop what a client held that is gone; the other side is notified of its end anyway."""
         self._now = {ref: held for ref, held in self._now.items() if held[0] is not client}
-        self._told = {ref: told for ref, told in self._told.items() if told["client_id"] != client_id}
+        self._notified = {ref: sent for ref, sent in self._notified.items() if sent[0] != client_id}
 
     def clear(self) -> None:
-        """Forget everything: the other side is gone."""
+        """Drop everything: the other side is gone."""
         self._now.clear()
-        self._told.clear()
+        self._notified.clear()
         self._late.clear()

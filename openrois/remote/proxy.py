@@ -70,13 +70,13 @@ _READ_EVENT: Final = EventNotification.__pydantic_validator__.validate_python
 
 
 class _Greeting(HelloResult):
-    """The answer to our greeting: what a newer engine says of itself beside what we know is passed over."""
+    """The answer to our hello; members of newer engines are ignored."""
 
     model_config = ConfigDict(extra="ignore")
 
 
 class RemoteProxy:
-    """The five methods, asked over an `RpcSession` that somebody else runs.
+    """The five methods, called over an `RpcSession` that its owner runs.
 
     Args:
         session: the connection. Its `notifications` have to hold this proxy's `notifications()`.
@@ -92,12 +92,12 @@ class RemoteProxy:
         self.extension: Extension | None = None
         self._session = session
         self._profile_changed = profile_changed
-        self._asking = RpcCalls(session)
-        self._claims = RemoteProfile()
+        self._calls = RpcCalls(session)
+        self._remote_profile = RemoteProfile()
         self._remote_extension = RemoteExtension(
-            self._asking.ask_unread, session.post, session.notify, self._claims.is_own, session.outbox, tasks
+            self._calls.ask_unread, session.post, session.notify, self._remote_profile.is_own, session.outbox, tasks
         )
-        self._faults = RemoteFaults(partial(_error_details, self._asking), self._claims, tasks)
+        self._faults = RemoteFaults(partial(_error_details, self._calls), self._remote_profile, tasks)
         self._commands = RemoteCommands(self._remote_extension.catch_up)
         self._stops = SharedStops(lambda ref, wanted, accepted: self._run(ref, "stop", (), wanted, accepted), tasks)
         self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe, self._drop_subscription)
@@ -108,19 +108,19 @@ class RemoteProxy:
         self.speaks_extensions = False
 
     def notifications(self) -> dict[str, NotificationHandler]:
-        """Return what has to be done with the notifications that come over the connection."""
+        """Return the handlers of the notifications that come over the connection."""
         return {
-            "rois.command.completed": self._commands.take_completed,
+            "rois.command.completed": self._commands.handle_completed,
             ReasonNotification.method: self._take_reason,
             "rois.event.notify_event": self._take_event,
             "rois.system.profile_changed": self._take_profile_changed,
-            "rois.system.notify_error": self._faults.take,
+            "rois.system.notify_error": self._faults.handle_notification,
             **self._remote_extension.notifications(),
         }
 
     @property
     def on_fault(self) -> OnFault:
-        """Who is told of the faults of the other side."""
+        """The function that gets the faults of the other side."""
         return self._faults.on_fault
 
     @on_fault.setter
@@ -130,23 +130,23 @@ class RemoteProxy:
     @property
     def engine_ids(self) -> tuple[str, ...]:
         """The ids of the other side's engines, as far as they are known."""
-        directory = self._claims.directory
+        directory = self._remote_profile.directory
         return () if directory is None else directory.profile.engine_ids()
 
     async def discover(self) -> Directory:
-        """Read the other side's profile, and ask which extensions it speaks unless it seems to speak none."""
-        result = await self._asking.ask("rois.system.get_profile", {"condition": ""}, ProfileResult)
+        """Read the other side's profile, and ask for its extensions unless it seems to have none."""
+        result = await self._calls.ask("rois.system.get_profile", {"condition": ""}, ProfileResult)
         if result.profile is None:
             raise ComponentFailed("the engine has no profile")
         if not self._is_plain:
             await self._greet()
         self._use_greeting(result.profile)
-        # It speaks for the components that it lists: a profile beside them could be that of somebody else's.
+        # It speaks for the components that it lists: another profile could belong to another engine.
         listed = {ref: result.component_profiles.get(ref) for ref in result.profile.component_refs()}
         profiles = {ref: profile for ref, profile in listed.items() if profile is not None}
         directory = Directory(result.profile, profiles)
         self.accepts(directory)
-        self._claims.directory = directory
+        self._remote_profile.directory = directory
         self._subscriptions.keep_only(profiles, SubscriptionLost("the component is gone"))
         return directory
 
@@ -154,7 +154,7 @@ class RemoteProxy:
         params = {"version": EXTENSION_VERSION, "extensions": [*EXTENSIONS, LEASES, ATTACHED]}
         timeout = min(HELLO_TIMEOUT, self._session.call_timeout)
         try:
-            self._greeting = await self._asking.ask(
+            self._greeting = await self._calls.ask(
                 "openrois.hello", params, _Greeting, too_late=self._take_late_greeting, timeout=timeout
             )
         except Unsupported:
@@ -186,26 +186,26 @@ class RemoteProxy:
         self._remote_extension.limit_to(set(named).intersection(profile.engine_ids()) if streams else ())
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
-        """Ask a component."""
+        """Query a component."""
         if query_type == "get_parameter":
             params: dict[str, Any] = {"component_ref": component_ref}
-            stored = (await self._asking.ask("rois.command.get_parameter", params, ParametersResult)).parameters
-            self._claims.note(component_ref, "parameters", query_type, stored)
+            stored = (await self._calls.ask("rois.command.get_parameter", params, ParametersResult)).parameters
+            self._remote_profile.note(component_ref, "parameters", query_type, stored)
             return stored
         params = {"query_type": query_type, "condition": _only(component_ref)}
-        results = (await self._asking.ask("rois.query.query", params, ResultsResult)).results
-        self._claims.note(component_ref, "query", query_type, results)
+        results = (await self._calls.ask("rois.query.query", params, ResultsResult)).results
+        self._remote_profile.note(component_ref, "query", query_type, results)
         return results
 
     async def invoke(
         self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
     ) -> tuple[Result, ...]:
-        """Run a command and wait until the other side says that it has ended; a `stop` may be shared with others."""
+        """Run a command and wait until the other side has notified its end; a `stop` may be shared with others."""
         if not is_stop(command_type):
             return await self._run(component_ref, command_type, arguments, command_id)
         self._commands.stop(component_ref)
         if arguments:
-            # Not everybody's: it waits for room as any other.
+            # A stop that is not shared waits for room as any other command.
             return await self._run(component_ref, command_type, arguments, command_id)
         return await self._stops.join(component_ref, command_id)
 
@@ -233,36 +233,36 @@ class RemoteProxy:
             if accepted is not None:
                 accepted()
             # The component's own engine ends it in time, and can say more about it; some do not.
-            promised = self._claims.seconds_for(component_ref, command_type)
+            promised = self._remote_profile.seconds_for(component_ref, command_type)
             async with asyncio.timeout(None if promised is None else promised + self._session.call_timeout):
                 status = await command.ended
         except TimeoutError:
             raise NotResponding(f"{command_type} of {component_ref} did not end in time") from None
         finally:
-            self._commands.forget(command)
+            self._commands.forget_command(command)
         if status is None:
-            raise EngineUnreachable(f"the engine went away during {command_type} of {component_ref}")
+            raise EngineUnreachable(f"the connection to the engine was lost during {command_type} of {component_ref}")
         if status is not CompletedStatus.OK:
             raise _failure(status, command.reason or "its adapter gives no reason, but its log may")
         return await self._command_results(component_ref, command_type, command.command_id)
 
     async def _execute(self, unit: CommandUnit, command: RemoteCommand, *, is_urgent: bool) -> None:
         """Send a unit under its id, or under another where it is taken or such ids are the other side's to choose."""
-        wanted = "" if self._claims.is_own(unit.command_id) else unit.command_id
+        wanted = "" if self._remote_profile.is_own(unit.command_id) else unit.command_id
         try:
             await self._execute_as(self._commands.id_for(wanted), unit, command, is_urgent)
         except BadParameter:
             if command.command_id != wanted:
                 raise
             # The other side may remember the id from before this connection.
-            self._commands.forget(command)
+            self._commands.forget_command(command)
             if is_urgent:
                 command.is_stopped = False
             await self._execute_as(self._commands.id_for(wanted), unit, command, is_urgent)
 
     async def _execute_as(self, command_id: str, unit: CommandUnit, command: RemoteCommand, is_urgent: bool) -> None:
         self._commands.expect(command_id, command)
-        await self._asking.ask(
+        await self._calls.ask(
             "rois.command.execute",
             ExecuteParams(command_unit_list=(unit.model_copy(update={"command_id": command_id}),)),
             ReturnResult,
@@ -272,8 +272,8 @@ class RemoteProxy:
 
     async def _set_parameter(self, component_ref: str, arguments: tuple[Argument, ...], command: RemoteCommand) -> None:
         def accepted(result: SetParameterResult) -> None:
-            # The id is the other side's: it is known from here on, before its `completed` can be looked at.
-            self._claims.require_own(result.command_id)
+            # The id is the other side's: it is known from here on, before its `completed` can be read.
+            self._remote_profile.require_own(result.command_id)
             if result.command_id in self._commands:
                 raise ComponentFailed(f"the engine minted the id {result.command_id[:200]!r} twice")
             self._commands.expect(result.command_id, command)
@@ -283,51 +283,51 @@ class RemoteProxy:
             "parameters": [argument.model_dump(mode="json") for argument in arguments],
         }
         before = partial(self._commands.send, command)
-        await self._asking.ask("rois.command.set_parameter", params, SetParameterResult, accepted, before=before)
+        await self._calls.ask("rois.command.set_parameter", params, SetParameterResult, accepted, before=before)
 
     async def _command_results(self, component_ref: str, command_type: str, command_id: str) -> tuple[Result, ...]:
-        profile = self._claims.profile(component_ref)
+        profile = self._remote_profile.profile(component_ref)
         command = profile.command(command_type) if profile is not None else None
         if command is None or not command.results:
             return ()
         params = {"command_id": command_id, "condition": ""}
-        results = (await self._asking.ask("rois.command.get_command_result", params, ResultsResult)).results
-        self._claims.note(component_ref, "command", command_type, results)
+        results = (await self._calls.ask("rois.command.get_command_result", params, ResultsResult)).results
+        self._remote_profile.note(component_ref, "command", command_type, results)
         return results
 
     async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:
-        """Listen to a component; several subscriptions to one event share one on the other side."""
-        self._asking.require_connected()
+        """Subscribe to a component; several subscriptions to one event share one on the other side."""
+        self._calls.require_connected()
         return await self._subscriptions.add((component_ref, event_type), sink)
 
     async def unsubscribe(self, subscribe_id: str) -> None:
-        """Stop listening."""
+        """End a subscription."""
         await self._subscriptions.remove(subscribe_id)
 
     async def _subscribe(self, key: tuple[str, str], register: Callable[[str], None]) -> None:
         component_ref, event_type = key
 
         def accepted(result: SubscribeResult) -> None:
-            self._claims.require_own(result.subscribe_id)
+            self._remote_profile.require_own(result.subscribe_id)
             register(result.subscribe_id)
 
         def too_late(result: Any) -> None:
             self._drop_subscription(read_result("rois.event.subscribe", result, SubscribeResult).subscribe_id)
 
         params = {"event_type": event_type, "condition": _only(component_ref)}
-        await self._asking.ask("rois.event.subscribe", params, SubscribeResult, accepted, too_late)
+        await self._calls.ask("rois.event.subscribe", params, SubscribeResult, accepted, too_late)
 
     async def _unsubscribe(self, remote_id: str) -> None:
-        if not self._asking.lost:
-            await self._asking.ask("rois.event.unsubscribe", {"subscribe_id": remote_id}, ReturnResult)
+        if not self._calls.lost:
+            await self._calls.ask("rois.event.unsubscribe", {"subscribe_id": remote_id}, ReturnResult)
 
     def _drop_subscription(self, remote_id: str) -> None:
         if remote_id:
             self._session.post("rois.event.unsubscribe", {"subscribe_id": remote_id})
 
     def lost(self, reason: str) -> None:
-        """Say that the connection has ended: whatever waits fails, and every subscriber is told, once."""
-        self._asking.lost = True
+        """End everything with the connection: what waits fails, and every subscriber is notified, once."""
+        self._calls.lost = True
         self.extension = None
         self._commands.lost()
         self._subscriptions.lost(SubscriptionLost(reason))
@@ -338,23 +338,23 @@ class RemoteProxy:
         self._profile_changed()
 
     def _take_reason(self, params: dict[str, Any]) -> None:
-        told = ReasonNotification.model_validate(params)
-        line = sentence(told.reason)
-        self._session.take_reason(told.request_id, line)
-        if told.command_id is not None:
-            self._commands.take_reason(told.command_id, line)
+        notice = ReasonNotification.model_validate(params)
+        line = sentence(notice.reason)
+        self._session.handle_reason(notice.request_id, line)
+        if notice.command_id is not None:
+            self._commands.take_reason(notice.command_id, line)
 
     def _take_event(self, params: dict[str, Any]) -> None:
-        told: EventNotification = _READ_EVENT(params)
-        key = self._subscriptions.key_of(told.subscribe_id)
+        notice: EventNotification = _READ_EVENT(params)
+        key = self._subscriptions.key_of(notice.subscribe_id)
         if key is None:
             return
         component_ref, event_type = key
-        if told.event_type != event_type or not self._claims.is_own(told.event_id):
-            self._strays.note(f"one of type {told.event_type[:80]!r} for a subscription to {event_type!r}")
+        if notice.event_type != event_type or not self._remote_profile.is_own(notice.event_id):
+            self._strays.note(f"one of type {notice.event_type[:80]!r} for a subscription to {event_type!r}")
             return
-        self._claims.note(component_ref, "event", event_type, told.results)
-        event = Event(told.event_id, event_type, component_ref, told.expire, told.results)
+        self._remote_profile.note(component_ref, "event", event_type, notice.results)
+        event = Event(notice.event_id, event_type, component_ref, notice.expire, notice.results)
         self._subscriptions.emit(key, event)
 
 

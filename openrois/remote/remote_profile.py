@@ -1,4 +1,4 @@
-"""What a remote engine says it is, and whether what it does is that."""
+"""The profile of a remote engine, and whether its results fit it."""
 
 import logging
 from collections.abc import Mapping
@@ -26,7 +26,7 @@ _log = logging.getLogger(__name__)
 
 _MILLISECOND: Final = 0.001
 _LONGEST: Final = 10**10
-"""Milliseconds that a command may take by its profile; who says more says any number."""
+"""Milliseconds that a command may take by its profile; higher values count as none."""
 
 
 class RemoteProfile:
@@ -40,7 +40,7 @@ class RemoteProfile:
 
     @property
     def directory(self) -> Directory | None:
-        """What the engine says that it offers; None before it has said so."""
+        """The engine's directory; None before it was read."""
         return self._directory
 
     @directory.setter
@@ -63,7 +63,7 @@ class RemoteProfile:
         return self.directory.component_profiles.get(component_ref) if self.directory is not None else None
 
     def seconds_for(self, component_ref: str, command_type: str) -> float | None:
-        """Return how long a command may take by its profile, or None where that does not say."""
+        """Return how long a command may take by its profile, or None where that has no time."""
         profile = self.profile(component_ref)
         command = profile.command(command_type) if profile is not None else None
         if command is None or command.timeout is None:

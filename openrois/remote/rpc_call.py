@@ -1,4 +1,4 @@
-"""Questions to a remote engine: the wire's answers become values or `RoISError`."""
+"""Requests to a remote engine: the wire's answers become values or `RoISError`."""
 
 import logging
 from collections.abc import Callable
@@ -22,14 +22,14 @@ Outcome = TypeVar("Outcome", bound=ReturnResult)
 
 
 class _Latest:
-    """Why a request was refused: the other side may say so any number of times, and the last time counts."""
+    """Reason of a refused request: the other side may notify any number of them, and the last one counts."""
 
     __slots__ = ("line",)
 
     def __init__(self) -> None:
         self.line = ""
 
-    def take(self, line: str) -> None:
+    def keep_line(self, line: str) -> None:
         self.line = line
 
 
@@ -38,7 +38,7 @@ def _refusal(name: str, code: ReturnCode, reason: _Latest) -> RoISError:
 
 
 class RpcCalls:
-    """Asks over a session until it is told that the other side is lost."""
+    """Calls methods over a session until the other side is lost."""
 
     def __init__(self, session: RpcSession) -> None:
         self._session = session
@@ -61,14 +61,14 @@ class RpcCalls:
         before: Callable[[], None] | None = None,
         timeout: float | None = None,
     ) -> Outcome:
-        """Ask, check the answer, and raise what its return code stands for.
+        """Call a method, check the answer, and raise what its return code stands for.
 
         Args:
             name: the method.
             params: its params.
             model: of its result.
-            accepted: called with a result whose code is OK before any later message is looked at.
-            too_late: called with a result, as it came, that arrives when nobody waits for it any more.
+            accepted: called with a result whose code is OK before any later message is read.
+            too_late: called with a result, as it came, that has no caller any more.
             urgent: whether it is asked also where there is no room for questions.
             before: called when there is room, right before it is asked; what that raises is raised.
             timeout: seconds to wait; as long as for any answer unless given.
@@ -94,7 +94,7 @@ class RpcCalls:
     async def ask_unread(
         self, name: str, params: Params, too_late: Callable[[Any], None], before: Callable[[], None]
     ) -> Any:
-        """Ask and return the result as it came, unless its return code says that it is a refusal.
+        """Call a method and return the result as it came, unless its return code is a refusal.
 
         Raises:
             RoISError: as `ask`.
@@ -128,14 +128,14 @@ class RpcCalls:
                 before=before,
                 on_result=on_result,
                 on_late=too_late,
-                on_reason=reason.take,
+                on_reason=reason.keep_line,
             )
         except TimeoutError:
             raise NotResponding(f"the engine did not answer {name} in time") from None
         except SessionClosed as closed:
             raise EngineUnreachable(f"the connection to the engine ended: {closed}") from closed
         except RpcError as refused:
-            # What it says is for whoever looks after it: an application reads the sentence of a `RoISError`.
+            # Its text is for the operator: an application gets the sentence of a `RoISError`.
             _log.info("an engine refused %s", refused)
             raise ComponentFailed(f"the engine refused {name} with the error {refused.code}") from refused
 
@@ -149,7 +149,7 @@ def read_result(name: str, result: Any, model: type[Outcome]) -> Outcome:
     try:
         return model.read(result)
     except ValidationError as error:
-        # One line: it is logged, and what keeps an adapter out is told in a close frame.
+        # One line: it is logged, and becomes the reason of a close frame.
         first = error.errors(include_url=False, include_context=False, include_input=False)[0]
         path = ".".join(str(step) for step in first["loc"])
         raise ComponentFailed(f"the engine's answer to {name} is malformed: {path}: {first['msg']}"[:500]) from error

@@ -14,12 +14,12 @@ from openrois.jsonrpc.heartbeat import ALIVE, WATCH
 from openrois.jsonrpc.reply_order import ReplyFirst
 from openrois.jsonrpc.session import Handler, InvalidParams, NotificationHandler, Reply, RpcSession, method
 from openrois.jsonrpc.token_renewal import renew_token
-from openrois.leases.lease_notify import notify_holder
+from openrois.leases.lease_notifications import notify_holder
 from openrois.observability.correlation import connection
 from openrois.remote.attachment import ATTACHED, QUESTIONS_ALONE, Attachment
 from openrois.remote.extension import CLIENT_GONE, EXTENSION_METHODS, MAY_BIND
-from openrois.session.lost_streams import lost_streams
 from openrois.session.session import ApplicationSession, EngineHost
+from openrois.session.stream_parameters import lost_streams
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.codes import ComponentFunction, StreamStatus
@@ -48,7 +48,7 @@ _ENDED: Final = StreamStatus.STREAMING_NOT_CONNECTED.value
 
 
 UNASKED: Final = 10.0
-"""Seconds after which it is told that nobody asks anything: a gateway asks at once for the profile of an adapter."""
+"""Seconds after which a warning says that no request has come: a gateway asks an adapter for its profile at once."""
 
 
 async def serve_engine(
@@ -63,14 +63,14 @@ async def serve_engine(
 
     The parent is trusted: it checks reservations, this side does not. The streams of the parent's applications go on
     for `STREAM_GRACE` seconds after the connection has ended, so that a short cut of the control link does not darken a
-    picture; then they end, because nobody can command them any more.
+    picture; then they end, because no application can command them any more.
 
     Args:
         host: the engine.
         stream: the connection.
         credentials: what is shown when the token in use is about to end.
         url: where the parent was reached, for the log.
-        attached: told when the parent has taken the engine in, and when the connection ends after that.
+        attached: called with True when the parent has attached the engine, with False when that connection ends.
     """
     session = RpcSession(stream, rules=queue_rules())
     loop, attachment = asyncio.get_running_loop(), Attachment(attached)
@@ -84,7 +84,7 @@ async def serve_engine(
     session.notifications = {
         **served.notifications(),
         **renew_token(session, credentials, host.tasks),
-        ALIVE: lambda _params: host.lifeline.sign(),
+        ALIVE: lambda _params: host.heartbeat.sign(),
         ATTACHED: lambda _params: attachment.confirm(),
     }
     try:
@@ -93,11 +93,11 @@ async def serve_engine(
     finally:
         unasked.cancel()
         ungreeted.cancel()
-        attachment.end()
+        attachment.connection_ended()
         # Before anything else, what moves stops.
-        host.lifeline.cut("the connection to the gateway has ended")
+        host.heartbeat.cut("the connection to the gateway has ended")
         _end_waiting(host, app)
-        host.fence.forget(app)
+        host.epoch_fence.forget_parent(app)
         # Then what is held is let go: an engine below that does not answer must not delay that.
         host.tasks.start(served.close())
         await app.close()
@@ -105,16 +105,14 @@ async def serve_engine(
 
 def _tell_unasked(session: RpcSession, url: str) -> None:
     if not session.requests:
-        _log.warning(
-            "no gateway at %s asks this adapter anything: a gateway takes adapters at ws://HOST:PORT/adapter", url
-        )
+        _log.warning("no gateway at %s sends this adapter any request: connect it to ws://HOST:PORT/adapter", url)
 
 
 def _end_waiting(host: EngineHost, app: ApplicationSession) -> None:
-    """End what acts and waits for its turn: nobody could stop it once that has come."""
+    """End commands that wait for their turn: behind the lost connection no application could stop them then."""
     for component_ref, profile in host.engine.directory.component_profiles.items():
         if profile.function is ComponentFunction.ACTUATION:
-            for command in host.accepted.of(component_ref):
+            for command in host.pending.of(component_ref):
                 if command.owner is app and command.task is None:
                     command.abort("the connection to the gateway ended before its turn came")
 
@@ -146,27 +144,29 @@ class _ServedExtension:
             self._parent.extended = True
             self._attachment.greet(params.extensions)
             if LEASES in params.extensions:
-                self._host.lifeline.attach(lambda wanted: self._notify(WATCH, {"wanted": wanted}))
+                self._host.heartbeat.attach(lambda wanted: self._notify(WATCH, {"wanted": wanted}))
             engines = tuple(sorted(self._host.engine.extension.engines()))
             return HelloResult(extensions=(*EXTENSIONS, LEASES, MAY_BIND) if engines else (LEASES,), engines=engines)
 
         return {"openrois.hello": method(HelloParams, hello), **{m: self._calling(m) for m in EXTENSION_METHODS}}
 
     def notifications(self) -> dict[str, NotificationHandler]:
-        """Return what the parent tells about its applications."""
+        """Return the handlers of the parent's notifications about its applications."""
 
         async def forget(client_id: str) -> None:
-            client = self._forget(client_id)
+            client = self._forget_client(client_id)
             if client is not None:
-                await self._host.engine.extension.forget(client)
+                await self._host.engine.extension.forget_client(client)
 
         def holder(params: dict[str, Any]) -> None:
             client_id = str(params.pop("client_id", ""))
-            told = HolderNotification.model_validate(params)
-            if not self._host.fence.note(self._parent, told.component_ref, told.epoch):
-                _log.warning("a gateway tells of a former holder of %s, which is passed over", told.component_ref[:200])
+            notification = HolderNotification.model_validate(params)
+            if not self._host.epoch_fence.note(self._parent, notification.component_ref, notification.epoch):
+                _log.warning(
+                    "a gateway reports a former holder of %s, which is ignored", notification.component_ref[:200]
+                )
                 return
-            self._host.tasks.start(self._take_holder(told, client_id))
+            self._host.tasks.start(self._handle_holder(notification, client_id))
 
         def client_gone(params: dict[str, Any]) -> None:
             # In a task, as requests are: what the application asked just before has to be begun first.
@@ -174,13 +174,13 @@ class _ServedExtension:
 
         return {CLIENT_GONE: client_gone, HolderNotification.method: holder}
 
-    async def _take_holder(self, told: HolderNotification, client_id: str) -> None:
-        if client_id and told.component_ref in self._host.engine.directory.component_profiles:
+    async def _handle_holder(self, notification: HolderNotification, client_id: str) -> None:
+        if client_id and notification.component_ref in self._host.engine.directory.component_profiles:
             client = self._clients.get(client_id)
-            if client is None and told.holds:
+            if client is None and notification.holds:
                 client = self._clients[client_id] = Client(client_id, self._notifying(client_id))
             if client is not None:
-                await self._holders.take(told, client)
+                await self._holders.notify_engine(notification, client)
 
     def _calling(self, name: str) -> Handler:
         async def call(params: dict[str, Any]) -> Reply:
@@ -210,8 +210,8 @@ class _ServedExtension:
         if bus is not None and not leads_to(self._host.engine, subject_of(params), bus):
             raise EngineUnreachable("the connection to the engine ended while the stream was made")
         if name == _CONNECT and self._clients.get(client_id) is not client:
-            # The application went while its stream was made: the engine has to be told again.
-            await extension.forget(client)
+            # The application went while its stream was made: the engine has to end that one, too.
+            await extension.forget_client(client)
             raise Aborted("the application is gone")
         self._note_stream(name, params, result, client_id)
         return result
@@ -224,10 +224,12 @@ class _ServedExtension:
 
     def _notifying(self, client_id: str) -> Callable[[str, Mapping[str, Any]], None]:
         def notify(name: str, params: Mapping[str, Any]) -> None:
-            told = {**params, "client_id": client_id}
+            notification = {**params, "client_id": client_id}
             if name == StreamStatusNotification.method and params.get("status") == _ENDED:
                 self._streams.pop(str(params.get("stream_id")), None)
-            self._order.tell((client_id, engine_of(subject_of(params))), lambda: self._notify(name, told))
+            self._order.notify_after_replies(
+                (client_id, engine_of(subject_of(params))), lambda: self._notify(name, notification)
+            )
 
         return notify
 
@@ -237,12 +239,12 @@ class _ServedExtension:
             client_id, _ = self._streams.pop(notice.stream_id)
             self._notify(notice.method, {**notice.model_dump(mode="json"), "client_id": client_id})
 
-    def _forget(self, client_id: str) -> Client | None:
-        """Drop what is noted of an application and return it, if it was known."""
+    def _forget_client(self, client_id: str) -> Client | None:
+        """Drop a client and return it, if it was known."""
         self._streams = {key: owned for key, owned in self._streams.items() if owned[0] != client_id}
         client = self._clients.pop(client_id, None)
         if client is not None:
-            self._holders.forget(client)
+            self._holders.forget_client(client)
         return client
 
     async def close(self) -> None:
@@ -253,30 +255,30 @@ class _ServedExtension:
         clients, self._clients = tuple(self._clients.values()), {}
         self._streams.clear()
         for client in clients:
-            await self._host.engine.extension.forget(client)
+            await self._host.engine.extension.forget_client(client)
 
 
 class _Holders:
-    """Which applications of the parent hold what: nobody can end it for them when the connection is gone."""
+    """The holders among the parent's applications, to be ended here when the connection is gone."""
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
         self._held: dict[str, tuple[HolderNotification, Client]] = {}
 
-    async def take(self, told: HolderNotification, client: Client) -> None:
-        """Note what the parent tells, and pass it on to the engine of the component."""
-        if told.holds:
-            self._held[told.component_ref] = told, client
-        elif self._held.get(told.component_ref, (None, None))[1] is client:
-            del self._held[told.component_ref]
-        await notify_holder(self._engine, told, client)
+    async def notify_engine(self, notification: HolderNotification, client: Client) -> None:
+        """Note a holder, and notify the engine of the component."""
+        if notification.holds:
+            self._held[notification.component_ref] = notification, client
+        elif self._held.get(notification.component_ref, (None, None))[1] is client:
+            del self._held[notification.component_ref]
+        await notify_holder(self._engine, notification, client)
 
-    def forget(self, client: Client) -> None:
-        """Drop what a client held that is gone; the engines hear of its end anyway."""
+    def forget_client(self, client: Client) -> None:
+        """Drop what a client held that is gone; the engines learn of its end anyway."""
         self._held = {ref: held for ref, held in self._held.items() if held[1] is not client}
 
     async def clear(self) -> None:
-        """End all of it."""
+        """End every lease."""
         held, self._held = self._held, {}
-        for told, client in held.values():
-            await notify_holder(self._engine, told.model_copy(update={"holds": False}), client)
+        for notification, client in held.values():
+            await notify_holder(self._engine, notification.model_copy(update={"holds": False}), client)

@@ -1,4 +1,4 @@
-"""Stops of remote components: one of each is on its way at a time, and whoever asks meanwhile shares the next one."""
+"""Stops of remote components: one of each is on its way at a time, and requests made meanwhile share the next one."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -13,7 +13,7 @@ __all__ = ["SharedStops"]
 
 
 class _Stop:
-    """One `stop`, for all who asked for it before it was sent."""
+    """One `stop`, for all requests made before it was sent."""
 
     def __init__(self, command_id: str) -> None:
         self.command_id = command_id
@@ -24,7 +24,7 @@ class _Stop:
         self.task: asyncio.Task[None] | None = None
 
     def let_go(self) -> None:
-        """Wait for its end no more, if nobody does. Until it was answered it may still have to be sent."""
+        """Leave the wait for its end; without any waiter it is cancelled, unless it may still have to be sent."""
         if not self.sharers and self.answered.is_set() and self.task is not None:
             self.task.cancel()
 
@@ -39,7 +39,7 @@ class SharedStops:
     Args:
         run: sends the `stop` of a component at once, if possible under the id that is its second argument, calls the
             third when that is accepted, and returns what it gave when it has ended.
-        tasks: owns the stops, which are sent also when whoever asked for them is gone.
+        tasks: owns the stops, which are sent also when their callers are gone.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class SharedStops:
             stop.let_go()
 
     async def sent(self, component_ref: str) -> None:
-        """Wait until the `stop` is sent that waits for it now, if there is one: what is asked behind it stays there."""
+        """Wait until the `stop` is sent that waits for it now, if there is one: requests behind it stay behind it."""
         stop = self._waiting.get(component_ref)
         if stop is not None:
             await stop.sent.wait()
@@ -92,7 +92,7 @@ class SharedStops:
             stop.ended.set_result(await self._run(component_ref, stop.command_id, answered))
         except Exception as error:
             stop.ended.set_exception(error)
-            # Whoever asked may be gone, and then nobody looks at it.
+            # All callers may be gone, and then the error stays unread.
             stop.ended.exception()
         finally:
             stop.ended.cancel()

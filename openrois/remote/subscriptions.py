@@ -11,7 +11,7 @@ from openrois.errors import ComponentFailed, EngineUnreachable
 __all__ = ["SharedSubscriptions"]
 
 Key = tuple[str, str]
-"""Whose event, and which."""
+"""A component and an event of it."""
 
 
 @dataclass(slots=True)
@@ -33,7 +33,7 @@ class SharedSubscriptions:
 
     Args:
         subscribe: subscribes on the other side; calls its second argument with the other side's id as soon as that is
-            known, before any event can be looked at.
+            known, before any event can be read.
         unsubscribe: ends the subscription with the given id on the other side.
         drop: does the same without waiting.
     """
@@ -79,14 +79,14 @@ class SharedSubscriptions:
             self._drop(former)
 
     def _drop_unheard(self, shared: _Shared) -> None:
-        """End the subscription of somebody who was gone just when the other side had answered."""
+        """End a subscription whose caller was gone just when the other side had answered."""
         if shared.remote_id and not shared.sinks and not shared.lock.locked():
             self._by_remote_id.pop(shared.remote_id, None)
             self._drop(shared.remote_id)
             shared.remote_id = ""
 
     async def remove(self, subscribe_id: str) -> None:
-        """Take a sink away, unsubscribing on the other side if it was the last; an unknown id is ignored."""
+        """Remove a sink, unsubscribing on the other side if it was the last; an unknown id is ignored."""
         shared = self._by_id.get(subscribe_id)
         if shared is None:
             return
@@ -109,19 +109,19 @@ class SharedSubscriptions:
         return shared.key if shared is not None else None
 
     def emit(self, key: Key, event: Event) -> None:
-        """Give an event to every sink of its key."""
+        """Pass an event to every sink of its key."""
         shared = self._by_key.get(key)
         if shared is not None:
             for sink in tuple(shared.sinks.values()):
                 sink(event)
 
     def tree_changed(self) -> None:
-        """Say that any subscription may have been dropped on the other side: the next to come subscribes anew."""
+        """Note that any subscription may have been dropped on the other side: the next caller subscribes anew."""
         for shared in self._by_key.values():
             shared.stale = True
 
     def keep_only(self, component_refs: Collection[str], notice: SubscriptionLost) -> None:
-        """Tell the sinks of components that are no longer there that nothing more will come, and forget them."""
+        """Notify the sinks of components that are no longer there that nothing more will come, and drop them."""
         gone = [shared for shared in self._by_key.values() if shared.key[0] not in component_refs]
         for shared in gone:
             del self._by_key[shared.key]
@@ -134,7 +134,7 @@ class SharedSubscriptions:
                 sink(notice)
 
     def lost(self, notice: SubscriptionLost) -> None:
-        """Tell every sink that nothing more will come, and forget them."""
+        """Notify every sink that nothing more will come, and drop them."""
         sinks = [sink for shared in self._by_key.values() for sink in shared.sinks.values()]
         self._by_key.clear()
         self._by_remote_id.clear()

@@ -1,1 +1,1 @@
-"""What a principal sees of an engine and of its faults; who the principal is, `auth` says."""
+"""The scope of a principal: what it sees of an engine and of its faults; principals are in `auth`."""

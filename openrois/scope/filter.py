@@ -1,4 +1,4 @@
-"""What a principal is shown of a tree of engines and of its faults: what is out of scope is not there. Pure."""
+"""Narrows a tree of engines and its faults to the scope of a principal: what is out of scope is absent. Pure."""
 
 from collections.abc import Collection
 from dataclasses import replace
@@ -12,7 +12,7 @@ from openrois.types.references import engine_of
 __all__ = ["ScopedDirectories", "scoped_directory", "scoped_fault"]
 
 MAX_SCOPES: Final = 1024
-"""Directories that are kept; there are as many as scopes of those who are connected."""
+"""Directories that are kept; there are as many as scopes of connected principals."""
 
 _UNNAMED: Final = "the engine has a fault"
 
@@ -56,15 +56,15 @@ def _shown_engine(profile: HRIEngineProfile, components: Collection[str]) -> HRI
 
 
 def scoped_fault(fault: Fault, directory: Directory, shown: Directory, principal: Principal) -> Fault | None:
-    """Return a fault as the principal may hear of it, None where it may not.
+    """Return a fault as the principal may see it, None where it may not.
 
-    The sentence about a fault of an engine may name any component: who is not shown all of them reads another.
+    The sentence about a fault of an engine may name any component: a principal that sees only some reads another.
 
     Args:
         fault: what happened.
         directory: all there is.
         shown: what the principal is shown of that.
-        principal: who is told.
+        principal: that is notified.
     """
     if fault.component_ref:
         return fault if principal.sees(fault.component_ref) else None
@@ -75,14 +75,14 @@ def scoped_fault(fault: Fault, directory: Directory, shown: Directory, principal
 
 
 class ScopedDirectories:
-    """What everybody who is connected is shown of one engine: those with the same scope share a directory."""
+    """The directories of one engine for all connected principals: those with the same scope share one."""
 
     def __init__(self) -> None:
         self._of: Directory | None = None
         self._by_scope: dict[tuple[bool, tuple[str, ...]], Directory] = {}
 
     def get(self, directory: Directory, principal: Principal) -> Directory:
-        """Return what the principal is shown of the newest directory."""
+        """Return the newest directory as the principal sees it."""
         if directory is not self._of or len(self._by_scope) >= MAX_SCOPES:
             self._of = directory
             self._by_scope.clear()

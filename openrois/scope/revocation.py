@@ -1,4 +1,4 @@
-"""What an application loses when its principal is shown less, or may do less, than before."""
+"""Losses of an application whose principal gets a smaller scope, or fewer roles, than before."""
 
 import logging
 from collections.abc import Collection, Iterable, Mapping
@@ -11,14 +11,14 @@ from openrois.errors import RoISError
 from openrois.types.references import engine_of
 from openrois.types.streams import STREAM_METHODS
 
-__all__ = ["Claims", "end_streams", "lost_uplinks"]
+__all__ = ["Entitlements", "end_streams", "lost_uplinks"]
 
 _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
-class Claims:
-    """What a principal may have: nothing that it could not get now."""
+class Entitlements:
+    """Entitlements of a principal: nothing that it could not get now."""
 
     principal: Principal
 
@@ -53,9 +53,9 @@ def lost_uplinks(component_ref: str, uplinks: Mapping[str, str], held: Collectio
 
 
 async def end_streams(engine: Engine, stream_ids: Iterable[str], client: Client) -> None:
-    """End streams of an application at their engines; one that cannot be asked ends them when the link is lost."""
+    """End streams of an application at their engines; an engine that does not answer ends them with the connection."""
     for stream_id in stream_ids:
         try:
             await engine.extension.call(STREAM_METHODS["disconnect_stream"], {"stream_id": stream_id}, client)
         except RoISError as error:
-            _log.warning("a stream that its application may not have any more could not be ended: %s", error)
+            _log.warning("a stream that its application lost could not be ended: %s", error)

@@ -13,47 +13,47 @@ from openrois.scope.filter import ScopedDirectories, scoped_fault
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile
 from openrois.types.references import engine_of
-from openrois.types.streams import subject_of
+from openrois.types.streams import HolderNotification, subject_of
 
 __all__ = ["ScopedEngine"]
 
 
 class ScopedEngine:
-    """What a principal is shown of an engine, and how it reaches it.
+    """The part of an engine that is in the scope of a principal, and the way to it.
 
     What is out of scope is refused by the look-up that refuses what does not exist, with the same words.
 
     Args:
         engine: all there is.
-        principal: who looks.
-        shown: keeps what those who look are shown.
+        principal: whose scope it is.
+        scoped_directories: shares directories between principals of one scope.
 
     Attributes:
         directory: what there is for the principal now.
         engine_ids: the engines in it.
     """
 
-    def __init__(self, engine: Engine, principal: Principal, shown: ScopedDirectories) -> None:
+    def __init__(self, engine: Engine, principal: Principal, scoped_directories: ScopedDirectories) -> None:
         self._engine = engine
         self._principal = principal
-        self._shown = shown
+        self._directories = scoped_directories
         self._changes: Listeners[bool] = Listeners()
         self._stop_listening = engine.on_change(self._look_again)
-        self._look()
+        self._update_directory()
 
-    def _look(self) -> None:
-        self.directory = self._shown.get(self._engine.directory, self._principal)
+    def _update_directory(self) -> None:
+        self.directory = self._directories.get(self._engine.directory, self._principal)
         self.engine_ids = frozenset(self.directory.profile.engine_ids())
 
     def _look_again(self) -> None:
         former = self.directory
-        self._look()
-        # To whoever is shown everything any change is one, also that of an engine which comes back as it was.
+        self._update_directory()
+        # A principal that sees everything is notified of any change, also that of an engine which comes back as it was.
         whole = self.directory is self._engine.directory
-        self._changes.tell(whole or self.directory != former)
+        self._changes.notify_all(whole or self.directory != former)
 
     def close(self) -> None:
-        """Look no more."""
+        """Stop following the engine."""
         self._stop_listening()
 
     @property
@@ -63,7 +63,7 @@ class ScopedEngine:
 
     @property
     def principal(self) -> Principal:
-        """Who looks; another one may take its place at any time, and sees at once what it is shown."""
+        """The principal; another one may take its place at any time, and its scope holds at once."""
         return self._principal
 
     @principal.setter
@@ -75,7 +75,7 @@ class ScopedEngine:
     def on_change(self, listener: Callable[[bool], None]) -> Callable[[], None]:
         """Call `listener` whenever the tree or the principal changes; return what ends that.
 
-        It is told whether what is shown is different now, and must not block.
+        Its argument is whether the directory is different now; it must not block.
         """
         return self._changes.add(listener)
 
@@ -100,11 +100,11 @@ class ScopedEngine:
         return profile
 
     def has_lost(self, component_ref: str | None) -> bool:
-        """Tell whether a component is in scope whose engine went away without a word."""
+        """Tell whether a component is in scope whose engine was lost."""
         return component_ref is not None and component_ref in self._engine.lost and self.sees(component_ref)
 
     def scoped_fault(self, fault: Fault) -> Fault | None:
-        """Return a fault as the principal may hear of it, None where it may not."""
+        """Return a fault as the principal may see it, None where it may not."""
         return scoped_fault(fault, self._engine.directory, self.directory, self._principal)
 
     def route(self, ref_or_id: str) -> ComponentBus:
@@ -125,11 +125,11 @@ class ScopedEngine:
         return self._engine.leads_alike(one, other)
 
     def leads_to(self, component_ref: str, bus: ComponentBus) -> bool:
-        """Tell whether a component is shown still, and behind `bus`."""
+        """Tell whether a component is still in scope, and behind `bus`."""
         return component_ref in self.directory.component_profiles and leads_to(self._engine, component_ref, bus)
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
-        """Ask a component."""
+        """Query a component."""
         self.require(component_ref)
         return await self._engine.query(component_ref, query_type)
 
@@ -146,13 +146,13 @@ class ScopedEngine:
 
     @property
     def extension(self) -> Extension:
-        """The streaming and signaling methods of the engines that are shown."""
+        """The streaming and signaling methods of the engines in scope."""
         return _VisibleExtension(self, self._engine.extension)
 
 
 @dataclass(frozen=True, slots=True)
 class _VisibleExtension:
-    """The extension of what is shown."""
+    """The extension of the engines in scope."""
 
     visible: ScopedEngine
     extension: Extension
@@ -168,6 +168,11 @@ class _VisibleExtension:
         self.visible.route(subject_of(params))
         return await self.extension.call(method, params, client)
 
-    async def forget(self, client: Client) -> None:
-        """Tell every engine that a client is gone, those too that were shown to it once."""
-        await self.extension.forget(client)
+    async def set_holder(self, notification: HolderNotification, client: Client) -> None:
+        """Notify the engine of a component in scope."""
+        self.visible.require(notification.component_ref)
+        await self.extension.set_holder(notification, client)
+
+    async def forget_client(self, client: Client) -> None:
+        """End what a client has at every engine, also at those that were in its scope before."""
+        await self.extension.forget_client(client)

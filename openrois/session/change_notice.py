@@ -1,4 +1,4 @@
-"""Telling an application that something has changed: some changes at once, of a flood one a second, and the last."""
+"""Notifications that the profile has changed: some at once, under a flood one a second, and always the last."""
 
 import asyncio
 import time
@@ -10,14 +10,14 @@ from openrois.aio.rate import RateLimit
 __all__ = ["ChangeNotice"]
 
 CHANGES_AT_ONCE: Final = 10
-"""Changes that are told in a burst, each as it comes: a fleet that starts, somebody who works at an adapter."""
+"""Changes that are notified in a burst, each as it comes: a fleet that starts, an author at work on an adapter."""
 
 CHANGES_PER_SECOND: Final = 1
-"""Changes that are told in the long run: whoever hears of one asks for everything again."""
+"""Changes that are notified in the long run: an application reads everything again after each."""
 
 
 class ChangeNotice:
-    """The notice of changes, which says nothing but that there was one: what comes while one is due is told with it.
+    """The notification of changes, which has no content: changes while one is due share it.
 
     Args:
         tell: tells the application; must not block.
@@ -30,7 +30,7 @@ class ChangeNotice:
         self._due: asyncio.TimerHandle | None = None
 
     def changed(self) -> None:
-        """Tell of a change, now or as soon as one more may be told."""
+        """Notify a change, now or as soon as one more may be sent."""
         if self._due is not None:
             return
         if self._limit.admits():
@@ -43,6 +43,6 @@ class ChangeNotice:
         self.changed()
 
     def close(self) -> None:
-        """Tell nothing any more."""
+        """Notify nothing any more."""
         if self._due is not None:
             self._due.cancel()

@@ -1,4 +1,4 @@
-"""The subscriptions of one application and the details of the events it was told."""
+"""The subscriptions of one application and the details of the events that it received."""
 
 import asyncio
 import json
@@ -29,7 +29,7 @@ MAX_DETAILS: Final = 1024
 MAX_HELD: Final = 256
 DETAIL_LIFETIME: Final = 60.0
 MAX_DATE_TIME: Final = 64
-"""Characters of what an event says of its end; a longer text is no DateTime anyway."""
+"""Characters of an event's `expire`; a longer text is no DateTime anyway."""
 
 _STATUS_EVENT: Final = "notify_stream_status"
 
@@ -51,8 +51,8 @@ class _Subscription:
 
 
 @dataclass(slots=True)
-class _Told:
-    """What was told, and when, by both clocks."""
+class _Notified:
+    """A notified event, and when that was, by both clocks."""
 
     event: Event
     at: float
@@ -60,7 +60,7 @@ class _Told:
 
 
 class EventLog:
-    """What one application has subscribed to and what it may ask details of."""
+    """The subscriptions of one application, and the events whose details it may read."""
 
     def __init__(
         self,
@@ -74,7 +74,7 @@ class EventLog:
         self._clock = clock
         self._wall_clock = wall_clock
         self._subscriptions: dict[str, _Subscription] = {}
-        self._details: BoundedHistory[_Told] = BoundedHistory(MAX_DETAILS)
+        self._details: BoundedHistory[_Notified] = BoundedHistory(MAX_DETAILS)
 
     def count(self) -> int:
         """Return how many subscriptions there are."""
@@ -104,7 +104,7 @@ class EventLog:
     async def _listen(self, subscription: _Subscription) -> None:
         try:
             subscription.bus_id = await self._engine.subscribe(
-                subscription.component_ref, subscription.event_type, lambda item: self._take(subscription, item)
+                subscription.component_ref, subscription.event_type, lambda item: self._handle_item(subscription, item)
             )
         except BaseException:
             self._subscriptions.pop(subscription.subscribe_id, None)
@@ -121,11 +121,11 @@ class EventLog:
             await self._engine.unsubscribe(subscription.bus_id)
 
     def clear(self) -> Coroutine[Any, Any, None]:
-        """Forget every subscription at once, so that none is meant that comes after; return what ends them."""
+        """Drop every subscription at once, so that no later one is included; return what ends them at the engine."""
         former, self._subscriptions = self._subscriptions, {}
-        return self._end([subscription.bus_id for subscription in former.values() if subscription.bus_id])
+        return self._unsubscribe_all([subscription.bus_id for subscription in former.values() if subscription.bus_id])
 
-    async def _end(self, bus_ids: list[str]) -> None:
+    async def _unsubscribe_all(self, bus_ids: list[str]) -> None:
         """End subscriptions at the engine; one that cannot be ended properly does not keep the others."""
         ending = (self._engine.unsubscribe(bus_id) for bus_id in bus_ids)
         for outcome in await asyncio.gather(*ending, return_exceptions=True):
@@ -133,42 +133,42 @@ class EventLog:
                 _log.info("a subscription could not be ended: %s", outcome)
 
     def keep_only(self, component_refs: Collection[str]) -> None:
-        """Forget subscriptions to own streams of components that are no longer there; of others their bus tells."""
+        """Drop subscriptions to own streams of components that are no longer there; others are ended by their bus."""
         for subscription in tuple(self._subscriptions.values()):
             if not subscription.bus_id and subscription.component_ref not in component_refs:
                 del self._subscriptions[subscription.subscribe_id]
 
     def drop(self, is_lost: Callable[[str], bool]) -> Coroutine[Any, Any, None]:
-        """Forget at once the subscriptions to components that are lost to the application; return what ends them."""
+        """Drop at once the subscriptions to components that are lost to the application; return what ends them."""
         dropped = [s for s in self._subscriptions.values() if is_lost(s.component_ref)]
         for subscription in dropped:
             del self._subscriptions[subscription.subscribe_id]
             subscription.open, subscription.dropped = False, True
-        return self._end([subscription.bus_id for subscription in dropped if subscription.bus_id])
+        return self._unsubscribe_all([subscription.bus_id for subscription in dropped if subscription.bus_id])
 
     def listens_to(self, component_ref: str) -> bool:
         """Tell whether there is a subscription to an event of the component."""
         return any(s.open and s.component_ref == component_ref for s in self._subscriptions.values())
 
     def details(self, event_id: str, sees: Callable[[str], bool] = lambda _component_ref: True) -> tuple[Result, ...]:
-        """Return the results of an event that this application was told.
+        """Return the results of an event that this application received.
 
         Args:
             event_id: the event.
             sees: tells whether the component that it is of is in the application's scope, which may have changed.
 
         Raises:
-            BadParameter: it was never told, or too long ago, or is out of scope by now.
+            BadParameter: it never received it, or too long ago, or it is out of scope by now.
         """
         told = self._details.get(event_id)
         if told is None or self._is_over(told) or not sees(told.event.component_ref):
             raise BadParameter(f"there are no details of an event {event_id[:200]!r}")
         return told.event.results
 
-    def _is_over(self, told: _Told) -> bool:
-        """Tell whether the details have expired: when the event says, or a while after it was told.
+    def _is_over(self, told: _Notified) -> bool:
+        """Tell whether the details have expired: at `expire`, or a while after the notification.
 
-        How long that is was settled when it was told: the wall clock may have been set since.
+        How long that is was settled at the notification: the wall clock may have been set since.
         """
         try:
             expire = read_date_time(told.event.expire[:MAX_DATE_TIME])
@@ -190,24 +190,24 @@ class EventLog:
         event = Event(new_id(engine_of(component_ref)), _STATUS_EVENT, component_ref, expire, results)
         for subscription in tuple(self._subscriptions.values()):
             if subscription.event_type == _STATUS_EVENT and subscription.component_ref == component_ref:
-                self._take(subscription, event)
+                self._handle_item(subscription, event)
 
     def _open(self, subscription: _Subscription) -> None:
         if subscription.dropped:
             return
         subscription.open = True
         while subscription.held:
-            self._tell(subscription, subscription.held.popleft())
+            self._send_event(subscription, subscription.held.popleft())
 
-    def _take(self, subscription: _Subscription, item: Event | SubscriptionLost) -> None:
+    def _handle_item(self, subscription: _Subscription, item: Event | SubscriptionLost) -> None:
         if isinstance(item, SubscriptionLost):
             self._subscriptions.pop(subscription.subscribe_id, None)
         elif subscription.open:
-            self._tell(subscription, item)
+            self._send_event(subscription, item)
         else:
             subscription.held.append(item)
 
-    def _tell(self, subscription: _Subscription, event: Event) -> None:
-        told = _Told(event, self._clock(), self._wall_clock())
+    def _send_event(self, subscription: _Subscription, event: Event) -> None:
+        told = _Notified(event, self._clock(), self._wall_clock())
         self._details.put(event.event_id, told, event.results)
-        self._notify("rois.event.notify_event", event.text.told_to(subscription.as_json), droppable=True)
+        self._notify("rois.event.notify_event", event.text.params_for(subscription.as_json), droppable=True)

@@ -1,11 +1,10 @@
-"""One application at one engine: what it has bound, subscribed, started and connected, and how it is told.
+"""One application at one engine: what it has bound, subscribed, started and connected, and its notifications.
 
 The same class stands on both sides of a hop. At a gateway the session is an application's and the rules of reservation
 hold; at an adapter it is the gateway's, which is trusted: it has checked the application behind it already.
 """
 
 import asyncio
-import logging
 import secrets
 import time
 from collections.abc import Awaitable, Callable, Mapping
@@ -32,13 +31,12 @@ from openrois.leases.lease_notifications import Holder
 from openrois.leases.model import Rules
 from openrois.observability.audit import Audit
 from openrois.scope.filter import ScopedDirectories
-from openrois.scope.revocation import Claims, end_streams, lost_uplinks
+from openrois.scope.revocation import Entitlements, end_streams, lost_uplinks
 from openrois.scope.scoped_engine import ScopedEngine
 from openrois.session.change_notice import ChangeNotice
-from openrois.session.errors import ErrorLog
+from openrois.session.error_log import ErrorLog
 from openrois.session.events import EventLog
-from openrois.session.lost_streams import lost_streams
-from openrois.session.stream_parameters import StreamParameters
+from openrois.session.stream_parameters import StreamParameters, lost_streams
 from openrois.types.codes import CompletedStatus, ErrorType, StreamStatus
 from openrois.types.messages import Completed, ErrorNotification
 from openrois.types.reasons import ReasonNotification, sentence
@@ -50,8 +48,6 @@ from openrois.types.streams import (
 )
 
 __all__ = ["RESTARTS", "ApplicationSession", "EngineHost"]
-
-_log = logging.getLogger(__name__)
 
 RESTARTS: Final = "the gateway is about to restart"
 
@@ -65,29 +61,29 @@ class EngineHost:
     Attributes:
         engine: the engine that is spoken to.
         tasks: owns the commands; they go on when the application that started them is gone.
-        leases: who holds which component.
-        shown: what applications are shown of the engine.
+        leases: holders of components and their queues.
+        scoped_directories: what applications are shown of the engine.
         commands: what the commands take that are accepted and not finished.
         unread: what waits to be sent on all connections.
         quotas: what the applications of one subject may have together.
         sleep: waits for some seconds, between the commands of a sequence.
         wall_clock: epoch seconds.
-        ice_servers: what an end of a stream may use, as the W3C's RTCIceServer objects; given who it is for.
+        ice_servers: what an end of a stream may use, as the W3C's RTCIceServer objects; its argument is the user.
         ice_ttl: seconds for which that may be kept.
-        audit: who did what, and what was refused.
-        traffic: the connections, and what they did.
-        journal: what was accepted and how it ended, for whoever asks after a restart.
-        accepted: commands that can be ended from outside.
+        audit: actions and refusals.
+        connection_stats: the connections, and what they did.
+        journal: accepted commands and how they ended, for applications that ask after a restart.
+        pending: commands that can be ended from outside.
         lease_rules: how long leases last.
         first_epoch: the number of the first lease.
         draining: it is about to end, and begins nothing new.
-        lifeline: to the parent, for what moves.
-        fence: which parent told of the latest holder.
+        heartbeat: to the parent, for what moves.
+        epoch_fence: which parent reported the latest holder.
     """
 
     engine: Engine
     tasks: TaskScope
-    shown: ScopedDirectories = field(default_factory=ScopedDirectories)
+    scoped_directories: ScopedDirectories = field(default_factory=ScopedDirectories)
     commands: CommandQuota = field(default_factory=CommandQuota)
     unread: UnreadBudget = field(default_factory=UnreadBudget)
     quotas: SubjectQuotas = field(default_factory=SubjectQuotas)
@@ -96,21 +92,21 @@ class EngineHost:
     ice_servers: Callable[[str], tuple[Mapping[str, Any], ...]] = lambda _user: ()
     ice_ttl: int = 3600
     audit: Audit = field(default_factory=Audit)
-    traffic: ConnectionStats = field(default_factory=ConnectionStats)
+    connection_stats: ConnectionStats = field(default_factory=ConnectionStats)
     journal: Journal = field(default_factory=Journal)
-    accepted: PendingCommands = field(default_factory=PendingCommands)
+    pending: PendingCommands = field(default_factory=PendingCommands)
     lease_rules: Rules = field(default_factory=Rules)
     first_epoch: int = 1
     draining: bool = False
-    lifeline: Heartbeat = field(default_factory=Heartbeat)
-    fence: EpochFence = field(default_factory=EpochFence)
+    heartbeat: Heartbeat = field(default_factory=Heartbeat)
+    epoch_fence: EpochFence = field(default_factory=EpochFence)
     leases: LeaseKeeper = field(init=False)
 
     def __post_init__(self) -> None:
         self.leases = LeaseKeeper(
             self.engine,
             self.tasks,
-            self.accepted,
+            self.pending,
             rules=self.lease_rules,
             first_epoch=self.first_epoch,
             acted=self.audit.acted,
@@ -119,12 +115,12 @@ class EngineHost:
         self.quotas.absent = lambda: self.leases.model.absent
 
     def crashed(self, what: str) -> None:
-        """Report that something went wrong inside the engine, which is nobody else's fault."""
+        """Report an error inside the engine, which is no application's fault."""
         self.engine.report(ErrorType.ENGINE_INTERNAL_ERROR, f"{what} failed inside the engine")
 
 
 def _end_uplinks(component_ref: str, holder: Holder) -> None:
-    """End what a session sends into an engine when it does not operate anything there any more."""
+    """End what a session sends into an engine when it operates nothing there any more."""
     session = cast(ApplicationSession, holder)
     held = session.host.leases.model.holding.held_by(session)
     lost = lost_uplinks(component_ref, session.uplinks, held)
@@ -142,10 +138,10 @@ class ApplicationSession:
         trusted: the other side is the parent engine; it needs no reservations.
         passes: sees every extension notification on its way to the application, and says whether it goes on.
         left: called when the application has left and its streams and peer connections are over.
-        principal: who it is; another one takes its place when it shows a new token.
+        principal: of the application; another one takes its place when it shows a new token.
 
     Attributes:
-        engine: what the principal is shown of the engine: whatever an application names is looked up there.
+        engine: the part of the engine in the principal's scope: every name in a request is looked up there.
         end_connection: ends the connection at once; called when another session has gone on in this one's place.
         streams: the component_ref of each of its streams, by stream_id.
         uplinks: those of them that it may have only as long as it operates their engine.
@@ -162,7 +158,7 @@ class ApplicationSession:
         principal: Principal = LOCAL,
     ) -> None:
         self.host = host
-        self.engine = ScopedEngine(host.engine, principal, host.shown)
+        self.engine = ScopedEngine(host.engine, principal, host.scoped_directories)
         self.trusted = trusted
         # A parent speaks for many applications: the share of one is kept where they are known apart.
         own = (MAX_UNFINISHED, MAX_UNFINISHED_TEXT) if trusted else (MAX_RUNNING, MAX_RUNNING_TEXT)
@@ -183,77 +179,77 @@ class ApplicationSession:
         self.closed = False
         self.successor: ApplicationSession | None = None
         self.end_connection: Callable[[], None] = lambda: None
-        self.tell = self._notify = notify
+        self.send_notification = self._notify = notify
         self._passes = passes
         self._left = left
         self._change_notice = ChangeNotice(lambda: notify("rois.system.profile_changed", {}))
         self._stop_listening = self.engine.on_change(self._tree_changed)
-        self._stop_watching = host.engine.faults.add(self._take_fault)
+        self._stop_watching = host.engine.faults.add(self._handle_fault)
 
     def _new_client(self) -> Client:
-        return Client(self.client_id, self._take_extension_notification)
+        return Client(self.client_id, self._handle_extension_notification)
 
     @property
     def principal(self) -> Principal:
-        """Who the application is; one that is put in its place is shown something else, and loses what it is not."""
+        """The principal of the application; another one in its place has another scope, and loses what is not in it."""
         return self.engine.principal
 
     @principal.setter
     def principal(self, principal: Principal) -> None:
-        claims = Claims(principal)
-        bound = claims.lost_bindings(self.bound)
-        streams = claims.lost_streams(self.streams)
-        # First of all it sees no more: what follows is not told of to whoever may not know of it.
+        entitlements = Entitlements(principal)
+        bound = entitlements.lost_bindings(self.bound)
+        streams = entitlements.lost_streams(self.streams)
+        # Narrow the scope first, so that the next notifications are filtered.
         self.engine.principal = principal
         self.bound.difference_update(bound)
         for component_ref in bound:
             self.give_back(component_ref)
-        for component_ref in claims.lost_bindings(self.host.leases.waited_for(self)):
+        for component_ref in entitlements.lost_bindings(self.host.leases.waited_for(self)):
             self.host.leases.withdraw(component_ref, self)
         if streams:
             self.host.tasks.start(end_streams(self.host.engine, streams, self.client))
-        self.host.tasks.start(self.events.drop(claims.loses_subscription))
+        self.host.tasks.start(self.events.drop(entitlements.loses_subscription))
 
     @property
     def sharer(self) -> str | None:
-        """Against whose share commands count; None for a parent, and where nobody has to prove who it is."""
+        """The name whose share commands count against; None for a parent, and where no token is needed."""
         return None if self.trusted or self.principal is LOCAL else self.principal.subject
 
     @property
     def quota_name(self) -> str:
-        """Against whose quotas connections, streams and what waits unread count."""
+        """The name that connections, streams and unread messages count against."""
         return quota_name(self.principal, self.client_id)
 
     def may_operate(self, component_ref: str) -> bool:
         """Tell whether this session may change what the component does."""
         if self.trusted:
-            return self.host.fence.admits(self, component_ref)
+            return self.host.epoch_fence.admits(self, component_ref)
         return self.host.leases.is_held(component_ref, self)
 
     def is_barred_from(self, component_ref: str) -> bool:
-        """Tell whether another session has the component now; one that nobody has is open to what was accepted."""
+        """Tell whether another session holds the component now; a free one is open to commands that were accepted."""
         return not self.trusted and self.host.leases.is_held_by_another(component_ref, self.present())
 
     def present(self) -> "ApplicationSession":
-        """Return the session that has gone on where this one ended; itself where none has."""
+        """Return the session that has gone on where this one ended; itself where there is none."""
         session = self
         while session.successor is not None:
             session = session.successor
         return session
 
     def give_back(self, component_ref: str) -> None:
-        """End the session's reservation of a component, if it has one; its adapter is told."""
+        """End the session's reservation of a component, if it has one; its adapter is notified."""
         self.host.leases.release(component_ref, self)
 
     def succeed(self, former: "ApplicationSession") -> None:
-        """Go on in the place of another session: its commands are told of here, what it had bound is bound here."""
+        """Go on in the place of another session: its commands are notified here, what it had bound is bound here."""
         self.commands, former.successor = former.commands, self
         self.bound |= former.bound
         if not former.closed:
             former.end_connection()
 
     def explain(self, request_id: RequestId, reason: object) -> None:
-        """Tell the application why the reply that comes right behind is a refusal, if it would understand that."""
+        """Notify the application why the reply that follows is a refusal, if it knows that notification."""
         if request_id is not None:
             self._explain("request_id", request_id, reason)
 
@@ -263,7 +259,7 @@ class ApplicationSession:
             self._notify(ReasonNotification.method, {name: subject, "reason": line}, dispensable=True)
 
     def completed(self, command_id: str, status: CompletedStatus, reason: object = "") -> None:
-        """Tell the application how a command ended, and right before that why, where there is a reason."""
+        """Notify the application how a command ended, and right before that why, where there is a reason."""
         session = self.present()
         session._explain("command_id", command_id, reason)
         session._notify(
@@ -271,13 +267,13 @@ class ApplicationSession:
         )
 
     def gap(self, dropped: int) -> str | None:
-        """Return the message that stands where events were dropped, if the application would understand it."""
+        """Return the message that stands where events were dropped, if the application knows it."""
         if not self.extended:
             return None
         told = EventsDroppedNotification(count=dropped)
         return Peer.notification(told.method, told.model_dump(mode="json"))
 
-    def _take_fault(self, fault: Fault) -> None:
+    def _handle_fault(self, fault: Fault) -> None:
         shown = self.engine.scoped_fault(fault) if self._is_concerned_by(fault) else None
         if shown is None:
             return
@@ -287,7 +283,7 @@ class ApplicationSession:
         asyncio.get_running_loop().call_soon(lambda: self._notify("rois.system.notify_error", told, droppable=True))
 
     def _is_concerned_by(self, fault: Fault) -> bool:
-        """Tell whether the application works with the component; of the engine's own faults all hear that connected."""
+        """Tell whether the application works with the component; the engine's own faults concern every one."""
         component_ref = fault.component_ref
         if self.trusted or not component_ref:
             return self.connected
@@ -299,7 +295,7 @@ class ApplicationSession:
         )
 
     def _tree_changed(self, visibly: bool) -> None:
-        """Let go of what is not shown any more: it has left the tree, or the principal's scope."""
+        """Drop what is not in scope any more: it has left the tree, or the principal's scope."""
         shown = self.engine.directory.component_profiles.keys()
         for notice in lost_streams(self.streams, self.engine.directory, self.host.wall_clock()):
             self._deliver(notice.method, notice.model_dump(mode="json"), notice)
@@ -309,8 +305,8 @@ class ApplicationSession:
         if visibly:
             self._change_notice.changed()
 
-    def _take_extension_notification(self, method: str, params: Mapping[str, Any]) -> None:
-        # Read before it waits: a malformed one is the fault of who tells it, not of the call that it waits for.
+    def _handle_extension_notification(self, method: str, params: Mapping[str, Any]) -> None:
+        # Read before it waits: a malformed one is the fault of its engine, not of the call that it waits for.
         is_status = method == StreamStatusNotification.method
         notice = StreamStatusNotification.model_validate(params) if is_status else None
         engine_id = engine_of(subject_of(params))
@@ -321,7 +317,7 @@ class ApplicationSession:
             if shown:
                 self._deliver(method, params, notice)
 
-        self.order.tell(engine_id, deliver)
+        self.order.notify_after_replies(engine_id, deliver)
 
     def _deliver(self, method: str, params: Mapping[str, Any], notice: StreamStatusNotification | None) -> None:
         if not self._passes(method, params):
@@ -335,7 +331,7 @@ class ApplicationSession:
             self._notify(method, params)
 
     async def leave(self, *, lost: bool = False) -> None:
-        """Give back reservations, subscriptions and streams. What runs goes on.
+        """Release reservations, subscriptions and streams. Commands run on.
 
         Args:
             lost: the connection was lost; what is reserved may be kept for a while.
@@ -352,7 +348,7 @@ class ApplicationSession:
         self.order.clear()
         self._left()
         former, self.client = self.client, self._new_client()
-        await asyncio.gather(self.events.clear(), self.engine.extension.forget(former))
+        await asyncio.gather(self.events.clear(), self.engine.extension.forget_client(former))
 
     async def close(self, *, lost: bool = False) -> None:
         """Leave for good; a session whose connection was lost may have a successor."""

@@ -1,12 +1,19 @@
-"""What one application wants of the streams it will connect: kept apart from what others want of the same component."""
+"""Streams of one application: the parameters that it has set for those to come, and notices of those that are lost.
 
-from collections.abc import Collection, Iterable
+Pure.
+"""
+
+from collections.abc import Collection, Iterable, Mapping
 from typing import Final
 
+from openrois.contract import Directory
+from openrois.types.codes import StreamStatus
 from openrois.types.messages import Argument, Parameter, Result
 from openrois.types.profiles import HRIComponentProfile
+from openrois.types.streams import StreamStatusNotification
+from openrois.types.values import date_time
 
-__all__ = ["STREAM_PARAMETERS", "StreamParameters"]
+__all__ = ["STREAM_PARAMETERS", "StreamParameters", "lost_streams"]
 
 STREAM_PARAMETERS: Final = ("encoding_parameters", "transport_parameters")
 """The parameters of a streaming component that are about a stream to come."""
@@ -35,3 +42,23 @@ class StreamParameters:
     def keep_only(self, component_refs: Collection[str]) -> None:
         """Forget what was set on components that are no longer there."""
         self._set = {ref: own for ref, own in self._set.items() if ref in component_refs}
+
+
+def lost_streams(streams: Mapping[str, str], directory: Directory, now: float) -> list[StreamStatusNotification]:
+    """Return the announcement of the end of each stream whose component is not in the tree any more.
+
+    Args:
+        streams: the component_ref of each stream, by stream_id.
+        directory: what there is now.
+        now: epoch seconds.
+    """
+    return [
+        StreamStatusNotification(
+            stream_id=stream_id,
+            component_ref=component_ref,
+            status=StreamStatus.STREAMING_NOT_CONNECTED,
+            timestamp=date_time(now),
+        )
+        for stream_id, component_ref in streams.items()
+        if component_ref not in directory.component_profiles
+    ]

@@ -11,9 +11,9 @@ from openrois.contract import Client, ComponentBus
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
 from openrois.errors import Unsupported
-from openrois.leases.lease_notify import notify_holder
-from openrois.testing import event_rules, life_rules, message_rules, parameter_rules, profile_rules
-from openrois.testing.subject import Broken, Ears, LocalSubject, Subject
+from openrois.leases.lease_notifications import notify_holder
+from openrois.testing import life_rules, message_rules, parameter_rules, profile_rules
+from openrois.testing.subject import Broken, EventCollector, LocalSubject, Subject
 from openrois.types.references import reference
 from openrois.types.streams import HolderNotification
 
@@ -37,9 +37,9 @@ RULES: Final[tuple[Rule, ...]] = (
     parameter_rules.its_parameters_are_told,
     parameter_rules.what_is_set_is_told,
     parameter_rules.it_refuses_parameters_that_do_not_fit,
-    event_rules.its_events_can_be_subscribed,
+    message_rules.its_events_can_be_subscribed,
 )
-"""What can be tried on any component, wherever it is."""
+"""Rules that can be tried on any component, wherever it is."""
 
 LOCAL_RULES: Final[tuple[LocalRule, ...]] = (
     life_rules.events_are_heard_until_unsubscribed,
@@ -47,7 +47,7 @@ LOCAL_RULES: Final[tuple[LocalRule, ...]] = (
     life_rules.it_lets_go,
     life_rules.it_comes_up_again,
 )
-"""What can be tried on a component in this process."""
+"""Rules that can be tried on a component in this process."""
 
 
 class ComponentContract:
@@ -93,7 +93,7 @@ class ComponentContract:
                 raise Broken("connect failed; the log says why")
             await rule(subject)
         except BaseException:
-            # What went wrong first is what is told.
+            # The first error is the one to raise.
             with suppress(Broken):
                 await subject.within("disconnect", component.take_down())
             raise
@@ -132,7 +132,7 @@ _add_tests((*RULES, *LOCAL_RULES))
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Where the contract is broken.
+    """One violation of the contract.
 
     Attributes:
         component_ref: whose it is; empty for the engine's.
@@ -152,7 +152,7 @@ async def findings(
     refuses: Mapping[str, Mapping[str, str]] | None = None,
     patience: float = 5.0,
 ) -> list[Finding]:
-    """Try every component behind a bus, and return what is broken.
+    """Try every component behind a bus, and return the violations.
 
     A bus is, for one, the engine of a gateway with a whole adapter behind it. The components are started and stopped:
     what they move has to be free to move.
@@ -201,22 +201,22 @@ async def findings(
 
 @asynccontextmanager
 async def _held(bus: ComponentBus, component_ref: str) -> AsyncIterator[None]:
-    """Hold a component behind a gateway, as its first holder: what has a dead man's switch moves for nobody else."""
+    """Hold a component as its first client: a component with a dead man's switch moves for no other."""
     if not isinstance(bus, Engine):
         yield
         return
     tester = Client("tester", lambda _method, _params: None)
-    told = HolderNotification(component_ref=component_ref, holds=True, epoch=1)
-    await notify_holder(bus, told, tester)
+    notice = HolderNotification(component_ref=component_ref, holds=True, epoch=1)
+    await notify_holder(bus, notice, tester)
     try:
         yield
     finally:
-        await notify_holder(bus, told.model_copy(update={"holds": False}), tester)
-        await bus.extension.forget(tester)
+        await notify_holder(bus, notice.model_copy(update={"holds": False}), tester)
+        await bus.extension.forget_client(tester)
 
 
 async def _strangers(bus: ComponentBus, patience: float) -> list[str]:
-    """Return what is wrong with how a bus refuses components that it does not have."""
+    """Return the violations of a bus in refusing components that it does not have."""
     directory = await bus.discover()
     engine_id = directory.profile.identifier.code
     profile = next(iter(directory.component_profiles.values()), None)
@@ -228,7 +228,7 @@ async def _strangers(bus: ComponentBus, patience: float) -> list[str]:
         for doing, work in (
             (f"a query of {ref!r}", bus.query(ref, "component_status")),
             (f"a command of {ref!r}", bus.invoke(ref, "start")),
-            (f"a subscription to {ref!r}", bus.subscribe(ref, "event", Ears())),
+            (f"a subscription to {ref!r}", bus.subscribe(ref, "event", EventCollector())),
         ):
             try:
                 await subject.refused(doing, work, Unsupported)

@@ -1,4 +1,4 @@
-"""What a component in this process owes to its adapter: being connected, being let go, and announcing its events."""
+"""Rules of a component towards its adapter, in one process: connecting, disconnecting, and announcing its events."""
 
 import asyncio
 
@@ -6,7 +6,7 @@ from openrois.contract import Event
 from openrois.errors import ComponentFailed
 from openrois.testing.message_rules import begin, can, stop_ends_start
 from openrois.testing.samples import argument, result
-from openrois.testing.subject import Ears, LocalSubject, require
+from openrois.testing.subject import EventCollector, LocalSubject, require
 from openrois.types.values import check_value
 
 __all__ = [
@@ -18,7 +18,7 @@ __all__ = [
 
 
 async def it_comes_up_again(subject: LocalSubject) -> None:
-    """What was let go can be connected again, and works as before."""
+    """A component that was disconnected can be connected again, and works as before."""
     for _ in range(2):
         await subject.within("disconnect", subject.component.take_down())
         require(await subject.within("connect", subject.component.bring_up()), "connect failed; the log says why")
@@ -53,27 +53,27 @@ async def without_connection_it_only_keeps_parameters(subject: LocalSubject) -> 
         work = subject.bus.invoke(ref, command.name, fitting)
         await subject.refused(f"command {command.name}", work, ComponentFailed)
     for event in profile.event_profiles:
-        listening = subject.bus.subscribe(ref, event.name, Ears())
+        listening = subject.bus.subscribe(ref, event.name, EventCollector())
         await subject.refused(f"subscribe to {event.name}", listening, ComponentFailed)
     await subject.prepare()
-    told = await subject.told()
+    values = await subject.parameter_values()
     for name, value in subject.parameters.items():
-        require(told.get(name) == value, f"{name} was set to {value!r}, get_parameter tells {told.get(name)!r}")
+        require(values.get(name) == value, f"{name} was set to {value!r}, get_parameter tells {values.get(name)!r}")
 
 
 async def events_are_heard_until_unsubscribed(subject: LocalSubject) -> None:
-    """One announcement is one event for all who listen to it, with results that fit, and silence afterwards."""
+    """One announcement is one event for every subscriber, with results that fit, and silence afterwards."""
     for event in subject.profile.event_profiles:
-        staying, leaving = Ears(), Ears()
+        staying, leaving = EventCollector(), EventCollector()
         await subject.bus.subscribe(subject.component_ref, event.name, staying)
         leaving_id = await subject.bus.subscribe(subject.component_ref, event.name, leaving)
         results = tuple(result(profile) for profile in event.results)
         subject.component.emit(event.name, results)
         await subject.bus.unsubscribe(leaving_id)
         subject.component.emit(event.name, results)
-        require(len(staying.heard) == 2, f"of two {event.name} {len(staying.heard)} are heard")
-        require(len(leaving.heard) == 1, f"{event.name} is heard after unsubscribe")
-        first, again = staying.heard[0], leaving.heard[0]
+        require(len(staying.received) == 2, f"of two {event.name} {len(staying.received)} are heard")
+        require(len(leaving.received) == 1, f"{event.name} is heard after unsubscribe")
+        first, again = staying.received[0], leaving.received[0]
         require(isinstance(first, Event) and first == again, f"two who listen to {event.name} hear different events")
         if isinstance(first, Event):
             subject.require_fitting(f"event {event.name}", first.results, event.results)

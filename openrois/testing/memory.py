@@ -61,7 +61,7 @@ class MemoryGateway:
 async def memory_gateway(
     *components: Component, engine_id: str = "robot", patience: float = PATIENCE
 ) -> AsyncIterator[MemoryGateway]:
-    """Run an adapter behind a gateway, connected as in earnest but in memory, while the block runs.
+    """Run an adapter behind a gateway while the block runs: the real code, connected in memory.
 
     Each component is connected first; one whose `connect` fails is in ERROR, as its status tells.
 

@@ -1,4 +1,4 @@
-"""What a component owes to whoever asks and tells it: queries, commands, status, and the life of `start`."""
+"""Rules of a component towards its clients: queries, commands, events, status, and the life of `start`."""
 
 import asyncio
 from typing import Final
@@ -7,13 +7,13 @@ from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.common import ROIS_COMMON
 from openrois.errors import Aborted, BadParameter, Unsupported
 from openrois.testing.samples import argument, misfit
-from openrois.testing.subject import Broken, Ears, Subject, require
+from openrois.testing.subject import Broken, EventCollector, Subject, require
 from openrois.types.codes import ComponentStatus
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import ParameterProfile, RoISIdentifier
 
 __all__ = [
-    "NOBODY",
+    "UNKNOWN",
     "a_new_start_ends_the_former",
     "begin",
     "can",
@@ -21,17 +21,18 @@ __all__ = [
     "it_refuses_arguments_that_it_does_not_take",
     "it_refuses_unknown_messages",
     "it_tells_its_status",
+    "its_events_can_be_subscribed",
     "its_queries_answer",
     "stop_ends_start",
 ]
 
-NOBODY: Final = "no_such_thing"
+UNKNOWN: Final = "no_such_thing"
 GLANCE: Final = 0.01
-"""Seconds between two looks at what takes its time."""
+"""Seconds between two checks of what takes its time."""
 ENDING: Final = 1.0
 """Seconds that a command has to clean up when it is cancelled."""
 
-_STRANGE: Final = ParameterProfile(name=NOBODY, data_type_ref=RoISIdentifier(code="string"))
+_STRANGE: Final = ParameterProfile(name=UNKNOWN, data_type_ref=RoISIdentifier(code="string"))
 
 
 async def it_tells_its_status(subject: Subject) -> None:
@@ -65,33 +66,34 @@ def _required(subject: Subject, query: str) -> set[str]:
 async def it_refuses_unknown_messages(subject: Subject) -> None:
     """A command, query or event that the profile does not name is Unsupported."""
     bus, ref = subject.bus, subject.component_ref
-    await subject.refused("an unknown query", bus.query(ref, NOBODY), Unsupported)
-    await subject.refused("an unknown command", bus.invoke(ref, NOBODY), Unsupported)
-    await subject.refused("an unknown event", bus.subscribe(ref, NOBODY, Ears()), Unsupported)
+    await subject.refused("an unknown query", bus.query(ref, UNKNOWN), Unsupported)
+    await subject.refused("an unknown command", bus.invoke(ref, UNKNOWN), Unsupported)
+    await subject.refused("an unknown event", bus.subscribe(ref, UNKNOWN, EventCollector()), Unsupported)
 
 
 async def it_refuses_arguments_that_it_does_not_take(subject: Subject) -> None:
     """Unknown, misfitting and repeated arguments are BadParameter, and the command does not start."""
-    ears = Ears()
+    collector = EventCollector()
     ids = [
-        await subject.bus.subscribe(subject.component_ref, event.name, ears) for event in subject.profile.event_profiles
+        await subject.bus.subscribe(subject.component_ref, event.name, collector)
+        for event in subject.profile.event_profiles
     ]
-    before = await subject.told()
+    before = await subject.parameter_values()
     for command in subject.profile.command_profiles:
         for wrong, arguments in _wrong(command.arguments):
             doing = f"command {command.name} with {wrong}"
             work = subject.bus.invoke(subject.component_ref, command.name, arguments)
             await subject.refused(doing, work, BadParameter)
-            require(not ears.heard, f"{doing} was refused, yet it announced {ears.heard[:1]}")
+            require(not collector.received, f"{doing} was refused, yet it announced {collector.received[:1]}")
             if subject.has_status:
                 require(await subject.status() != "BUSY", f"{doing} was refused, yet something runs")
-    require(await subject.told() == before, "a command that was refused has changed parameters")
+    require(await subject.parameter_values() == before, "a command that was refused has changed parameters")
     for subscribe_id in ids:
         await subject.bus.unsubscribe(subscribe_id)
 
 
 def _wrong(profiles: tuple[ParameterProfile, ...]) -> list[tuple[str, tuple[Argument, ...]]]:
-    """Return arguments that do not fit the profiles, each with what is wrong with them."""
+    """Return arguments that do not fit the profiles, each with its problem."""
     fitting = tuple(argument(profile) for profile in profiles)
     found = [("an unknown argument", (*fitting, argument(_STRANGE)))]
     for profile, fits in zip(profiles, fitting, strict=True):
@@ -154,7 +156,7 @@ async def it_pauses_and_goes_on(subject: Subject) -> None:
 
 
 def can(subject: Subject, command: str) -> bool:
-    """Tell whether a command is there to be tried."""
+    """Tell whether a command exists and may be tried."""
     return subject.profile.command(command) is not None and command not in subject.refuses
 
 
@@ -192,3 +194,16 @@ async def _end(running: "asyncio.Future[tuple[Result, ...]]") -> None:
     require(bool(done), "start goes on when it is cancelled: let CancelledError pass, and clean up in `finally`")
     if not running.cancelled():
         running.exception()
+
+
+async def its_events_can_be_subscribed(subject: Subject) -> None:
+    """Every event of the profile can be subscribed, any number of times, and unsubscribed; once more is ignored."""
+    for event in subject.profile.event_profiles:
+        ids: list[str] = []
+        for _ in range(2):
+            doing = f"subscribe to {event.name}"
+            subscribed = subject.bus.subscribe(subject.component_ref, event.name, EventCollector())
+            ids.append(await subject.within(doing, subscribed))
+        require(all(ids) and ids[0] != ids[1], f"two subscriptions to {event.name} have the ids {ids}")
+        for subscribe_id in (*ids, *ids):
+            await subject.within(f"unsubscribe from {event.name}", subject.bus.unsubscribe(subscribe_id))

@@ -4,20 +4,23 @@ import asyncio
 import os
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
 
 from openrois.adapter.running import GATEWAY_VARIABLE
-from openrois.gateway.server import Gateway, run_gateway
-from openrois.gateway.settings import GatewaySettings
+from openrois.extras import needing_extra
+
+if TYPE_CHECKING:
+    from openrois.gateway.server import Gateway
 
 __all__ = ["launched"]
 
 
 @asynccontextmanager
-async def launched(*program: str, patience: float = 20.0) -> AsyncIterator[Gateway]:
+async def launched(*program: str, patience: float = 20.0) -> AsyncIterator["Gateway"]:
     """Run an adapter's program behind a gateway on a port of its own, and yield the gateway once the adapter is there.
 
     The adapter finds the gateway by the environment, as one does that calls `run` without an address. In the end it is
-    told to stop, and has to.
+    stopped, and has to end.
 
     Args:
         program: the program and its arguments, such as `sys.executable, "lamp_adapter.py"`.
@@ -26,7 +29,11 @@ async def launched(*program: str, patience: float = 20.0) -> AsyncIterator[Gatew
     Raises:
         TimeoutError: it did not connect, or did not stop.
         RuntimeError: it ended by itself.
+        MissingExtra: the libraries of a gateway are not installed here (`openrois[gateway]`).
     """
+    with needing_extra("gateway"):
+        from openrois.gateway.server import run_gateway
+        from openrois.gateway.settings import GatewaySettings
     async with run_gateway(GatewaySettings(port=0)) as gateway:
         changed = asyncio.Event()
         stop_listening = gateway.engine.on_change(changed.set)

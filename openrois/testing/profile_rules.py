@@ -1,4 +1,4 @@
-"""What a component's profile has to be, by itself and beside the standard's."""
+"""Rules of a component's profile, by itself and beside the standard's."""
 
 import re
 from collections.abc import Iterator

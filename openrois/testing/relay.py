@@ -24,7 +24,7 @@ _LOCAL: Final = "127.0.0.1"
 
 @dataclass(frozen=True, slots=True)
 class Weather:
-    """What a relay does to bytes, in both directions. What is sent stays in order and whole.
+    """Impairments of a relay, in both directions. Bytes stay in order and whole.
 
     Attributes:
         delay: seconds that each piece travels.
@@ -154,7 +154,7 @@ class FaultRelay:
             async with asyncio.TaskGroup() as ways:
                 for source, sink in ((reader, there_writer), (there_reader, writer)):
                     pieces: asyncio.Queue[tuple[float, bytes]] = asyncio.Queue(_WAITING)
-                    ways.create_task(self._take(connection, source, pieces))
+                    ways.create_task(self._read_direction(connection, source, pieces))
                     ways.create_task(self._give(connection, pieces, sink))
         except* OSError:
             # The server refuses, or one end broke: either ends both.
@@ -163,7 +163,7 @@ class FaultRelay:
             connection.abort()
             self._connections.discard(connection)
 
-    async def _take(
+    async def _read_direction(
         self, connection: "_Connection", source: asyncio.StreamReader, pieces: asyncio.Queue[tuple[float, bytes]]
     ) -> None:
         """Read one direction until it ends; its end is a piece without bytes."""

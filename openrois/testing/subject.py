@@ -1,4 +1,4 @@
-"""The component that is tried: reached through a bus, with bounded waits, and nothing known of it but its profile."""
+"""The component that is tried: reached through a bus, with bounded waits, and known by its profile alone."""
 
 import asyncio
 from collections.abc import Awaitable, Mapping
@@ -13,13 +13,13 @@ from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile, ParameterProfile
 from openrois.types.values import check_value
 
-__all__ = ["Broken", "Ears", "LocalSubject", "Subject", "require"]
+__all__ = ["Broken", "EventCollector", "LocalSubject", "Subject", "require"]
 
 T = TypeVar("T")
 
 
 class Broken(AssertionError):
-    """A component does not keep the contract; the text says what it did and what was due."""
+    """A component violates the contract; the text says what it did and what was due."""
 
 
 def require(kept: bool, sentence: str) -> None:
@@ -29,14 +29,14 @@ def require(kept: bool, sentence: str) -> None:
 
 
 @dataclass
-class Ears:
-    """A sink that keeps what it hears."""
+class EventCollector:
+    """A sink that keeps its events."""
 
-    heard: list[Event | SubscriptionLost] = field(default_factory=list)
+    received: list[Event | SubscriptionLost] = field(default_factory=list)
 
     def __call__(self, item: Event | SubscriptionLost) -> None:
-        """Keep it."""
-        self.heard.append(item)
+        """Keep an event."""
+        self.received.append(item)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,14 +68,14 @@ class Subject:
             raise Broken(f"{doing} took longer than {self.patience:g} s") from None
 
     async def query(self, name: str) -> tuple[Result, ...]:
-        """Ask for a query's results, which have to come."""
+        """Return the results of a query, which must not fail."""
         try:
             return await self.within(f"query {name}", self.bus.query(self.component_ref, name))
         except RoISError as error:
             raise Broken(f"query {name} failed: {error or type(error).__name__}") from error
 
     async def invoke(self, name: str, *arguments: Argument) -> tuple[Result, ...]:
-        """Run a command that has to end well, soon."""
+        """Run a command that must end with OK, soon."""
         try:
             return await self.within(f"command {name}", self.bus.invoke(self.component_ref, name, arguments))
         except RoISError as error:
@@ -98,11 +98,11 @@ class Subject:
         return self.profile.has_query("component_status")
 
     async def status(self) -> str:
-        """Return what `component_status` says."""
+        """Return the component's status."""
         (status,) = await self.query("component_status")
         return status.value
 
-    async def told(self) -> dict[str, str]:
+    async def parameter_values(self) -> dict[str, str]:
         """Return the parameters' values by name."""
         return {parameter.name: parameter.value for parameter in await self.query("get_parameter")}
 
@@ -132,7 +132,7 @@ class Subject:
 
 @dataclass(frozen=True, kw_only=True)
 class LocalSubject(Subject):
-    """One in this process.
+    """A component in this process.
 
     Attributes:
         component: the same component, without a bus.

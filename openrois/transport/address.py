@@ -1,4 +1,4 @@
-"""Addresses of gateways as people give them: what a gateway prints, `http://host:port/`, is one for everybody."""
+"""Addresses of gateways as people give them: what a gateway prints, `http://host:port/`, works everywhere."""
 
 from typing import Final
 from urllib.parse import urlsplit

@@ -1,4 +1,4 @@
-"""How long to wait before trying again."""
+"""Delays before further attempts. Pure."""
 
 import re
 from typing import Final

@@ -1,4 +1,4 @@
-"""What is shown to a gateway, as options of a command."""
+"""Credentials for a gateway, as options of a command."""
 
 import argparse
 from collections.abc import Sequence
@@ -26,11 +26,11 @@ def add_credential_options(parser: argparse.ArgumentParser) -> None:
 
 
 def credentials(chosen: argparse.Namespace) -> Credentials:
-    """Return what was chosen, or what the environment names; the files are read when they are needed."""
+    """Return the credentials of the options, or else of the environment; the files are read when they are needed."""
     return Credentials.of_files(chosen.token_file, chosen.ca_file)
 
 
 def credential_arguments(chosen: argparse.Namespace) -> Sequence[str]:
-    """The options as they were given, for another command."""
+    """Return the options as they were given, for another command."""
     given = (("--token-file", chosen.token_file), ("--ca-file", chosen.ca_file))
     return [part for option, path in given if path is not None for part in (option, str(path))]

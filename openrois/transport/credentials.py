@@ -1,4 +1,4 @@
-"""What whoever dials shows to a gateway, and how it knows that it is the right one."""
+"""Credentials that a client shows to a gateway, and the authorities by which it checks the gateway."""
 
 import os
 import ssl
@@ -10,15 +10,15 @@ from typing import Final
 __all__ = ["CA_FILE_VARIABLE", "NO_CREDENTIALS", "TOKEN_FILE_VARIABLE", "Credentials", "Token", "read_token"]
 
 TOKEN_FILE_VARIABLE: Final = "OPENROIS_TOKEN_FILE"  # noqa: S105
-"""The environment's word for the file with the token."""
+"""Environment variable with the file of the token."""
 
 CA_FILE_VARIABLE: Final = "OPENROIS_CA_FILE"
-"""The environment's word for the file with the authorities that may have signed the gateway's certificate."""
+"""Environment variable with the file of authorities that may have signed the gateway's certificate."""
 
 MAX_TOKEN_FILE: Final = 64 << 10
 
 Token = str | Callable[[], str]
-"""A token, or what gets the newest one whenever it is needed; it may raise `ValueError` with a sentence."""
+"""A token, or a function that returns the newest one; it may raise `ValueError` with a sentence."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,22 +44,22 @@ class Credentials:
         """Return the token as it is now, without the line end that it had in a file.
 
         Raises:
-            ValueError: it cannot be had, or is none.
+            ValueError: it cannot be read, or is no token.
         """
         token = self.token() if callable(self.token) else self.token
         return None if token is None else _token(token, "what was given as one")
 
     def headers(self) -> Mapping[str, str]:
-        """Return what the opening request carries.
+        """Return the headers of the opening request.
 
         Raises:
-            ValueError: the token cannot be had.
+            ValueError: the token cannot be read.
         """
         token = self.newest()
         return {} if token is None else {"Authorization": f"Bearer {token}"}
 
     def context(self, url: str) -> ssl.SSLContext | None:
-        """Return what TLS to `url` is done with; None where there is none.
+        """Return the TLS context for `url`; None where there is no TLS.
 
         Raises:
             ValueError: the file with the authorities cannot be used.
@@ -92,7 +92,7 @@ def read_token(path: Path) -> str:
 
 
 def _token(text: str, place: str) -> str:
-    """Return the token in a text; what is none must not get into a header, whose errors would repeat it."""
+    """Return the token in a text; any other text must not get into a header, whose errors would repeat it."""
     token = text.strip(" \t\r\n")
     if not token or not token.isascii() or not token.isprintable() or " " in token:
         raise ValueError(f"there is no token in {place}: it is one line, as `openrois token issue` prints it")

@@ -51,13 +51,13 @@ class MemoryStream:
 
     async def close(self, code: int = 1000, reason: str = "") -> None:
         """End both ends; the other end may still receive what is on its way."""
-        self._end(StreamClosed(code, reason))
+        self._end_stream(StreamClosed(code, reason))
 
     def abort(self) -> None:
         """End both ends as a broken connection would."""
-        self._end(StreamClosed(1006))
+        self._end_stream(StreamClosed(1006))
 
-    def _end(self, closed: StreamClosed) -> None:
+    def _end_stream(self, closed: StreamClosed) -> None:
         for end in (self, self._other):
             end._closed = end._closed or closed
             end._incoming.readable.set()

@@ -1,4 +1,4 @@
-"""Whether the other side of a connection is silent: it is pinged, and blamed for nothing that this side has missed."""
+"""Detects that the other side of a connection is silent: it is pinged, and this side's own pauses do not count."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -9,15 +9,15 @@ __all__ = ["Silence"]
 
 
 class Silence:
-    """What is heard of the other side of one connection.
+    """The signs of life from the other side of one connection.
 
     Attributes:
-        heard: is set with whatever comes from there.
+        received: is set with whatever comes from there.
         reading: whether this side reads now.
     """
 
     def __init__(self) -> None:
-        self.heard = asyncio.Event()
+        self.received = asyncio.Event()
         self.reading = False
 
     async def follows(self, ping: Callable[[], Awaitable[None]], timeout: float) -> bool:
@@ -27,12 +27,12 @@ class Silence:
         stands still: that is not its fault.
         """
         clock = asyncio.get_running_loop().time
-        self.heard.clear()
+        self.received.clear()
         due = clock() + timeout
         try:
             async with asyncio.timeout(timeout):
                 await ping()
-                await self.heard.wait()
+                await self.received.wait()
         except TimeoutError:
-            return self.reading and not self.heard.is_set() and clock() < due + STOOD_STILL
+            return self.reading and not self.received.is_set() and clock() < due + STOOD_STILL
         return False

@@ -6,7 +6,7 @@ from typing import Final, Protocol, runtime_checkable
 __all__ = ["POLICY_VIOLATION", "BatchStream", "MessageStream", "StreamClosed", "close_reason"]
 
 POLICY_VIOLATION: Final = 1008
-"""The close code (RFC 6455, 7.4.1) of who does not take what the other side is."""
+"""The close code (RFC 6455, 7.4.1) for a peer that is not acceptable."""
 
 _MAX_REASON = 123
 
@@ -58,7 +58,7 @@ class MessageStream(Protocol):
 
 @runtime_checkable
 class BatchStream(Protocol):
-    """What a message stream has that hands over several messages for little more than one, and one without waiting."""
+    """A message stream that also sends several messages for little more than one, and one without waiting."""
 
     def send_now(self, text: str) -> bool:
         """Hand over one message if all before it have left, and tell whether that was so."""

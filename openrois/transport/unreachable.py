@@ -1,4 +1,4 @@
-"""Why a gateway is not reached, in one sentence that says what to do about it."""
+"""Explains why a gateway cannot be reached, in one sentence with the remedy."""
 
 import ssl
 from typing import Final
@@ -20,7 +20,7 @@ def unreachable(url: str, error: Exception, *, remedies: tuple[str, str]) -> str
     Args:
         url: the address, without secrets.
         error: what `openrois.transport.websocket.dial` raised.
-        remedies: what gives a token, and what names authorities, for who is to give one.
+        remedies: what gives a token, and what names authorities, in the words of the caller.
     """
     by_token, by_authority = remedies
     match error:

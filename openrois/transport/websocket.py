@@ -52,7 +52,7 @@ class WebSocketStream:
     async def _ping(self) -> None:
         """Ping; that itself waits where the other side takes nothing in."""
         answer = asyncio.ensure_future(await self._connection.ping())
-        answer.add_done_callback(lambda _answer: self._silence.heard.set())
+        answer.add_done_callback(lambda _answer: self._silence.received.set())
 
     async def receive(self) -> str:
         """Return the next text message; a binary one ends the connection with 1003."""
@@ -63,7 +63,7 @@ class WebSocketStream:
             raise _closed(closed) from closed
         finally:
             self._silence.reading = False
-        self._silence.heard.set()
+        self._silence.received.set()
         if isinstance(message, bytes):
             await self.close(1003, "text messages only")
             raise StreamClosed(1003, "text messages only")
@@ -109,14 +109,14 @@ class WebSocketStream:
 
 
 def refusal(error: Exception) -> str:
-    """Return why there is no WebSocket: what was answered instead, or what is wrong with the certificate."""
+    """Return why there is no WebSocket: the answer that came instead, or the problem of the certificate."""
     if isinstance(error, ssl.SSLCertVerificationError):
         return f"its certificate is not trusted: {error.verify_message}"
     if not isinstance(error, InvalidStatus):
         return str(error)
     response = error.response
     text = (response.body or b"")[:_SHOWN].decode(errors="replace")
-    # It goes to terminals, and who wrote it is not known.
+    # It goes to terminals, and its author is not known.
     said = " ".join("".join(each if each.isprintable() else " " for each in text).split())
     return f"{response.status_code}: {said or response.reason_phrase}"
 
@@ -138,7 +138,7 @@ async def dial(
         open_timeout: seconds that the handshake may take; None where the caller sees to it.
 
     Raises:
-        ValueError: the credentials cannot be had.
+        ValueError: the credentials cannot be read.
         OSError: nothing listens there, or the network refuses.
         TimeoutError: no handshake in time.
         websockets.exceptions.InvalidHandshake: something answers, but not as a WebSocket server.
@@ -166,7 +166,7 @@ async def dial(
             yield stream
             code = CloseCode.NORMAL_CLOSURE
         except asyncio.CancelledError:
-            # Whoever is told to stop takes its leave; the library would call it an internal error.
+            # A task that is cancelled closes in good order; the library would report an internal error.
             code = CloseCode.GOING_AWAY
             raise
         finally:

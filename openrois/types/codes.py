@@ -54,7 +54,7 @@ class ComponentStatus(_Name):
 
 
 class StreamStatus(_Name):
-    """What a stream does (Stream_Status, table 8.10); RESUMED is announced as an event and is never a state."""
+    """The state of a stream (Stream_Status, table 8.10); RESUMED is announced as an event and is never a state."""
 
     STREAMING_NOT_CONNECTED = auto()
     STREAMING_NOT_RUNNING = auto()

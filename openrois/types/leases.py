@@ -1,4 +1,4 @@
-"""Params and results of `openrois.lease.*` and `openrois.stop_all`: who controls what, hand-over, resume, and STOP."""
+"""Params and results of `openrois.lease.*` and `openrois.stop_all`: leases, hand-over, resume, and STOP."""
 
 from enum import StrEnum
 from typing import Annotated, ClassVar, Final
@@ -47,18 +47,18 @@ class LeaseParams(Model):
 
 
 class LeaseRequestParams(Model):
-    """Params of `openrois.lease.grant` and `.decline`: the `request_id` of a request that the holder was told of."""
+    """Params of `openrois.lease.grant` and `.decline`: the `request_id` of a request that the holder received."""
 
     request_id: str
 
 
 class LeaseState(StrEnum):
-    """Who holds a component, as whoever is told sees it."""
+    """The holder of a component, as the receiver sees it."""
 
     FREE = "FREE"
-    """Nobody."""
+    """No application."""
     MINE = "MINE"
-    """Whoever is told."""
+    """The receiver."""
     HELD = "HELD"
     """Another application."""
     ABSENT = "ABSENT"
@@ -66,15 +66,15 @@ class LeaseState(StrEnum):
 
 
 class LeaseStatus(Model):
-    """How things stand with one component, as whoever is told sees it.
+    """The lease of one component, as the receiver sees it.
 
     Attributes:
         component_ref: the component.
-        state: who holds it.
-        holder: the subject of who holds it; empty where nobody does.
-        epoch: grows with each new holder; 0 where nobody holds it.
+        state: whether the receiver, another application or none holds it.
+        holder: the subject of its holder; empty where it has none.
+        epoch: grows with each new holder; 0 where it has none.
         waiting: how many wait for it.
-        position: of whoever is told among them, from 1 on; 0 where it does not wait.
+        position: of the receiver among them, from 1 on; 0 where it does not wait.
     """
 
     component_ref: str = ""
@@ -86,13 +86,13 @@ class LeaseStatus(Model):
 
 
 class LeaseResult(ReturnResult):
-    """Result of `openrois.lease.query`, `.request` and `.take`: how things stand now."""
+    """Result of `openrois.lease.query`, `.request` and `.take`: the lease now."""
 
     lease: LeaseStatus | None = None
 
 
 class LeaseRequestResult(LeaseResult):
-    """Result of `openrois.lease.request`; `request_id` is empty where nobody has to be asked."""
+    """Result of `openrois.lease.request`; `request_id` is empty where no holder has to be asked."""
 
     request_id: str = ""
 
@@ -145,7 +145,7 @@ class LeaseRequestedNotification(Model):
 
 
 class LeaseDeclinedNotification(Model):
-    """Params of the notification `openrois.lease.declined` to who asked, who waits on unless the component is gone."""
+    """Params of `openrois.lease.declined` to the client that asked, which waits on unless the component is gone."""
 
     method: ClassVar[str] = "openrois.lease.declined"
 
@@ -155,7 +155,7 @@ class LeaseDeclinedNotification(Model):
 
 
 class LeaseWithdrawnNotification(Model):
-    """Params of the notification `openrois.lease.withdrawn` to the holder: nobody waits for its answer any more."""
+    """Params of the notification `openrois.lease.withdrawn` to the holder: its answer is not needed any more."""
 
     method: ClassVar[str] = "openrois.lease.withdrawn"
 
@@ -171,7 +171,7 @@ class StopAllParams(Model):
 
 
 class StopAllResult(ReturnResult):
-    """Result of `openrois.stop_all`: which components have stopped, and which have not said so in time."""
+    """Result of `openrois.stop_all`: which components have stopped, and which have not confirmed it in time."""
 
     stopped: tuple[str, ...] = Field(default=(), strict=False)
     failed: tuple[str, ...] = Field(default=(), strict=False)

@@ -101,7 +101,7 @@ def _not_empty(items: tuple[Any, ...]) -> tuple[Any, ...]:
 
 
 def _up_to_a_flaw(profiles: Any) -> Any:
-    """Return profiles by their references; where one does not fit that one alone, so that no more flaws are told."""
+    """Return profiles by their references; where one does not fit that one alone, so that one error is reported."""
     if not isinstance(profiles, dict):
         return profiles
     read = {}
@@ -256,7 +256,7 @@ class SubscribeResult(ReturnResult):
 
 
 class Completed(Model):
-    """Notification: a command has ended, said exactly once."""
+    """Notification: a command has ended, sent exactly once."""
 
     command_id: str
     status: Annotated[CompletedStatus, Field(strict=False)]

@@ -1,4 +1,4 @@
-"""Every method and notification of the wire with the models of what it carries: the table that all else is made of."""
+"""Every method and notification of the wire with its models: the table that everything else is made of."""
 
 from dataclasses import dataclass
 from typing import Final

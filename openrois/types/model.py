@@ -1,4 +1,4 @@
-"""What every model of the wire has in common."""
+"""Common base of every model of the wire."""
 
 from typing import Any
 
@@ -22,7 +22,7 @@ def _stop_at_first_flaw(schema: Any) -> None:
 class Model(BaseModel):
     """A frozen value; unknown fields are refused, and text, numbers and truth values are never converted silently.
 
-    Of a list only the first item that does not fit is told: to tell of all in one long message takes half a second.
+    Of a list only the first item that does not fit is reported: one long message with all takes half a second.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)

@@ -1,4 +1,4 @@
-"""Why something was refused or failed: the notification that stands before the code, and the sentence in it."""
+"""Reasons of refusals and failures: the notification that stands before the code, and the sentence in it."""
 
 from typing import Annotated, ClassVar, Final
 
@@ -29,7 +29,7 @@ class ReasonNotification(Model):
 
 
 def sentence(told: object) -> str:
-    """Return what somebody else wrote as one line of at most `MAX_REASON` characters; empty where it says nothing."""
+    """Return a text of the other side as one line of at most `MAX_REASON` characters; empty where there is none."""
     text = str(told)[:_READ]
     if not text.isprintable():
         text = "".join(character if character.isprintable() else " " for character in text)

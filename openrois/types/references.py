@@ -10,7 +10,7 @@ MAX_ID: Final = 128
 
 
 def flaw_of_name(text: str) -> str:
-    """Return what keeps `text` from naming an engine, or a component of one; empty where nothing does."""
+    """Return why `text` cannot name an engine, or a component of one; empty where it can."""
     if not text:
         return "it is empty"
     if len(text) > MAX_ID:

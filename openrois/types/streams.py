@@ -37,7 +37,7 @@ MAX_PARAMETERS: Final = 16
 """Parameters of one connect_stream."""
 
 MAX_PLAYOUT: Final = 60_000
-"""Milliseconds that a viewer may say it is late."""
+"""Milliseconds of delay that a viewer may report."""
 
 EXTENSION_VERSION = "1"
 EXTENSIONS = ("rois.stream", "signaling")
@@ -52,7 +52,7 @@ STREAM_METHODS = {
 
 
 class HelloParams(Model):
-    """Params of `openrois.hello`: what the asking side speaks beyond the base wire."""
+    """Params of `openrois.hello`: the sender's extensions of the base wire."""
 
     version: str
     extensions: tuple[str, ...] = Field(default=(), max_length=MAX_EXTENSIONS, strict=False)
@@ -85,7 +85,7 @@ class StreamParams(Model):
 
 
 class ReportPlayoutParams(StreamParams):
-    """Params of report_playout: milliseconds from the arrival of the stream's media to their being heard or seen."""
+    """Params of report_playout: milliseconds from the arrival of the stream's media to their being played or shown."""
 
     milliseconds: Annotated[int, Field(ge=0, le=MAX_PLAYOUT)]
 
@@ -136,6 +136,6 @@ class HolderNotification(Model):
 
 
 def subject_of(params: Mapping[str, Any]) -> str:
-    """Return the reference or id that says which engine a message of an extension is about; empty where none does."""
+    """Return the reference or id of the engine that a message of an extension is about; empty where there is none."""
     subject = next((params[name] for name in ("component_ref", "stream_id", "peer_id") if name in params), "")
     return subject if isinstance(subject, str) else ""

@@ -1,4 +1,4 @@
-"""The messages of the signaling channel, as they stand in the params of the `signaling.*` methods.
+"""The messages of the signaling channel, as they stand in the params of the `signaling.*` methods. Pure.
 
 All are immutable and refuse unknown fields. `method` of a message is its JSON-RPC method, `wire()` its params.
 """
@@ -159,7 +159,7 @@ class SenderClock(_Value):
 class CaptureClocks(_Message):
     """The clocks of the senders of a peer connection, each by the m-section and the SSRC that it sends with.
 
-    They are told when media begins to pass and every few seconds after that, because the engine's clock may be set.
+    They are sent when media begins to pass and every few seconds after that, because the engine's clock may be set.
     """
 
     method: ClassVar[str] = "signaling.capture_clocks"
@@ -167,7 +167,7 @@ class CaptureClocks(_Message):
 
 
 Downward: TypeAlias = Offer | Candidate | Bye | CaptureClocks
-"""What an engine tells an application."""
+"""The messages of an engine to an application."""
 
 
 class IceServer(_Value):

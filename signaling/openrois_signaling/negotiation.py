@@ -14,14 +14,14 @@ PREPARE_TIMEOUT = 5.0
 """Seconds the engine may take to make a description; gathering through an unreachable STUN server takes this long."""
 
 ANSWER_TIMEOUT = 10.0
-"""Seconds the application has to answer. With `PREPARE_TIMEOUT`, a stream nobody answers for lives 15 s at most."""
+"""Seconds the application has to answer. With `PREPARE_TIMEOUT`, an unanswered stream lives 15 s at most."""
 
 APPLY_TIMEOUT = 5.0
 """Seconds the engine may take to apply an answer."""
 
 
 class State(Enum):
-    """Where the negotiation of one peer stands."""
+    """The states of the negotiation of one peer."""
 
     STABLE = "stable"
     """Nothing is pending: no offer yet, or the last one is answered and applied."""
@@ -36,7 +36,7 @@ class State(Enum):
 
 
 class Input(Enum):
-    """What can happen to a negotiation."""
+    """The inputs of a negotiation."""
 
     CHANGE = "change"
     """The sections changed."""
@@ -72,7 +72,7 @@ class IllegalTransition(RuntimeError):
 
 
 class Verdict(Enum):
-    """What becomes of a message from the application."""
+    """The verdict on a message from the application."""
 
     APPLY = "apply"
     """Apply it now."""
@@ -102,7 +102,7 @@ class Negotiation:
 
     @property
     def state(self) -> State:
-        """Where it stands."""
+        """The present state."""
         return self._state
 
     @property
@@ -117,11 +117,11 @@ class Negotiation:
 
     @property
     def dirty(self) -> bool:
-        """Whether something changed that the newest offer does not say."""
+        """Whether something changed that the newest offer does not contain."""
         return self._dirty
 
     def change(self, now: float) -> bool:
-        """The sections changed. True: make a description (`describe`, then `made`). False: it goes into the next one.
+        """Note changed sections. True: make a description (`describe`, then `made`). False: it goes into the next.
 
         Raises:
             IllegalTransition: the peer has ended.
@@ -160,8 +160,8 @@ class Negotiation:
         self._generation = generation
         return offer
 
-    def answer(self, answer: Answer, now: float) -> Verdict:
-        """An answer arrived: APPLY (and then call `applied`, or `end` if that fails), STALE or ENDED."""
+    def receive_answer(self, answer: Answer, now: float) -> Verdict:
+        """Judge an answer: APPLY (and then call `applied`, or `end_negotiation` if that fails), STALE or ENDED."""
         if self._state is State.ENDED:
             return Verdict.ENDED
         if self._state is not State.OFFERED or answer.generation != self._generation:
@@ -179,7 +179,7 @@ class Negotiation:
         return said
 
     def applied(self, now: float) -> tuple[Candidate, ...]:
-        """The answer is in place; returns the candidates that waited for it, in order. Then look at `dirty`.
+        """Note that the answer is in place; return the candidates that waited for it. Then check `dirty`.
 
         Raises:
             IllegalTransition: no answer was being applied.
@@ -190,7 +190,7 @@ class Negotiation:
         return held
 
     def candidate(self, candidate: Candidate) -> Verdict:
-        """A candidate arrived: APPLY, HELD, STALE, FULL or ENDED.
+        """Judge a candidate: APPLY, HELD, STALE, FULL or ENDED.
 
         All generations of a peer share one ICE session (a restart is a new peer), so a candidate of the answer in
         place is good while a further offer is out. What belongs to an older answer, or to no offer, is stale.
@@ -207,8 +207,8 @@ class Negotiation:
         self._held.append(candidate)
         return Verdict.HELD
 
-    def end(self, reason: str) -> Bye | None:
-        """The peer ends; returns the bye to send, or None if it had ended before."""
+    def end_negotiation(self, reason: str) -> Bye | None:
+        """End the peer; return the bye to send, or None if it had ended before."""
         if self._state is State.ENDED:
             return None
         self._move(Input.END, self._since)
@@ -216,13 +216,13 @@ class Negotiation:
         return Bye(peer_id=self.peer_id, reason=reason)
 
     def deadline(self) -> float | None:
-        """When `expire` is due; None while nothing is awaited."""
+        """Return when `expire` is due; None while nothing is awaited."""
         if self._state not in TIMEOUTS:
             return None
         return self._since + TIMEOUTS[self._state][0]
 
     def excuse(self, seconds: float, now: float) -> None:
-        """Nobody could listen for so long until `now`: what is awaited may have come, and wait unread."""
+        """Extend the deadline by a pause of this process that ended now: what is awaited may have come unread."""
         self._since = min(now, self._since + seconds)
 
     def expire(self, now: float) -> Bye | None:
@@ -230,7 +230,7 @@ class Negotiation:
         deadline = self.deadline()
         if deadline is None or now < deadline:
             return None
-        return self.end(TIMEOUTS[self._state][1])
+        return self.end_negotiation(TIMEOUTS[self._state][1])
 
     def _legal(self, event: Input) -> State:
         try:

@@ -49,7 +49,7 @@ class _Bucket:
     tokens: float
     filled: float
 
-    def take(self, now: float) -> bool:
+    def admit(self, now: float) -> bool:
         self.tokens = min(BURST, self.tokens + (now - self.filled) * RATE)
         self.filled = now
         if self.tokens < 1:
@@ -88,12 +88,12 @@ class Relay(Generic[OwnerT, EngineT]):
         return True
 
     def owner(self, peer_id: str, engine: EngineT) -> OwnerT | None:
-        """Who gets what `engine` says about `peer_id`; None if the peer is unknown or another engine's."""
+        """Return the owner that gets `engine`'s messages of a peer; None if that is unknown or another engine's."""
         peer = self._peers.get(peer_id)
         return peer.owner if peer is not None and peer.engine == engine else None
 
-    def forget(self, peer_id: str, engine: EngineT) -> None:
-        """The peer ended, says `engine`. Unknown peers and those of another engine are left alone."""
+    def forget_peer(self, peer_id: str, engine: EngineT) -> None:
+        """Drop a peer that `engine` has ended. Unknown peers and those of another engine are left alone."""
         if self.owner(peer_id, engine) is not None:
             del self._peers[peer_id]
 
@@ -102,10 +102,10 @@ class Relay(Generic[OwnerT, EngineT]):
 
         Raises:
             Refused: OUT_OF_RESOURCES: the owner sends faster than `RATE`, or the peer has had all its candidates.
-                UNSUPPORTED: the peer is unknown or belongs to somebody else; which of the two is not told.
+                UNSUPPORTED: the peer is unknown or another application's; the refusal does not say which.
         """
         now = self._clock()
-        if not self._buckets.setdefault(owner, _Bucket(BURST, now)).take(now):
+        if not self._buckets.setdefault(owner, _Bucket(BURST, now)).admit(now):
             raise Refused(
                 "OUT_OF_RESOURCES", f"one application sends at most {RATE:.0f} messages a second of signaling"
             )

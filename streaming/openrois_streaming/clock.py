@@ -1,4 +1,4 @@
-"""One clock for all media: capture times, pacing and budgets are read from it, so that tests can turn it by hand."""
+"""The media clock: capture times, pacing and budgets are read from it, and tests set it by hand."""
 
 import asyncio
 import time
@@ -9,7 +9,7 @@ _SHORTEST_SLEEP = 0.001
 
 
 class MediaClock(Protocol):
-    """The time of capture, and the time of day that belongs to it."""
+    """Source of capture times, and of the time of day that belongs to them."""
 
     def now(self) -> float:
         """Monotonic seconds. Callable from any thread."""
@@ -20,12 +20,12 @@ class MediaClock(Protocol):
         ...
 
     async def sleep_until(self, deadline: float) -> None:
-        """Return once `now()` has reached `deadline`, never before; at once when it has passed already."""
+        """Wait until `now()` has reached `deadline`; return at once if it has passed."""
         ...
 
 
 class SystemClock:
-    """The machine's clock. `now()` is CLOCK_MONOTONIC, which all processes of one machine share."""
+    """Clock of this machine. `now()` is CLOCK_MONOTONIC, which all processes of one machine share."""
 
     def now(self) -> float:
         """Seconds of CLOCK_MONOTONIC."""

@@ -1,4 +1,4 @@
-"""The codecs that can be encoded here, by their media types."""
+"""Codecs that this machine can encode, by their media types."""
 
 from typing import Final
 
@@ -13,25 +13,25 @@ LIBRARIES = {H264: "libx264", VP8: "libvpx", OPUS: "libopus"}
 
 
 class CodecUnavailable(Exception):
-    """The media type is not known, or the installed PyAV has no encoder for it. The text says which."""
+    """Failure to encode a media type that is unknown, or that the installed PyAV has no encoder for."""
 
 
 def codec_named(mime_type: str) -> str:
-    """The exact spelling of a media type, which is case-insensitive (RFC 2045 section 5.1).
+    """Return the exact spelling of a media type, which is case-insensitive (RFC 2045 section 5.1).
 
     Raises:
-        CodecUnavailable: it cannot be encoded here.
+        CodecUnavailable: this machine cannot encode it.
     """
     for known, library in LIBRARIES.items():
         if known.lower() == mime_type.lower():
             if not _installed(library):
-                raise CodecUnavailable(f"{known} needs {library}, which the installed PyAV does not contain")
+                raise CodecUnavailable(f"{known} needs {library}: install a build of PyAV that contains it")
             return known
-    raise CodecUnavailable(f"no encoder for {mime_type!r}; known are {', '.join(LIBRARIES)}")
+    raise CodecUnavailable(f"there is no encoder for {mime_type!r}: use one of {', '.join(LIBRARIES)}")
 
 
 def available_codecs() -> tuple[str, ...]:
-    """Media types that can be encoded here, best first."""
+    """Return the media types that this machine can encode, best first."""
     return tuple(known for known, library in LIBRARIES.items() if _installed(library))
 
 

@@ -1,4 +1,4 @@
-"""What an encoder puts out and every viewer shares."""
+"""Encoded frames, which all viewers of a rendition share."""
 
 from dataclasses import dataclass
 
@@ -11,12 +11,12 @@ AUDIO_CLOCK_RATE = 48_000
 
 @dataclass(frozen=True, slots=True)
 class EncodedFrame:
-    """One picture or one block of sound, encoded once for all viewers.
+    """Picture or block of sound, encoded once for all viewers.
 
     `data` is an H.264 access unit in Annex B form, a VP8 frame, or an Opus packet; `payloads` are the same for RTP.
     `pts` is the capture time on the media clock in units of `1 / clock_rate` seconds, not reduced to 32 bits; it grows
     with every frame of a rendition.
-    `keyframe` is true for every block of sound. `sequence` counts what the rendition has put out, without gaps, and
+    `keyframe` is true for every block of sound. `sequence` counts the frames of the rendition, without gaps, and
     goes on when its encoder is stopped and started again. `captured_at` is in seconds of the media clock.
     """
 

@@ -1,57 +1,81 @@
-"""What a session refuses, and why. Each message is a sentence for a person and holds no SDP and no address."""
+"""Refusals of a session. Each message is a sentence for a person and holds no SDP and no address."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from typing import Final
+
+_LIBRARIES: Final = frozenset({"aioice", "aiortc", "av", "cv2", "ifaddr", "numpy", "pylibsrtp"})
+
+
+@contextmanager
+def needing_libraries() -> Iterator[None]:
+    """Import what needs the libraries of the media plane in the block.
+
+    Raises:
+        ModuleNotFoundError: one is not installed; the text names the command that installs it. An import that fails for
+            another reason raises what it has raised.
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if error.name not in _LIBRARIES or find_spec(error.name) is not None:
+            raise
+        sentence = f"{error.name} is not installed: run `pip install 'openrois[streaming]'`"
+        raise ModuleNotFoundError(sentence, name=error.name) from None
 
 
 class SessionError(Exception):
-    """A session cannot do what it was asked."""
+    """Base of all refusals of a session."""
 
 
 class UnknownStream(SessionError):
-    """There is no such stream in this session."""
+    """Reference to a stream that this session does not have."""
 
 
 class UnknownPeer(SessionError):
-    """There is no such peer connection in this session, or it has ended."""
+    """Reference to a peer connection that this session does not have, or that has ended."""
 
 
 class StaleGeneration(SessionError):
-    """A candidate belongs to another generation than the present one; it was dropped."""
+    """Candidate of another generation than the present one; it was dropped."""
 
 
 class UnexpectedAnswer(SessionError):
-    """No offer waits for the answer; it was dropped."""
+    """Answer without an offer that waits for it; it was dropped."""
 
 
 class InvalidDescription(SessionError):
-    """An answer cannot be used."""
+    """Answer that cannot be used."""
 
 
 class InvalidCandidate(SessionError):
-    """A candidate cannot be read."""
+    """Candidate that cannot be read."""
 
 
 class TooManyCandidates(SessionError):
-    """The peer sent as many candidates as it may; this one was dropped."""
+    """Candidate beyond the limit of a peer connection; it was dropped."""
 
 
 class NoCommonCodec(SessionError):
-    """The application can decode none of the codecs that can be offered."""
+    """Application that can decode none of the codecs on offer."""
 
 
 class NoEncoder(SessionError):
-    """The engine encodes as much as it may, and nothing of it in a codec of the application."""
+    """Lack of an encoder: all are in use, and none of them encodes a codec of the application."""
 
 
 class TooManySections(SessionError):
-    """All m-sections of the peer connection are in use."""
+    """Peer connection all of whose m-sections are in use."""
 
 
 class TooManySessions(SessionError):
-    """No further application can be served."""
+    """Application beyond the limit of those that are served."""
 
 
 class PeerClosed(SessionError):
-    """The other end has closed the peer connection, which is told in a moment."""
+    """Peer connection that the other end has closed; its bye follows."""
 
 
 class NoPath(SessionError):
-    """There is no way for media to leave this machine that the settings allow."""
+    """Lack of a network path that the settings allow."""

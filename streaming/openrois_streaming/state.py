@@ -1,7 +1,7 @@
-"""The life of one stream, as a table. Pure.
+"""State machine of a stream, as a table. Pure.
 
 A stream is connected and disconnected by its application, suspended and resumed by application and engine, each for
-itself; everything else is measured. The status that is told follows from the phase.
+itself; everything else is measured. Its status follows from the phase.
 """
 
 from collections.abc import Set as AbstractSet
@@ -9,7 +9,7 @@ from enum import Enum
 
 
 class StreamStatus(Enum):
-    """What others are told about a stream."""
+    """Status of a stream, as applications are notified of it."""
 
     NOT_CONNECTED = "not_connected"
     NOT_RUNNING = "not_running"
@@ -18,7 +18,7 @@ class StreamStatus(Enum):
 
 
 class StreamPhase(Enum):
-    """Where a stream stands."""
+    """Phase of a stream."""
 
     CONNECTING = "connecting"
     """There is no media path yet."""
@@ -29,15 +29,15 @@ class StreamPhase(Enum):
     RUNNING = "running"
     """Media reaches the other end: the viewer, or the engine."""
     SUSPENDED = "suspended"
-    """Nothing passes, because the application or the engine wants it so."""
+    """Nothing passes, because the application or the engine has suspended it."""
     RESUMING = "resuming"
-    """It may pass again, and has not reached the other end yet."""
+    """Media may pass again, and has not reached the other end yet."""
     ENDED = "ended"
-    """It is over; its id is not used again."""
+    """The stream has ended; its id is not used again."""
 
 
 class StreamInput(Enum):
-    """What can happen to a stream."""
+    """Input of the state machine."""
 
     UP = "up"
     """The media path is there."""
@@ -46,14 +46,14 @@ class StreamInput(Enum):
     STALLED = "stalled"
     """Media was measured not to reach the other end."""
     SUSPEND = "suspend"
-    """A party wants it suspended."""
+    """A party has suspended it."""
     RESUME = "resume"
-    """No party wants it suspended any more."""
+    """Every party that suspended it has resumed it."""
     END = "end"
 
 
 class Party(Enum):
-    """Who can suspend a stream; only whoever did can take that back."""
+    """Party that can suspend a stream. A stream resumes when every party that suspended it has resumed it."""
 
     APPLICATION = "application"
     ENGINE = "engine"
@@ -102,18 +102,18 @@ STATUS: dict[StreamPhase, StreamStatus] = {
     _P.RESUMING: StreamStatus.SUSPENDED,
     _P.ENDED: StreamStatus.NOT_CONNECTED,
 }
-"""The status that belongs to a phase. A stream that resumes is told RUNNING when its first picture is on its way."""
+"""The status that belongs to a phase. A stream that resumes becomes RUNNING when its first picture is on its way."""
 
 OPEN = frozenset({_P.CONNECTING, _P.IDLE, _P.RUNNING, _P.RESUMING})
 """The phases in which media passes as soon as it can."""
 
 
 class IllegalTransition(RuntimeError):
-    """An input that the current phase does not have; nothing was changed."""
+    """Input that the current phase does not have; nothing was changed."""
 
 
 def following(phase: StreamPhase, event: StreamInput) -> StreamPhase:
-    """The phase after `event`.
+    """Return the phase after `event`.
 
     Raises:
         IllegalTransition: `TRANSITIONS` does not have it.
@@ -125,8 +125,8 @@ def following(phase: StreamPhase, event: StreamInput) -> StreamPhase:
 
 
 def resumption(suspended_by: AbstractSet[Party], by: Party) -> StreamInput:
-    """What happens to a stream that `suspended_by` have suspended when `by` takes back what it wanted, if anything.
+    """Return the input for a stream that `suspended_by` have suspended when `by` resumes it.
 
-    A party that wanted nothing takes nothing back: the stream stays suspended as long as there is another that does.
+    The stream stays suspended as long as another party suspends it.
     """
     return StreamInput.SUSPEND if suspended_by - {by} else StreamInput.RESUME

@@ -1,4 +1,4 @@
-"""Tasks that belong to an object: it hears of their failures and none of them outlives it."""
+"""Tasks that belong to an object, which is notified of their failures and which none of them outlives."""
 
 import asyncio
 import logging
@@ -15,7 +15,7 @@ _log = logging.getLogger(__name__)
 
 
 class OwnedTasks:
-    """The running tasks of one owner. `on_failure` is called with what a task raised, in the event loop."""
+    """Running tasks of one owner. `on_failure` is called in the event loop with the exception of a task."""
 
     def __init__(self, name: str, on_failure: Callable[[BaseException], None]) -> None:
         self._name = name
@@ -23,19 +23,19 @@ class OwnedTasks:
         self._running: set[asyncio.Task[Any]] = set()
 
     def start(self, work: Coroutine[Any, Any, T], name: str) -> asyncio.Task[T]:
-        """Run `work` as a task of this owner."""
+        """Start `work` as a task of this owner."""
         task = asyncio.create_task(work, name=f"{self._name} {name}")
         self._running.add(task)
         task.add_done_callback(self._done)
         return task
 
     async def finished(self) -> None:
-        """Wait until nothing runs any more, which those that run have to bound."""
+        """Wait until all tasks have ended; the tasks themselves have to bound that time."""
         while self._running:
             await asyncio.wait(self._running)
 
     async def aclose(self) -> None:
-        """Cancel what still runs and wait until it has ended. A task that calls this is left running."""
+        """Cancel all tasks and wait until they have ended. A task that calls this is left running."""
         others = self._running - {asyncio.current_task()}
         for task in others:
             task.cancel()

@@ -7,11 +7,10 @@ import av
 import numpy as np
 import pytest
 from openrois_avatar import adapter
-from openrois_avatar.devices import Microphone
-from openrois_avatar.health import Health, Observed
 from openrois_avatar.link.messages import Pause
-from openrois_avatar.pauses import Pauses
-from openrois_avatar.scene import Scene, synthetic_scene
+from openrois_avatar.scene import Pauses, Scene, synthetic_scene
+from openrois_media.devices import Microphone
+from openrois_media.health import Health, Observed
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.session.sessions import StreamSessions
 from openrois_streaming.source import stamp
@@ -81,11 +80,11 @@ async def test_the_engine_hears_the_operator(monkeypatch: pytest.MonkeyPatch) ->
     assert voice.opened == voice.closed == 1
 
 
-async def test_what_the_engine_pauses_is_held_for_those_who_see_it(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_pause_of_the_engine_holds_the_viewers_video(monkeypatch: pytest.MonkeyPatch) -> None:
     stage, calls = Stage(), list[tuple[str, ...]]()
     monkeypatch.setattr(StreamSessions, "hold", lambda _self, *what: calls.append(("hold", *what)))
     monkeypatch.setattr(StreamSessions, "release", lambda _self, *what: calls.append(("release", *what)))
     async with stage.served():
-        stage.pauses.take(Pause(True))
+        stage.pauses.handle_event(Pause(True))
         stage.pauses.clear()
     assert calls == [("hold", "avatar/video_streaming", "recvonly"), ("release", "avatar/video_streaming")]

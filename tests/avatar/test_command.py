@@ -10,7 +10,7 @@ from contextlib import asynccontextmanager
 
 import pytest
 from openrois_avatar import command
-from openrois_avatar.settings import AvatarSettings
+from openrois_avatar.options.settings import AvatarSettings
 
 
 @pytest.fixture(autouse=True)
@@ -22,7 +22,7 @@ def _as_before(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 @pytest.mark.parametrize("name", [signal.SIGINT, signal.SIGTERM])
-def test_it_can_be_stopped_while_its_game_engine_starts(
+def test_adapter_can_be_stopped_while_its_game_engine_starts(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: signal.Signals
 ) -> None:
     cleaned: list[str] = []
@@ -69,7 +69,7 @@ def test_the_command_says_what_is_wrong(arguments: tuple[str, ...], capsys: pyte
 
 def test_an_address_that_cannot_be_listened_on_ends_the_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert command.main(["--engine", "external", "--link", "tcp:192.0.2.1:1"]) == 1
-    assert "not a loopback address" in capsys.readouterr().err
+    assert "is no loopback address" in capsys.readouterr().err
 
 
 def test_a_port_of_a_facade_that_is_taken_ends_the_command(capsys: pytest.CaptureFixture[str]) -> None:
@@ -78,4 +78,4 @@ def test_a_port_of_a_facade_that_is_taken_ends_the_command(capsys: pytest.Captur
         taken.listen()
         facade = f"127.0.0.1:{taken.getsockname()[1]}"
         assert command.main(["--engine", "unreal", "--facade", facade, "--link", "tcp:127.0.0.1:0"]) == 1
-    assert f"cannot be awaited at {facade}" in capsys.readouterr().err
+    assert f"cannot listen on {facade}" in capsys.readouterr().err

@@ -1,7 +1,6 @@
 """The avatar's components have the names by which components of their types go everywhere."""
 
 import re
-import subprocess
 from pathlib import Path
 
 from openrois_avatar.adapter import serve_scene
@@ -11,8 +10,8 @@ from openrois_streaming.clock import SystemClock
 from openrois.adapter import components
 from openrois.catalog.actuation import NAVIGATION
 from openrois.catalog.basic import BASIC_COMPONENTS
+from tests.support.packages import ROOT, tracked
 
-ROOT = Path(__file__).parents[2]
 OURS = {
     "Enrolment": "enrolment",
     "Gaze": "gaze",
@@ -52,10 +51,9 @@ async def test_each_component_has_the_name_of_its_type(tmp_path: Path) -> None:
 
 
 def _texts() -> list[Path]:
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, check=True, text=True, timeout=20)
     kinds = {".cs", ".gd", ".html", ".js", ".json", ".md", ".mjs", ".py", ".service", ".toml", ".ts", ".yaml", ".yml"}
-    paths = (ROOT / path for path in listed.stdout.splitlines() if not path.startswith("CHANGELOG"))
-    return [path for path in paths if path.suffix in kinds and path.is_file()]
+    paths = (ROOT / path for path in tracked() if not path.startswith("CHANGELOG"))
+    return [path for path in paths if path.suffix in kinds]
 
 
 def test_no_reference_ends_in_the_code_of_a_type() -> None:

@@ -7,7 +7,7 @@ from math import dist
 import pytest
 from openrois_avatar.link.messages import Floor, Place, Things
 from openrois_avatar.scene import embedded_scene
-from openrois_avatar.wayfinding import BODY
+from openrois_body.motion.wayfinding import BODY
 from openrois_streaming.clock import SystemClock
 
 from openrois.client.components import Move, Navigation
@@ -17,7 +17,7 @@ from tests.support.floors import room_at
 
 
 @pytest.mark.engine
-async def test_it_navigates_round_the_furniture_of_its_room_and_moves_back() -> None:
+async def test_figure_navigates_round_the_furniture_and_moves_back() -> None:
     works, hint = import_module("openrois_avatar.engines.puppet").available()
     if not works:
         pytest.skip(hint)

@@ -6,10 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from openrois_avatar.components.navigation import Navigation
 from openrois_avatar.link.client import LinkClient
 from openrois_avatar.link.messages import Completed, Halt, Place, Reached, Walk
 from openrois_avatar.scene import external_scene
+from openrois_body.components.navigation import Navigation
 
 from openrois.errors import ComponentFailed
 from openrois.testing import harness
@@ -24,7 +24,7 @@ async def until(happened: Callable[[], bool]) -> None:
             await settle()
 
 
-async def test_they_follow_what_each_engine_says_of_itself(tmp_path: Path) -> None:
+async def test_components_follow_the_capabilities_of_each_engine(tmp_path: Path) -> None:
     address = f"unix:{tmp_path}/engine"
 
     async def join(walks: bool) -> LinkClient:
@@ -62,7 +62,7 @@ async def test_they_follow_what_each_engine_says_of_itself(tmp_path: Path) -> No
                 assert isinstance(walk, Walk)
                 if ends == "by dying":
                     await asyncio.to_thread(engine.close, "a fault")
-                    with pytest.raises(ComponentFailed, match="the game engine is gone"):
+                    with pytest.raises(ComponentFailed, match="the game engine is disconnected"):
                         await going
                     assert (status(), scene.place()) == (ComponentStatus.ERROR, None)
                     continue

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 from openrois_avatar.adapter import serve_scene
-from openrois_avatar.components.reaction import Reaction
 from openrois_avatar.link.client import LinkClient
 from openrois_avatar.link.messages import Completed, React, VideoShape
 from openrois_avatar.scene import Scene, external_scene
-from openrois_avatar.streams import Published
+from openrois_body.components.reaction import Reaction
+from openrois_media.streaming_interface import Published
 from openrois_streaming.codecs import CodecUnavailable
 
 from openrois.errors import Unsupported

@@ -1,4 +1,4 @@
-"""One viewer with many connections, an operator who comes after it, and viewers of this machine without tokens."""
+"""One viewer with many connections, an operator that comes after it, and viewers of this machine without tokens."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from openrois_avatar.streams import AvatarStreams, Published
-from openrois_streaming.network.places import ANSWER_TIME, KEPT_FOR_OPERATORS, SESSIONS_LIMIT
+from openrois_media.streaming_interface import Published, StreamingInterface
+from openrois_streaming.network.session_limits import ANSWER_TIME, KEPT_FOR_OPERATORS, SESSIONS_LIMIT
 from openrois_streaming.peer import peer as peer_module
 from websockets.asyncio.client import ClientConnection
 
@@ -33,7 +33,7 @@ class Avatar:
 
     def __init__(self) -> None:
         self.clock = VirtualClock()
-        self.streams = AvatarStreams("avatar", {CAMERA: Published(FedPublisher(), "video")}, self.clock)
+        self.streams = StreamingInterface("avatar", {CAMERA: Published(FedPublisher(), "video")}, self.clock)
 
 
 @asynccontextmanager

@@ -1,8 +1,8 @@
 """The avatar's own profiles as XML: basic components that list less than the standard's, and one of our own."""
 
 from openrois_avatar.adapter import run_avatar
-from openrois_avatar.components.gaze import Gaze
-from openrois_avatar.settings import AvatarSettings
+from openrois_avatar.options.settings import AvatarSettings
+from openrois_body.components.gaze import Gaze
 
 from openrois.catalog.common import ROIS_COMMON
 from openrois.profiles.xml.documents import Profiles, assemble, doubts, write_documents
@@ -11,7 +11,7 @@ from openrois.profiles.xml.write import component_xml
 from tests.support.profiles import structural_errors
 
 
-async def test_they_are_read_back_as_they_are() -> None:
+async def test_profiles_are_read_back_unchanged() -> None:
     async with run_avatar(AvatarSettings(engine="synthetic")) as avatar:
         directory = avatar.host.engine.directory
     assert directory.profile.component_ids

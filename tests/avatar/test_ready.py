@@ -11,7 +11,7 @@ from typing import Any
 import aiohttp
 import pytest
 from openrois_avatar import command
-from openrois_avatar.settings import AvatarSettings
+from openrois_avatar.options.settings import AvatarSettings
 
 from openrois.adapter import serve
 from openrois.gateway.server import run_gateway
@@ -19,7 +19,9 @@ from openrois.gateway.settings import GatewaySettings
 from tests.support.components import Lamp
 from tests.support.demo import free_port
 
-LACKING = {"status": "not ready", "lacking": ["the gateway: it has not taken this adapter in"]}
+pytestmark = pytest.mark.extra(name="demo")
+
+LACKING = {"status": "not ready", "lacking": ["the gateway: it has not accepted this adapter"]}
 
 
 @pytest.fixture
@@ -75,7 +77,7 @@ def heard(manager: socket.socket) -> list[str]:
             return told
 
 
-async def test_it_is_ready_when_its_gateway_has_taken_it_in(
+async def test_adapter_is_ready_when_its_gateway_has_accepted_it(
     capsys: pytest.CaptureFixture[str], manager: socket.socket
 ) -> None:
     adapter = Adapter()
@@ -96,7 +98,7 @@ async def test_it_is_ready_when_its_gateway_has_taken_it_in(
     assert heard(manager)[-1:] == ["STOPPING=1"]
 
 
-async def test_one_that_its_gateway_refuses_is_not_ready(
+async def test_adapter_that_its_gateway_refuses_is_not_ready(
     capsys: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
 ) -> None:
     adapter, refused = Adapter(), asyncio.Event()

@@ -6,7 +6,8 @@ import os
 import signal
 
 import pytest
-from openrois_avatar.scene import embedded_scene
+from openrois_avatar.link.messages import Log, Pause
+from openrois_avatar.scene import Pauses, embedded_scene
 from openrois_streaming.clock import SystemClock
 
 from openrois.errors import Aborted
@@ -27,7 +28,7 @@ class Sayings(logging.Handler):
 
 @pytest.mark.engine
 async def test_a_game_engine_that_dies_in_mid_speech_comes_back_speaking(caplog: pytest.LogCaptureFixture) -> None:
-    sayings, body = Sayings(), logging.getLogger("openrois_avatar.body")
+    sayings, body = Sayings(), logging.getLogger("openrois_body.body")
     caplog.set_level(logging.INFO, body.name)
     body.addHandler(sayings)
     try:
@@ -45,3 +46,14 @@ async def test_a_game_engine_that_dies_in_mid_speech_comes_back_speaking(caplog:
                 await saying
     finally:
         body.removeHandler(sayings)
+
+
+def test_pause_is_notified_once_for_each_change() -> None:
+    pauses, told = Pauses(), list[bool]()
+    pauses.changed.add(told.append)
+    for event in (Log("x"), Pause(False), Pause(True), Pause(True), Pause(False), Pause(True)):
+        pauses.handle_event(event)
+    pauses.clear()
+    pauses.clear()
+    assert told == [True, False, True, False]
+    assert not pauses.on

@@ -15,7 +15,7 @@ def test_what_is_committed_is_what_is_generated() -> None:
     assert main(["--check"]) == 0
 
 
-def test_it_writes_what_is_missing_or_old_and_removes_what_nobody_wants(
+def test_it_writes_missing_or_old_files_and_removes_unwanted_ones(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["--check"], tmp_path) == 1
@@ -43,8 +43,8 @@ def test_it_is_the_same_every_time() -> None:
 
 
 def test_of_a_page_the_part_that_is_generated_is_replaced(tmp_path: Path) -> None:
-    page = tmp_path / "docs" / "conformance.md"
-    page.parent.mkdir()
+    page = tmp_path / "docs" / "reference" / "conformance.md"
+    page.parent.mkdir(parents=True)
     page.write_text("# By hand\n\n<!-- made by: openrois conformance --markdown -->\nold")
     assert main([], tmp_path) == 0
     by_hand, mark, made = page.read_text(encoding="utf-8").partition("<!-- made by")

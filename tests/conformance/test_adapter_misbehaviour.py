@@ -105,7 +105,7 @@ class TestMisbehaviour:
         assert (await app.next("rois.event.notify_event"))["event_id"] == "plain/evt-2"
         assert await app.settled() == []
 
-    async def test_requests_garbage_and_what_nobody_asked_for_are_ignored(
+    async def test_requests_garbage_and_unrequested_answers_are_ignored(
         self, gateway: Gateway, stack: AsyncExitStack
     ) -> None:
         plain = await stack.enter_async_context(plain_adapter(gateway))
@@ -165,7 +165,7 @@ class TestMisbehaviour:
 
 
 class TestStreams:
-    """What an adapter tells of streams is read before it waits for anything."""
+    """Notifications of an adapter about streams are read before it waits for anything."""
 
     HELLO: ClassVar = {
         "return_code": "OK",

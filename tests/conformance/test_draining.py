@@ -1,4 +1,4 @@
-"""A gateway that is told to stop: what runs comes to its end, everybody hears when to come back."""
+"""A gateway that is stopped: commands come to their end, and every client learns when to come back."""
 
 import asyncio
 import re
@@ -44,7 +44,7 @@ async def closed(app: Application) -> tuple[int, str]:
     return app.socket.close_code or 0, app.socket.close_reason or ""
 
 
-async def test_what_runs_ends_and_nobody_new_comes_meanwhile(
+async def test_what_runs_ends_and_no_connection_is_admitted_meanwhile(
     gateway: Gateway, adapter: Adapter, busy: Application, robot: Robot
 ) -> None:
     async with patience():

@@ -1,4 +1,4 @@
-"""notify_error and get_error_detail: who is told of which fault, and who may ask about it."""
+"""notify_error and get_error_detail: which applications are notified of a fault, and may read its details."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -14,7 +14,7 @@ from openrois.engine.engine import Engine
 from openrois.engine.faults import FAULTS_AT_ONCE
 from openrois.engine.registry import LocalRegistry
 from openrois.gateway.server import Gateway
-from openrois.session.errors import MAX_ERRORS
+from openrois.session.error_log import MAX_ERRORS
 from openrois.types.codes import ErrorType
 from openrois.types.values import check_value
 from tests.support import deployment, wire
@@ -41,7 +41,7 @@ async def details(app: Application, error_id: str) -> dict[str, str]:
 
 
 class Noticed:
-    """The faults that the gateway has heard of, whoever it told."""
+    """All faults that the gateway has got."""
 
     def __init__(self, gateway: Gateway) -> None:
         self._faults: asyncio.Queue[Fault] = asyncio.Queue()
@@ -122,7 +122,9 @@ class TestComponents:
         await noticed.next()
         assert await app.settled() == []
 
-    async def test_told_to_who_has_a_command_on_it(self, app: Application, other: Application, robot: Robot) -> None:
+    async def test_notified_to_an_application_with_a_command_on_it(
+        self, app: Application, other: Application, robot: Robot
+    ) -> None:
         robot.door.may_answer.clear()
         await execute(app, DOOR, "open")
         await robot.door.asked.wait()
@@ -133,7 +135,7 @@ class TestComponents:
         await app.completed("c")
         assert await other.settled() == []
 
-    async def test_told_to_who_has_a_stream_of_it(
+    async def test_notified_to_an_application_with_a_stream_of_it(
         self, app: Application, other: Application, robot: Robot, noticed: Noticed
     ) -> None:
         stream_id = await stream_of(app)
@@ -284,7 +286,7 @@ class TestNotResponding:
 
 
 class TestLostAdapters:
-    async def test_those_who_work_with_one_are_told_and_its_components_count_as_failing(
+    async def test_its_users_are_notified_and_its_components_count_as_failing(
         self, gateway: Gateway, stack: AsyncExitStack
     ) -> None:
         plain = await stack.enter_async_context(plain_adapter(gateway))
@@ -332,7 +334,7 @@ class TestEngines:
         monkeypatch.setattr(gateway.engine, "invoke", lambda *_asked: 1 / 0)
 
     @pytest.mark.usefixtures("failing")
-    async def test_everybody_who_connected_is_told(self, app: Application, other: Application) -> None:
+    async def test_every_connected_application_is_notified(self, app: Application, other: Application) -> None:
         await app.code("rois.system.connect")
         error = await other.refused("rois.query.query", query_type="view")
         assert error == {"code": -32603, "message": "Internal error"}

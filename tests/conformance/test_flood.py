@@ -1,4 +1,4 @@
-"""An application that asks for more than it is given: what it is told, and what still gets through."""
+"""An application that asks for more than it may: its answers, and requests that still get through."""
 
 import asyncio
 import json
@@ -83,7 +83,7 @@ async def test_stop_release_and_disconnect_pass_ten_thousand_requests(
     assert not robot.lamp.glowing.is_set()
 
 
-async def test_whoever_floods_is_refused_and_told_when_to_come_back(
+async def test_a_flood_is_refused_with_retry_after(
     app: Application, other: Application, robot: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # The clock of the limit stands still: what is at hand is all there is.
@@ -96,7 +96,7 @@ async def test_whoever_floods_is_refused_and_told_when_to_come_back(
     assert refused == list(range(REQUESTS_AT_ONCE - len(refused), REQUESTS_AT_ONCE))
     assert 0 < len(refused) < 10
     assert await app.code("openrois.stop_all") == "OK"
-    assert (await app.refused("nobody.knows"))["code"] == -32000
+    assert (await app.refused("unknown.method"))["code"] == -32000
     assert await app.why("rois.query.query", query_type="brightness") == (
         "OUT_OF_RESOURCES",
         "too many requests a second; retry_after=0.000",

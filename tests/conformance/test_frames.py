@@ -1,4 +1,4 @@
-"""What comes over a WebSocket and is no good: the connection ends with the right code, and nobody else notices."""
+"""Wrong frames of a WebSocket: the connection ends with the right code, and no other connection notices."""
 
 import asyncio
 from contextlib import suppress
@@ -19,7 +19,7 @@ AT_A_TIME = 100
 
 
 async def tried(gateway: Gateway, case: Case) -> list[str]:
-    """Return what is heard when a case is tried; where the connection goes on, up to the answer of another request."""
+    """Return what is received for a case; where the connection goes on, up to the answer of another request."""
     async with raw_client(gateway.url) as client:
         if case.later:
             await client.send([asks(0)])
@@ -88,7 +88,7 @@ def memory() -> int:
 
 
 @pytest.mark.parametrize("reads", [True, False])
-async def test_floods_end_cost_no_memory_and_nobody_else_anything(
+async def test_floods_end_and_cost_no_memory_and_no_other_connection(
     gateway: Gateway, app: Application, reads: bool
 ) -> None:
     async def flood(first: bytes, chunk: bytes) -> None:
@@ -125,7 +125,7 @@ async def test_a_frame_that_never_comes_whole_is_no_answer_to_a_ping() -> None:
                 assert await client.hears() == ["end"]
 
 
-async def test_whoever_pings_and_takes_no_answers_in_is_cut() -> None:
+async def test_a_client_that_pings_and_reads_no_answers_is_cut() -> None:
     """Long answers fill what the kernel keeps, so that the pong has to wait; behind it nothing is read any more."""
     async with (
         deployment.gateway(application=QUICK) as gateway,

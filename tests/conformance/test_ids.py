@@ -72,7 +72,7 @@ class TestThoseThatEnginesAssign:
         subscribed = (await ann.ask("rois.event.subscribe", event_type="laughed"))["subscribe_id"]
         assert subscribed.startswith("plain/")
         assert subscribed != f"plain/sub-{plain.minted}"
-        # The adapter's own id is nobody's here: it ends nothing, and gives nothing.
+        # The adapter's own id is unknown here: it ends nothing, and gives nothing.
         assert await ann.code("rois.event.unsubscribe", subscribe_id=f"plain/sub-{plain.minted}") == "OK"
         assert "rois.event.unsubscribe" not in [method for method, _ in plain.asked]
         adapters_id = f"plain/sub-{plain.minted}"

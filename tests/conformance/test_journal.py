@@ -34,7 +34,7 @@ def unit(command_type: str, command_id: str) -> dict[str, object]:
 
 
 async def killed(path: Path, robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Run a gateway in which one command ends and one runs, and end it without a word to anybody."""
+    """Run a gateway in which one command ends and one runs, and end it without any message."""
     async with running(path, robot) as (_, app):
         await app.code("rois.command.bind", component_ref=LAMP)
         assert await app.code("rois.command.execute", command_unit_list=[unit("switch", "ended")]) == "OK"
@@ -49,7 +49,7 @@ async def killed(path: Path, robot: Robot, monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.undo()
 
 
-async def test_what_ran_ends_with_error_when_somebody_asks(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_what_ran_ends_with_error_when_it_is_queried(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     await killed(path, Robot(), monkeypatch)
     async with running(path, Robot()) as (_, app):
         await app.ask("openrois.hello", version="1")

@@ -1,4 +1,4 @@
-"""Every limit that docs/wire.md promises: its number is the constant's, and a test goes to it and beyond."""
+"""Every limit in wire.md and adapter-wire.md: its number is the constant's, and a test goes there and beyond."""
 
 import asyncio
 import re
@@ -8,29 +8,26 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from openrois_avatar.speech import markup
 from openrois_signaling import messages as signaling
 from openrois_signaling import relay
 from openrois_streaming.input import reader
 from openrois_streaming.input.messages import MESSAGE_LIMIT
-from openrois_streaming.network.places import SESSIONS_LIMIT
 
 from openrois.aio import bounded_history
-from openrois.auth import claims, jwks, keys
 from openrois.commands import history, quota
 from openrois.engine import condition, engine, faults, registry
 from openrois.engine.registry import LocalRegistry
 from openrois.errors import OutOfResources
-from openrois.gateway import adapters, applications, connection_limits, reloading, token_expiry
+from openrois.gateway import adapters, applications, connection_limits
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION
-from openrois.http_limits import header_timeout, websocket_frames
-from openrois.interfaces import command, overload_rules, stream
+from openrois.http_limits import websocket_frames
+from openrois.interfaces import command, stream
 from openrois.jsonrpc import calls, handler, outbox, request_queue, session
-from openrois.session import change_notice, errors, events
+from openrois.session import change_notice, events
 from openrois.session.session import EngineHost
 from openrois.transport import websocket
-from openrois.types import access, messages, reasons, references, streams, values
+from openrois.types import access, messages, references, streams, values
 from tests.support import deployment, wire
 from tests.support.components import Bell, Lamp
 from tests.support.deployment import Door
@@ -43,62 +40,23 @@ DOOR = "robot/door"
 HERE = "tests/conformance/test_limits.py"
 AUTH = "tests/openrois/auth"
 TRANSPORT = "tests/conformance/test_transport.py"
-PLACES = "tests/openrois/gateway/test_connection_limits.py"
-HEADS = "tests/openrois/http_limits/test_header_timeout.py"
+CONNECTION_LIMITS = "tests/openrois/gateway/test_connection_limits.py"
 FLOOD = "tests/conformance/test_flood.py"
-BUDGET = "tests/openrois/commands/test_quota.py"
 INTAKE = "tests/openrois/jsonrpc/test_request_queue.py"
 
 LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
-    "applications / adapters at a gateway at a time": (
-        (connection_limits.MAX_APPLICATIONS, connection_limits.MAX_ADAPTERS, 503),
-        (f"{TRANSPORT}::test_only_so_many_at_a_time", f"{PLACES}::test_adapters_have_places_of_their_own"),
+    "applications at a gateway at a time": (
+        (connection_limits.MAX_APPLICATIONS, 503),
+        (f"{TRANSPORT}::test_only_so_many_at_a_time",),
     ),
     "applications from one address (`--per-address`)": (
         (connection_limits.MAX_PER_ADDRESS, 429),
-        (f"{PLACES}::test_one_address_has_so_many",),
+        (f"{CONNECTION_LIMITS}::test_one_address_has_so_many",),
     ),
-    "time for the head of a request, TLS included; connections that have not sent one; of those from one address": (
-        (header_timeout.HEAD_TIMEOUT, header_timeout.MAX_SILENT, header_timeout.MAX_SILENT_PER_ADDRESS),
-        (f"{HEADS}::test_half_a_handshake_is_cut", f"{HEADS}::test_of_too_many_the_oldest_is_cut"),
-    ),
-    "token; subject and id of one; patterns in a scope, and each of them": (
-        (access.MAX_TOKEN, claims.MAX_NAME, claims.MAX_PATTERNS, claims.MAX_PATTERN),
-        (f"{AUTH}/test_tokens.py::test_forged_tokens", f"{AUTH}/test_claims.py::test_what_is_no_such_claim"),
-    ),
-    "lifetime of a token / difference of clocks": (
-        (claims.MAX_LIFETIME, claims.LEEWAY),
-        (
-            f"{AUTH}/test_claims.py::test_how_long_a_token_may_last",
-            f"{AUTH}/test_tokens.py::test_times_and_clocks",
-        ),
-    ),
-    "keys of an issuer; their text; time to get it; time between two attempts": (
-        (keys.MAX_KEYS, keys.MAX_KEY_FILE / KIB, jwks.FETCH_TIMEOUT, jwks.REFETCH_PAUSE),
-        (
-            f"{AUTH}/test_keys.py::test_what_is_no_key_set",
-            f"{AUTH}/test_jwks.py::test_what_an_issuer_may_not_answer",
-            f"{AUTH}/test_jwks.py::test_ten_thousand_names_cause_one_fetch",
-        ),
-    ),
-    "keys of an issuer that does not answer": (
-        (jwks.KEPT, jwks.FRESH),
-        (f"{AUTH}/test_jwks.py::test_while_the_issuer_is_down_its_keys_hold_for_an_hour",),
-    ),
-    "between two looks at tokens and at the list of revocations; before its end a connection is told": (
-        (token_expiry.CHECK_INTERVAL, reloading.LOOK_INTERVAL, token_expiry.WARNING_TIME),
-        (
-            "tests/openrois/gateway/test_token_expiry.py::test_it_looks_every_second",
-            "tests/openrois/gateway/test_token_expiry.py::test_a_new_token_makes_it_longer_and_warns_again",
-        ),
-    ),
-    "message from an application / an adapter": (
-        (APPLICATION.max_message / KIB, ADAPTER.max_message / MIB, 1009, 1003),
-        (
-            f"{TRANSPORT}::test_the_limit_is_exact",
-            f"{TRANSPORT}::test_an_adapter_may_say_more",
-            f"{TRANSPORT}::test_binary_frames_are_refused",
-        ),
+    "token": ((access.MAX_TOKEN,), (f"{AUTH}/test_tokens.py::test_forged_tokens",)),
+    "message from an application": (
+        (APPLICATION.max_message / KIB, 1009, 1003),
+        (f"{TRANSPORT}::test_the_limit_is_exact", f"{TRANSPORT}::test_binary_frames_are_refused"),
     ),
     "frames of one message; pings and pongs to the gateway": (
         (
@@ -112,19 +70,15 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
             "tests/openrois/http_limits/test_websocket_frames.py::test_there_may_be_so_many_pings_and_pongs",
         ),
     ),
-    "message that an adapter takes from its gateway": (
-        (websocket.MAX_MESSAGE / MIB,),
-        ("tests/openrois/transport/test_websocket.py::test_a_message_may_be_so_long",),
-    ),
-    "pings to applications / adapters": (
-        (APPLICATION.ping_interval, APPLICATION.ping_timeout, ADAPTER.ping_interval, ADAPTER.ping_timeout),
+    "pings to applications": (
+        (APPLICATION.ping_interval, APPLICATION.ping_timeout),
         (f"{TRANSPORT}::test_a_silent_side_is_cut", f"{TRANSPORT}::test_the_default_bounds"),
     ),
     "messages waiting to be sent on one connection, events aside": (
         (outbox.CONTROL_LIMIT, outbox.CONTROL_TEXT / MIB),
         (
             f"{HERE}::test_messages_that_wait",
-            f"{TRANSPORT}::test_is_cut_off_and_costs_nobody_anything",
+            f"{TRANSPORT}::test_is_cut_off_and_costs_no_other_anything",
             "tests/openrois/jsonrpc/test_outbox.py::test_text_is_bounded_too",
             "tests/conformance/test_command.py::test_their_adapter_stays_however_many_start_at_once",
         ),
@@ -133,13 +87,9 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         (outbox.EVENT_LIMIT, outbox.EVENT_TEXT / MIB),
         (
             "tests/openrois/jsonrpc/test_outbox.py::test_text_is_bounded_too",
-            "tests/conformance/test_event.py::test_who_said_hello_is_told_how_many",
-            f"{TRANSPORT}::test_loses_events_and_delays_nobody",
+            "tests/conformance/test_event.py::test_after_hello_the_number_of_dropped_events_is_notified",
+            f"{TRANSPORT}::test_loses_events_and_delays_no_other",
         ),
-    ),
-    "events that wait for the reply to their subscription": (
-        (events.MAX_HELD,),
-        ("tests/openrois/session/test_events.py::test_of_too_many_that_wait_the_oldest_go",),
     ),
     "requests of one connection that run at a time": (
         (request_queue.MAX_RUNNING_REQUESTS,),
@@ -157,18 +107,7 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
     ),
     "requests of one application": (
         (applications.REQUESTS_PER_SECOND, applications.REQUESTS_AT_ONCE),
-        (f"{FLOOD}::test_whoever_floods_is_refused_and_told_when_to_come_back",),
-    ),
-    "urgent requests of one connection that run beside those; commands in one that is": (
-        (request_queue.MAX_URGENT_REQUESTS, overload_rules.MAX_UNITS),
-        (
-            f"{INTAKE}::test_urgent_ones_do_not_count_until_there_are_too_many_of_them",
-            "tests/openrois/interfaces/test_overload_rules.py::test_what_is_urgent",
-        ),
-    ),
-    "problems that one -32602 lists": (
-        (handler.MAX_PROBLEMS,),
-        ("tests/conformance/test_envelope.py::test_a_refusal_is_small_however_much_is_wrong", f"{HERE}::test_problems"),
+        (f"{FLOOD}::test_a_flood_is_refused_with_retry_after",),
     ),
     "commands of one application, running / finished and remembered": (
         (history.MAX_RUNNING, history.MAX_FINISHED),
@@ -179,32 +118,6 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         (f"{FLOOD}::test_a_stop_is_accepted_when_no_other_command_is",),
     ),
     "components that one application has bound": ((command.MAX_BOUND,), (f"{HERE}::test_bound_components",)),
-    "unfinished commands of all applications, those that are gone included / of one subject": (
-        (
-            quota.MAX_UNFINISHED,
-            quota.MAX_OF_SUBJECT,
-            quota.RESERVED,
-            quota.FIRST_OF_SUBJECT,
-        ),
-        (
-            f"{HERE}::test_unfinished_commands_of_all",
-            f"{HERE}::test_those_of_applications_that_are_gone_count",
-            f"{BUDGET}::test_one_subject_has_a_share",
-            f"{BUDGET}::test_what_is_reserved_is_for_the_first_commands_of_each_subject",
-        ),
-    ),
-    "what is kept of unfinished commands: of one application / of one subject / of all": (
-        (
-            history.MAX_RUNNING_TEXT / MIB,
-            quota.MAX_TEXT_OF_SUBJECT / MIB,
-            quota.MAX_UNFINISHED_TEXT / MIB,
-        ),
-        (
-            f"{HERE}::test_text_of_commands_that_run",
-            f"{BUDGET}::test_one_subject_has_a_share",
-            f"{HERE}::test_text_of_unfinished_commands_of_all",
-        ),
-    ),
     "subscriptions of one application; remembered events": (
         (events.MAX_SUBSCRIPTIONS, events.MAX_DETAILS, events.DETAIL_LIFETIME),
         (
@@ -212,31 +125,6 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
             f"{HERE}::test_remembered_events",
             "tests/openrois/session/test_events.py::test_details_are_kept_for_a_while",
         ),
-    ),
-    "text of the results and ids that one application may ask for again: of commands / of events / of errors": (
-        (bounded_history.MAX_TEXT / MIB, bounded_history.RESULT_OVERHEAD),
-        (
-            f"{HERE}::test_text_of_events",
-            f"{HERE}::test_text_of_commands",
-            "tests/openrois/aio/test_bounded_history.py::test_whatever_takes_room_counts",
-        ),
-    ),
-    "faults of one engine that are told; errors that one application may ask about": (
-        (faults.FAULTS_AT_ONCE, faults.FAULTS_PER_SECOND, errors.MAX_ERRORS),
-        (
-            "tests/conformance/test_errors.py::test_a_flood_is_cut_and_old_errors_are_forgotten",
-            "tests/conformance/test_errors.py::test_a_flood_is_cut",
-            "tests/openrois/engine/test_faults.py::test_a_flood_is_cut",
-            "tests/openrois/session/test_errors.py::test_the_oldest_is_forgotten",
-        ),
-    ),
-    "characters of a fault's description": (
-        (faults.MAX_DESCRIPTION,),
-        ("tests/openrois/engine/test_faults.py::test_a_long_description_is_cut",),
-    ),
-    "characters of a reason": (
-        (reasons.MAX_REASON,),
-        ("tests/openrois/types/test_reasons.py::test_what_is_long_is_cut",),
     ),
     "items in a command sequence; characters of a `command_id` / a condition": (
         (messages.MAX_ITEMS, 32602, history.MAX_ID, condition.MAX_LENGTH),
@@ -254,59 +142,24 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         (values.MAX_DIGITS, values.MAX_DEPTH),
         (f"{HERE}::test_digits_and_depth",),
     ),
-    "characters of an engine's id, and of a component's name": (
-        (references.MAX_ID,),
-        ("tests/openrois/types/test_references.py::test_what_cannot_name_an_engine",),
-    ),
     "extensions in `openrois.hello`; parameters of `connect_stream`": (
         (streams.MAX_EXTENSIONS, streams.MAX_PARAMETERS, 32602),
         (f"{HERE}::test_lists_of_extensions",),
-    ),
-    "queries of one component that run at a time in its adapter; how long one may take there": (
-        (registry.MAX_QUERIES, registry.QUERY_TIMEOUT),
-        (
-            "tests/openrois/engine/test_registry.py::test_only_so_many_queries_at_a_time",
-            "tests/openrois/engine/test_registry.py::test_a_query_ends",
-            "tests/conformance/test_query.py::test_a_component_that_hangs_blocks_no_other",
-        ),
-    ),
-    "answer of an adapter": (
-        (session.CALL_TIMEOUT,),
-        ("tests/conformance/test_query.py::test_no_answer_in_time", f"{HERE}::test_the_time_for_an_answer"),
-    ),
-    "looks at the profile of one adapter that says `profile_changed`": (
-        (1 / adapters.CHANGE_PAUSE,),
-        ("tests/conformance/test_adapters.py::test_many_changes_at_once_are_two",),
     ),
     "`profile_changed` to one application": (
         (change_notice.CHANGES_AT_ONCE, change_notice.CHANGES_PER_SECOND),
         ("tests/openrois/session/test_change_notice.py::test_a_flood_is_cut_and_its_last_is_told",),
     ),
-    "answers of an adapter that come too late and still matter": (
-        (calls.MAX_LATE,),
-        ("tests/openrois/jsonrpc/test_session_calls.py::test_late_answers_are_remembered_within_a_bound",),
-    ),
-    "depth of the tree of engines": (
-        (engine.MAX_DEPTH, 1008),
-        (
-            "tests/openrois/engine/test_engine.py::test_engines_stand_only_so_deep",
-            "tests/conformance/test_adapters.py::test_what_is_not_acceptable_is_closed_with_the_reason",
-        ),
-    ),
     "streams of one application; sections of one peer": (
         (stream.MAX_STREAMS, signaling.SECTIONS_LIMIT),
         (
             "tests/conformance/test_streams.py::test_only_so_many_even_at_once",
-            "tests/avatar/test_streams.py::test_the_number_of_applications_and_sections_is_bounded",
+            "tests/media/test_streaming_interface.py::test_the_number_of_applications_and_sections_is_bounded",
         ),
     ),
     "reports of playout of one application; milliseconds in one": (
         (stream.REPORTS_PER_SECOND, stream.REPORTS_AT_ONCE, streams.MAX_PLAYOUT, 32602),
         ("tests/conformance/test_streams.py::test_playout_is_reported_by_the_owner_and_not_too_often",),
-    ),
-    "applications that one avatar streams to": (
-        (SESSIONS_LIMIT,),
-        ("tests/avatar/test_streams.py::test_the_number_of_applications_and_sections_is_bounded",),
     ),
     "signaling of one application": (
         (relay.RATE, relay.BURST, relay.PEERS_PER_OWNER),
@@ -328,37 +181,103 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         (reader.PER_SECOND, reader.AT_ONCE, MESSAGE_LIMIT, reader.MALFORMED_LIMIT),
         (
             "tests/streaming/input/test_reader.py::test_too_many_are_counted",
-            "tests/streaming/input/test_reader.py::test_what_is_no_text_or_too_long",
-            "tests/avatar/teleoperation/test_seat.py::test_who_sends_nonsense_is_cut_and_told",
+            "tests/streaming/input/test_reader.py::test_binary_or_too_long_messages_are_malformed",
+            "tests/body/teleoperation/test_operator_control.py::test_who_sends_nonsense_is_cut_and_told",
         ),
     ),
-    "characters of a text to speak": (
-        (markup.MAX_TEXT,),
-        ("tests/avatar/speech/test_markup.py::test_a_text_that_is_too_long_is_refused",),
+}
+"""Each row of the table of applications: its numbers in order, as units say, and the tests that hit them."""
+
+ADAPTER_LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
+    "adapters at a gateway at a time": (
+        (connection_limits.MAX_ADAPTERS, 503),
+        (f"{CONNECTION_LIMITS}::test_adapters_have_places_of_their_own",),
+    ),
+    "message from an adapter": (
+        (ADAPTER.max_message / MIB, 1009, 1003),
+        (f"{TRANSPORT}::test_an_adapter_may_say_more",),
+    ),
+    "message that an adapter takes from its gateway": (
+        (websocket.MAX_MESSAGE / MIB,),
+        ("tests/openrois/transport/test_websocket.py::test_a_message_may_be_so_long",),
+    ),
+    "pings to adapters": (
+        (ADAPTER.ping_interval, ADAPTER.ping_timeout),
+        (f"{TRANSPORT}::test_a_silent_side_is_cut", f"{TRANSPORT}::test_the_default_bounds"),
+    ),
+    "messages waiting for one adapter, events aside": (
+        (outbox.CONTROL_LIMIT, outbox.CONTROL_TEXT / MIB),
+        ("tests/conformance/test_command.py::test_their_adapter_stays_however_many_start_at_once",),
+    ),
+    "characters of an engine's id, and of a component's name": (
+        (references.MAX_ID,),
+        ("tests/openrois/types/test_references.py::test_what_cannot_name_an_engine",),
+    ),
+    "depth of the tree of engines": (
+        (engine.MAX_DEPTH, 1008),
+        (
+            "tests/openrois/engine/test_engine.py::test_engines_stand_only_so_deep",
+            "tests/conformance/test_adapters.py::test_what_is_not_acceptable_is_closed_with_the_reason",
+        ),
+    ),
+    "queries of one component that run at a time in its adapter; how long one may take there": (
+        (registry.MAX_QUERIES, registry.QUERY_TIMEOUT),
+        (
+            "tests/openrois/engine/test_registry.py::test_only_so_many_queries_at_a_time",
+            "tests/openrois/engine/test_registry.py::test_a_query_ends",
+            "tests/conformance/test_query.py::test_a_component_that_hangs_blocks_no_other",
+        ),
+    ),
+    "answer of an adapter": (
+        (session.CALL_TIMEOUT,),
+        ("tests/conformance/test_adapters.py::test_one_that_does_not_answer", f"{HERE}::test_the_time_for_an_answer"),
+    ),
+    "answers of an adapter that come too late and still matter": (
+        (calls.MAX_LATE,),
+        ("tests/openrois/jsonrpc/test_session_calls.py::test_late_answers_are_remembered_within_a_bound",),
+    ),
+    "reads of the profile of one adapter that says `profile_changed`": (
+        (1 / adapters.CHANGE_PAUSE,),
+        ("tests/conformance/test_adapters.py::test_many_changes_at_once_are_two",),
+    ),
+    "faults of one engine that are notified": (
+        (faults.FAULTS_AT_ONCE, faults.FAULTS_PER_SECOND),
+        (
+            "tests/conformance/test_errors.py::test_a_flood_is_cut",
+            "tests/openrois/engine/test_faults.py::test_a_flood_is_cut",
+        ),
+    ),
+    "characters of a fault's description": (
+        (faults.MAX_DESCRIPTION,),
+        ("tests/openrois/engine/test_faults.py::test_a_long_description_is_cut",),
     ),
 }
-"""Each row of the table: its numbers in order, as units say, and the tests that hit them."""
+"""Each row of the table of adapters."""
+
+ALL: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = LIMITS | ADAPTER_LIMITS
 
 
-def rows() -> dict[str, str]:
-    """Return the table: what is limited, and the text that says how."""
-    text = (ROOT / "docs/wire.md").read_text(encoding="utf-8").partition("\n## Limits\n")[2]
+def rows(page: str) -> dict[str, str]:
+    """Return the table of a page: what is limited, and the text that says how."""
+    text = (ROOT / "docs/reference" / page).read_text(encoding="utf-8").partition("\n## Limits\n")[2]
     found = re.findall(r"^\| (.+?) \| (.+) \|$", text, re.MULTILINE)
     return dict(found[1:])
 
 
 class TestTable:
-    def test_every_limit_is_named_here_and_there(self) -> None:
-        assert list(rows()) == list(LIMITS)
+    @pytest.mark.parametrize(("page", "limits"), [("wire.md", LIMITS), ("adapter-wire.md", ADAPTER_LIMITS)])
+    def test_every_limit_is_named_here_and_there(self, page: str, limits: dict[str, Any]) -> None:
+        assert list(rows(page)) == list(limits)
 
-    @pytest.mark.parametrize("row", LIMITS)
+    @pytest.mark.parametrize("row", ALL)
     def test_the_numbers_are_the_constants(self, row: str) -> None:
-        said = [float(number.replace(",", "")) for number in re.findall(r"\d[\d,]*(?:\.\d+)?", rows()[row])]
-        assert said == [float(number) for number in LIMITS[row][0]]
+        text = (rows("wire.md") | rows("adapter-wire.md"))[row]
+        said = [float(number.replace(",", "")) for number in re.findall(r"\d[\d,]*(?:\.\d+)?", text)]
+        assert said == [float(number) for number in ALL[row][0]]
 
-    @pytest.mark.parametrize("row", LIMITS)
+    @pytest.mark.parametrize("row", ALL)
     def test_tests_hit_them(self, row: str) -> None:
-        for reference in LIMITS[row][1]:
+        for reference in ALL[row][1]:
             path, _, name = reference.partition("::")
             text = (ROOT / path).read_text(encoding="utf-8")
             assert re.search(rf"def {name}\(", text), f"there is no {reference}"
@@ -436,21 +355,21 @@ class TestCommands:
 
     async def test_unfinished_commands_of_all(self) -> None:
         budget, own = quota.CommandQuota(), quota.Allowance("one application", 100_000, 0)
-        taken = budget.take(own, quota.MAX_UNFINISHED)
+        taken = budget.accept_commands(own, quota.MAX_UNFINISHED)
         with pytest.raises(OutOfResources, match="the engine has at most 16384 unfinished commands"):
-            budget.take(own, 1)
+            budget.accept_commands(own, 1)
         taken.end_one()
-        budget.take(own, 1)
+        budget.accept_commands(own, 1)
 
     async def test_text_of_unfinished_commands_of_all(self) -> None:
         most = quota.MAX_UNFINISHED_TEXT
         budget, own = quota.CommandQuota(), quota.Allowance("one application", 10, 2 * most)
-        taken = budget.take(own, 2, most)
+        taken = budget.accept_commands(own, 2, most)
         for _ in range(2):
             with pytest.raises(OutOfResources, match=f"at most {most} bytes .* of the engine"):
-                budget.take(own, 1, 1)
+                budget.accept_commands(own, 1, 1)
             taken.end_one()
-        budget.take(own, 1, most)
+        budget.accept_commands(own, 1, most)
 
     async def test_text_of_commands_that_run(self, app: wire.Application, host: EngineHost, door: Door) -> None:
         door.may_answer.clear()
@@ -468,7 +387,7 @@ class TestCommands:
         assert await execute(app, sequence(count + 1, 1, how)) == "OK"
 
     async def test_those_of_applications_that_are_gone_count(self, host: EngineHost, door: Door) -> None:
-        """So nobody can pile up work by coming again and again."""
+        """So work cannot be piled up by reconnecting again and again."""
         host.commands = quota.CommandQuota(most=4)
         door.may_answer.clear()
         for _ in range(2):
@@ -495,7 +414,7 @@ class TestCommands:
         assert (await app.ask("rois.command.release", component_ref=DOOR))["return_code"] == "OK"
         assert (await app.ask("rois.command.bind", component_ref="robot/bell"))["return_code"] == "OK"
 
-    async def test_who_asks_for_components_has_no_more_of_them(
+    async def test_requested_components_count_as_bound(
         self, monkeypatch: pytest.MonkeyPatch, stack: AsyncExitStack
     ) -> None:
         monkeypatch.setattr(command, "MAX_BOUND", 1)
@@ -510,7 +429,7 @@ class TestCommands:
             for ref in ("robot/other", "robot/third"):
                 assert await ann.code(way, component_ref=ref) == "OUT_OF_RESOURCES"
             assert await ann.code("rois.command.release", component_ref="robot/lamp") == "OK"
-        # Who waits for one has it sooner or later.
+        # A request is answered sooner or later.
         assert await ann.code("openrois.lease.request", component_ref="robot/third") == "OK"
         assert await ann.code("openrois.lease.request", component_ref="robot/lamp") == "OUT_OF_RESOURCES"
 

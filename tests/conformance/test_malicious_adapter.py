@@ -16,7 +16,6 @@ from tests.support.plain import PlainAdapter, attached, plain_adapter, profile_r
 from tests.support.viewer import CAMERA, STATUS, peer_of, stream_of
 
 LAMP: Final = "robot/lamp"
-DOOR: Final = "robot/door"
 TOY: Final = "plain/toy"
 STAYS: Final = 0
 """Instead of a close code: the adapter's connection stays, and what it said went nowhere."""
@@ -132,7 +131,7 @@ async def tells_events_of_wrong_types(scene: Scene) -> None:
 
 async def floods_with_events(scene: Scene) -> None:
     for number in range(3000):
-        await scene.evil.tell_event("plain/nobody", "laughed", event_id=f"plain/{number}")
+        await scene.evil.tell_event("plain/absent", "laughed", event_id=f"plain/{number}")
 
 
 async def answers_with_more_than_may_be_said(scene: Scene) -> None:
@@ -330,7 +329,7 @@ async def enter(stack: AsyncExitStack, gateway: Gateway, adapter: Adapter, app: 
 
 
 async def nothing_noticed(scene: Scene, robot: Robot, of_its_end: set[str]) -> None:
-    """Check that what was begun with the honest adapter goes on, and that nothing was told but the other's end."""
+    """Check that what was begun with the honest adapter goes on, and that only the other's end was notified."""
     app = scene.app
     assert set(await app.settled()) <= of_its_end
     app.told.clear()

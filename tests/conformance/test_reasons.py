@@ -1,4 +1,4 @@
-"""Why: `openrois.reason` right before each refusal and failure, over hops too, for whoever speaks extensions."""
+"""`openrois.reason` right before each refusal and failure, over hops too, for applications that use extensions."""
 
 import asyncio
 import json
@@ -186,7 +186,7 @@ class TestFailures:
         assert await self.run(asking, unit("c", "explode")) == {"c": "ERROR"}
         assert asking.reasons == {"c": "kettle: explode failed: no such valve"}
 
-    async def test_who_gives_no_reason(self, asking: Application) -> None:
+    async def test_an_adapter_that_gives_no_reason(self, asking: Application) -> None:
         assert await self.run(asking, unit("c", "sulk")) == {"c": "OUT_OF_RESOURCES"}
         assert asking.reasons == {"c": "its adapter gives no reason, but its log may"}
 
@@ -271,7 +271,7 @@ class TestHops:
 
 
 class TestBaseAlone:
-    async def test_who_never_said_hello_gets_exactly_the_frames_of_the_base(
+    async def test_without_hello_only_frames_of_the_base_wire_are_sent(
         self, gateway: Gateway, kitchen: Adapter
     ) -> None:
         async with deployment.application(gateway) as app:

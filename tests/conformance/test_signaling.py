@@ -1,4 +1,4 @@
-"""Signaling at the gateway: whose peer, how much, how often."""
+"""Signaling at the gateway: owners of peers, limits and rates."""
 
 import asyncio
 import logging
@@ -107,14 +107,6 @@ class TestSignaling:
         assert "signaling.capture_clocks" not in await app.settled()
         assert "malformed messages of signaling" in caplog.text
 
-    async def test_an_ended_peer_is_unknown(self, app: Application, robot: Robot) -> None:
-        stream_id = await stream_of(app)
-        peer_id = await peer_of(app)
-        client = robot.streams.streams[stream_id].client
-        client.notify("signaling.bye", {"peer_id": peer_id, "reason": "enough"})
-        assert await app.next("signaling.bye") == {"peer_id": peer_id, "reason": "enough"}
-        assert await app.code("signaling.restart", peer_id=peer_id) == "UNSUPPORTED"
-
     async def test_an_application_that_reconnects_for_ever_keeps_its_share(
         self, app: Application, robot: Robot
     ) -> None:
@@ -138,7 +130,7 @@ class TestSignaling:
         offers = [params["peer_id"] for method, params in app.told if method == "signaling.offer"]
         assert offers[-1] == "robot/62"
 
-    async def test_an_engine_that_cannot_end_a_peer_harms_nobody(
+    async def test_an_engine_that_cannot_end_a_peer_harms_no_other(
         self, app: Application, robot: Robot, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
     ) -> None:
         await stream_of(app)

@@ -1,4 +1,4 @@
-"""However many stops and bindings are asked for at once, the adapter keeps its connection and every one is answered."""
+"""However many stops and binds are requested at once, the adapter keeps its connection and all are answered."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -49,7 +49,7 @@ class Limb(Component, authority="Test", function="actuation"):
 
 
 class Sense(Component, authority="Test", function="sensing"):
-    """Anybody may stop it."""
+    """A sensing component, which needs no lease."""
 
     @command
     async def stop(self) -> None: ...
@@ -57,7 +57,7 @@ class Sense(Component, authority="Test", function="sensing"):
 
 @dataclass
 class Scene:
-    """A gateway and an adapter that reads what it is told only while it may."""
+    """A gateway and an adapter that reads only while it may."""
 
     host: EngineHost
     limbs: tuple[Limb, ...]
@@ -100,7 +100,7 @@ QUICK_TO_STOP: Final = pytest.mark.parametrize("scene", [0], indirect=True, ids=
 
 
 async def settled() -> None:
-    """Let everything run that can: nobody waits for a clock here."""
+    """Let everything run that can: no task waits for a clock here."""
     for _ in range(500):
         await asyncio.sleep(0)
 
@@ -134,7 +134,7 @@ async def test_every_one_of_a_flood_is_told_that_all_have_stopped(scene: Scene) 
         assert {answer["return_code"] for answer in answers} == {"OK"}
         assert {len(answer["stopped"]) for answer in answers} == {LIMBS}
         assert scene.is_connected
-        # On a busy machine so much time passes that those who still stop are told again.
+        # On a busy machine so much time passes that components which still stop get another `stop`.
         most = 3 + (loop.time() - began) / stop.PAUSE
         assert all(after < limb.stops <= most for after, limb in zip(before, scene.limbs, strict=True))
 

@@ -151,7 +151,7 @@ async def test_nothing_runs_after_a_stop_whatever_the_order(block: int, monkeypa
             assert statuses[stop["command_id"]] == "OK", seed
             assert {statuses[start] for start in begun} == {"ABORT"}, (seed, statuses)
             assert stage.arm.moving == 0, seed
-            assert not any(host.accepted.of(ref) for host in hosts for ref in (ARM, HAND)), seed
+            assert not any(host.pending.of(ref) for host in hosts for ref in (ARM, HAND)), seed
 
 
 async def test_a_start_after_the_stop_runs() -> None:

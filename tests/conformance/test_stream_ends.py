@@ -1,4 +1,4 @@
-"""How streams end when somebody leaves, and how everything passes over two hops."""
+"""How streams end when an application or an engine leaves, and how everything passes over two hops."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -22,27 +22,8 @@ from tests.support.wire import application as memory_application
 
 
 class TestEnds:
-    async def test_a_session_that_ends_is_forgotten_by_the_engine(
-        self, gateway: Gateway, adapter: Adapter, robot: Robot
-    ) -> None:
-        async with deployment.application(gateway) as leaving:
-            await stream_of(leaving)
-            client_id = (await leaving.ask("openrois.hello", version="1"))["client_id"]
-        async with deployment.patience():
-            await robot.streams.gone.wait()
-        assert robot.streams.forgotten == [client_id]
-        assert robot.streams.streams == {}
-
-    async def test_disconnect_ends_the_streams(self, app: Application, robot: Robot) -> None:
-        stream_id = await stream_of(app)
-        assert await app.code("rois.system.disconnect") == "OK"
-        async with deployment.patience():
-            await robot.streams.gone.wait()
-        assert await app.code("rois.stream.query_stream_status", stream_id=stream_id) == "UNSUPPORTED"
-        await stream_of(app)
-
     @pytest.mark.parametrize("form", ["method", "command"])
-    async def test_a_stream_that_is_made_for_somebody_who_left_is_ended(
+    async def test_a_stream_that_is_made_for_a_departed_application_is_ended(
         self, gateway: Gateway, adapter: Adapter, robot: Robot, form: str
     ) -> None:
         robot.streams.may_answer.clear()

@@ -1,4 +1,4 @@
-"""The extensions at the gateway: hello, the streaming methods, and whose stream it is."""
+"""The extensions at the gateway: hello and the streaming methods."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from openrois.types.codes import StreamStatus
 from openrois.types.streams import MAX_PLAYOUT
 from tests.support import deployment
 from tests.support.deployment import Application, Robot
-from tests.support.viewer import CAMERA, STATUS, VERBS, execute, peer_of, statuses, stream_of
+from tests.support.viewer import CAMERA, STATUS, execute, peer_of, statuses, stream_of
 
 
 class TestHello:
@@ -20,20 +20,6 @@ class TestHello:
         theirs = await other.ask("openrois.hello", version="2")
         assert len({answer["client_id"], theirs["client_id"]}) == 2
         assert (await app.refused("openrois.hello"))["code"] == -32602
-
-    async def test_extension_notifications_go_to_whoever_used_extensions(self, app: Application, robot: Robot) -> None:
-        assert await execute(app, "c", "connect_stream") == "OK"
-        (stream_id,) = robot.streams.streams
-        robot.streams.announce(stream_id, StreamStatus.STREAMING_RUNNING)
-        assert await app.settled() == []
-        assert await app.code("openrois.hello", version="1") == "OK"
-        robot.streams.announce(stream_id, StreamStatus.STREAMING_SUSPENDED)
-        assert await app.next(STATUS) == {
-            "stream_id": stream_id,
-            "component_ref": CAMERA,
-            "status": "STREAMING_SUSPENDED",
-            "timestamp": "2026-06-01T12:00:00+00:00",
-        }
 
     @pytest.mark.parametrize(
         ("method", "params"),
@@ -54,29 +40,6 @@ class TestHello:
 
 
 class TestStreamMethods:
-    async def test_the_life_of_a_stream(self, app: Application, robot: Robot) -> None:
-        stream_id = await stream_of(app)
-        assert stream_id.startswith("robot/")
-        assert app.told == []
-        assert await statuses(app, 1) == ["NOT_RUNNING"]
-        offer = await app.next("signaling.offer")
-        assert offer["streams"][0]["stream_id"] == stream_id
-        robot.streams.announce(stream_id, StreamStatus.STREAMING_RUNNING)
-        assert await statuses(app, 1) == ["RUNNING"]
-        for verb, told, status in [
-            ("suspend_stream", ["SUSPENDED"], "SUSPENDED"),
-            ("resume_stream", ["RESUMED", "RUNNING"], "RUNNING"),
-        ]:
-            assert await app.code(f"rois.stream.{verb}", stream_id=stream_id) == "OK"
-            assert app.told == []
-            assert await statuses(app, len(told)) == told
-            answer = await app.ask("rois.stream.query_stream_status", stream_id=stream_id)
-            assert answer == {"return_code": "OK", "status": f"STREAMING_{status}"}
-        assert await app.code("rois.stream.disconnect_stream", stream_id=stream_id) == "OK"
-        assert await statuses(app, 1) == ["NOT_CONNECTED"]
-        for verb in VERBS:
-            assert await app.code(f"rois.stream.{verb}", stream_id=stream_id) == "UNSUPPORTED"
-
     async def test_parameters_go_to_the_engine(self, app: Application, robot: Robot) -> None:
         parameters = [{"name": "encoding_parameters", "data_type_ref": "string", "value": '{"codecs":["video/VP8"]}'}]
         await app.ask("rois.stream.connect_stream", component_ref=CAMERA, parameters=parameters)
@@ -125,23 +88,6 @@ class TestStreamMethods:
             assert server["username"].endswith(":robot")
             assert server["credential"] != own["credential"]
         assert len(told) == 2
-
-    async def test_what_is_refused(self, app: Application, subtests: pytest.Subtests) -> None:
-        nothing = {"return_code": "UNSUPPORTED", "stream_id": ""}
-        for ref in ("robot/nobody", "nowhere/camera", "camera", "gateway/camera"):
-            with subtests.test(ref):
-                assert await app.ask("rois.stream.connect_stream", component_ref=ref) == nothing
-        misfits: list[tuple[str, dict[str, Any]]] = [
-            ("rois.stream.connect_stream", {}),
-            ("rois.stream.connect_stream", {"component_ref": CAMERA, "client_id": "x"}),
-            ("rois.stream.connect_stream", {"component_ref": CAMERA, "ice_servers": []}),
-            ("rois.stream.connect_stream", {"component_ref": CAMERA, "parameters": None}),
-            ("rois.stream.suspend_stream", {"stream_id": 5}),
-            ("rois.stream.suspend_stream", {"stream_id": "x", "component_ref": CAMERA}),
-        ]
-        for method, params in misfits:
-            with subtests.test(f"{method} {params}"):
-                assert (await app.refused(method, **params))["code"] == -32602
 
     async def test_the_engines_refusal_is_the_answer(
         self, app: Application, robot: Robot, monkeypatch: pytest.MonkeyPatch, subtests: pytest.Subtests
@@ -206,45 +152,3 @@ class TestStreamMethods:
             else:
                 assert message["params"]["streams"][0]["stream_id"] in known
         assert len(known) == len(asked)
-
-
-class TestOwnership:
-    async def test_a_foreign_stream_looks_like_none(self, app: Application, other: Application, robot: Robot) -> None:
-        stream_id = await stream_of(app)
-        await app.next("signaling.offer")
-        calls = len(robot.streams.calls)
-        for verb in VERBS:
-            foreign = await other.ask(f"rois.stream.{verb}", stream_id=stream_id)
-            unknown = await other.ask(f"rois.stream.{verb}", stream_id="robot/" + "0" * 32)
-            assert foreign == unknown
-            assert foreign["return_code"] == "UNSUPPORTED"
-        for verb in ("disconnect_stream", "suspend_stream", "resume_stream"):
-            assert await execute(other, verb, verb, stream_id) == "ERROR"
-        condition = f"component_ref = '{CAMERA}' AND stream_id = '{stream_id}'"
-        answer = await other.ask("rois.query.query", query_type="get_stream_status", condition=condition)
-        assert answer == {"return_code": "UNSUPPORTED", "results": []}
-        assert len(robot.streams.calls) == calls
-        assert await other.settled() == []
-        assert await app.code("rois.stream.suspend_stream", stream_id=stream_id) == "OK"
-
-    async def test_a_foreign_peer_looks_like_none(self, app: Application, other: Application, robot: Robot) -> None:
-        await stream_of(app)
-        peer_id = await peer_of(app)
-        calls = len(robot.streams.calls)
-        for params in ({"peer_id": peer_id}, {"peer_id": "robot/" + "0" * 32}, {"peer_id": "x"}):
-            assert await other.ask("signaling.restart", **params) == {"return_code": "UNSUPPORTED"}
-            answer = {**params, "generation": 1, "sdp": "v=0"}
-            assert await other.ask("signaling.answer", **answer) == {"return_code": "UNSUPPORTED"}
-            candidate = {**params, "generation": 1, "candidate": "x", "sdp_mid": "0"}
-            assert await other.ask("signaling.candidate", **candidate) == {"return_code": "UNSUPPORTED"}
-        assert len(robot.streams.calls) == calls
-        assert await app.code("signaling.restart", peer_id=peer_id) == "OK"
-
-    async def test_status_goes_to_the_owner_alone(self, app: Application, other: Application, robot: Robot) -> None:
-        mine, theirs = await stream_of(app), await stream_of(other)
-        await app.ask("rois.event.subscribe", event_type="notify_stream_status")
-        await other.ask("rois.event.subscribe", event_type="notify_stream_status")
-        robot.streams.announce(theirs, StreamStatus.STREAMING_RUNNING)
-        assert (await other.next("rois.event.notify_event"))["results"][2]["value"] == theirs
-        robot.streams.announce(mine, StreamStatus.STREAMING_RUNNING)
-        assert (await app.next("rois.event.notify_event"))["results"][2]["value"] == mine

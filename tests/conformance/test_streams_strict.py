@@ -100,6 +100,8 @@ class TestStrictForm:
         assert await execute(app, "d", "suspend_stream", "the stream") == "OK"
         assert camera.asked == ["connect_stream", "the stream"]
         assert await app.code("rois.query.query", query_type="get_stream_status") == "OK"
+        named = {"query_type": "get_stream_status", "condition": "stream_id = 'x'"}
+        assert await app.code("rois.query.query", **named) == "BAD_PARAMETER"
         assert await app.code("rois.stream.connect_stream", component_ref=CAMERA) == "UNSUPPORTED"
 
 

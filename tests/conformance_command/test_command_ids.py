@@ -5,6 +5,8 @@ from typing import Any
 import pytest
 from openrois_conformance.command_ids import CommandIds
 
+pytestmark = pytest.mark.extra(name="base")
+
 
 def units(*command_ids: Any) -> dict[str, Any]:
     return {"command_unit_list": [{"command_id": each} for each in command_ids]}

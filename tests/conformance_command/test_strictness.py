@@ -12,6 +12,8 @@ from openrois_conformance.strictness import (
     read_result,
 )
 
+pytestmark = pytest.mark.extra(name="base")
+
 OK = {"return_code": "OK"}
 COMPLETED = {"command_id": "c", "status": "OK"}
 

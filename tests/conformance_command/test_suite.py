@@ -1,4 +1,4 @@
-"""The black-box suite: our gateway passes, one that speaks the base alone passes, and one that is wrong is told so."""
+"""The black-box suite: our gateway passes, one of the base wire passes, and a wrong one fails the right check."""
 
 from collections.abc import AsyncIterator, Callable, Sequence
 from dataclasses import replace
@@ -15,6 +15,8 @@ from openrois.jsonrpc.session import RpcSession
 from tests.support import deployment
 from tests.support.bent import Bent, bent
 from tests.support.components import Lamp
+
+pytestmark = pytest.mark.extra(name="gateway")
 
 PATIENCE = 20.0
 """Seconds that an answer may take on a busy machine."""
@@ -86,11 +88,11 @@ async def test_without_an_adapter_what_needs_none_is_tried(gateway: Gateway) -> 
 
 async def test_a_component_that_is_not_there(gateway: Gateway) -> None:
     async with deployment.adapter(gateway, Lamp()):
-        with pytest.raises(Deviation, match="the component robot/nobody; came the components robot/lamp"):
-            await tried(address(gateway), component="robot/nobody")
+        with pytest.raises(Deviation, match="the component robot/absent; came the components robot/lamp"):
+            await tried(address(gateway), component="robot/absent")
 
 
-async def test_who_answers_nothing_is_no_gateway() -> None:
+async def test_a_server_that_does_not_answer_is_no_gateway() -> None:
     with pytest.raises(Deviation, match="an application to be let in"):
         await tried("ws://127.0.0.1:9/")
 
@@ -107,7 +109,7 @@ def result(changes: Callable[[dict[str, Any]], dict[str, Any]], *methods: str) -
 
 
 def told(method: str, bend: Callable[[dict[str, Any]], Sequence[Any]]) -> dict[str, Any]:
-    """Change what is told by notifications of one method."""
+    """Change the notifications of one method."""
     return {
         "to_application": lambda message, name: bend(message) if name == method and "id" not in message else [message]
     }
@@ -272,7 +274,7 @@ WRONG: list[tuple[str, dict[str, Any], str, str]] = [
     ("asks applications", {"to_application": with_request}, "frames-text", "no request of the gateway"),
     ("speaks an older dialect", told(EVENT, lambda m: [{**m, "method": "rois.event.notify"}]), "subscribe",
      "one of the notifications of the wire"),
-    ("tells extensions to everybody", told(COMPLETED, lambda m: [
+    ("notifies extensions to all", told(COMPLETED, lambda m: [
         {**m, "method": "signaling.bye", "params": {"peer_id": "x", "reason": "x"}}, m]), "execute-order",
      "no notification of an extension"),
     ("forgets to release", asked("rois.command.release", TO_CONNECT), "bind-exclusive", "OK"),
@@ -283,9 +285,9 @@ WRONG: list[tuple[str, dict[str, Any], str, str]] = [
     ("asks for half a profile", asked("rois.system.get_profile", params(condition="component_ref = 'x'"), "to_adapter"),
      "adapter-asked-first", "the params"),
     ("keeps an epoch", {"to_application": same_epoch}, "lease-exclusive", "whether the epoch has grown"),
-    ("tells leases to everybody", told(COMPLETED, lambda m: [{**m, **CHANGED}, m]),
+    ("notifies leases to all", told(COMPLETED, lambda m: [{**m, **CHANGED}, m]),
      "lease-base", "no notification of an extension"),
-    ("lets anybody grant", asked("openrois.lease.grant", TO_CONNECT), "lease-hand-over",
+    ("lets all grant", asked("openrois.lease.grant", TO_CONNECT), "lease-hand-over",
      "the return_code of openrois.lease.grant"),
     ("knows no positions", result(lambda r: {**r, "lease": {**r["lease"], "position": 1}}, "openrois.lease.request"),
      "lease-queue", "the state, position and how many wait"),
@@ -318,9 +320,9 @@ async def test_a_gateway_that_is_wrong_is_told_so(
 
 OTHERWISE: list[tuple[str, dict[str, Any], str, str]] = [
     ("events carry no results", told(EVENT, lambda m: [params(results=[])(m)]), "subscribe", "get_event_detail has"),
-    ("details are everybody's", result(lambda r: {**r, "return_code": "OK"}, "rois.event.get_event_detail"),
+    ("details for all", result(lambda r: {**r, "return_code": "OK"}, "rois.event.get_event_detail"),
      "event-detail-of-others", "reads its details"),
-    ("results are everybody's", result(lambda r: {**r, "return_code": "OK"}, "rois.command.get_command_result"),
+    ("results for all", result(lambda r: {**r, "return_code": "OK"}, "rois.command.get_command_result"),
      "command-result-of-others", "reads its results"),
     ("integers are read laxly", asked("rois.command.execute", no_delays), "params-integers", "a delay_time of"),
     ("numbers are read laxly", {"to_gateway": lax_numbers}, "frame-not-a-number", "they are no JSON"),
@@ -380,9 +382,9 @@ async def test_no_check_passes_at_a_gateway_that_does_nothing(monkeypatch: pytes
         visit(proxy.url, SHORT, adapter=True) as place,
     ):
         assert place.missing.keys() == {Needs.COMPONENT}
-        # The suite's own adapter has been taken, however busy the machine is; from now on nobody is waited for.
+        # The suite's own adapter is attached, however busy the machine is; from now on waits are short.
         seconds = sessions[0].call_timeout = 0.05
-        setting = replace(place.setting, patience=0.05, component="robot/nobody")
+        setting = replace(place.setting, patience=0.05, component="robot/absent")
         hasty = replace(place, setting=setting, missing={})
         for answer in STUBS:
             bend(proxy, to_application=answering(answer))

@@ -134,7 +134,7 @@ async def test_query_of_parameters(bus: ComponentBus) -> None:
     assert {p.name: p.value for p in stored} == {"colour": "white", "level": "5"}
 
 
-@pytest.mark.parametrize(("ref", "query"), [("robot/nobody", "component_status"), ("nowhere/lamp", "x"), (LAMP, "x")])
+@pytest.mark.parametrize(("ref", "query"), [("robot/absent", "component_status"), ("nowhere/lamp", "x"), (LAMP, "x")])
 async def test_query_of_the_unknown_is_unsupported(bus: ComponentBus, ref: str, query: str) -> None:
     with pytest.raises(Unsupported):
         await bus.query(ref, query)
@@ -161,7 +161,7 @@ async def test_invoke_fails_as_the_component_does(bus: ComponentBus, command: st
 
 
 async def test_invoke_of_the_unknown_is_unsupported(bus: ComponentBus) -> None:
-    for ref, name in (("robot/nobody", "start"), ("nowhere/lamp", "start"), (LAMP, "explode")):
+    for ref, name in (("robot/absent", "start"), ("nowhere/lamp", "start"), (LAMP, "explode")):
         with pytest.raises(Unsupported):
             await bus.invoke(ref, name)
 
@@ -219,7 +219,7 @@ async def test_an_event_right_after_the_component_took_the_subscription_is_heard
 
 
 async def test_subscribe_to_the_unknown_is_unsupported(bus: ComponentBus) -> None:
-    for ref, name in (("robot/nobody", "rang"), ("nowhere/bell", "rang"), (BELL, "exploded")):
+    for ref, name in (("robot/absent", "rang"), ("nowhere/bell", "rang"), (BELL, "exploded")):
         with pytest.raises(Unsupported):
             await bus.subscribe(ref, name, Heard())
 

@@ -15,7 +15,7 @@ _HERE = Path(__file__).parent
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Those that use a demo with the same game engine follow each other."""
+    """Sort tests by the game engine of their demo, so that each demo starts once."""
     items.sort(key=_engine)
 
 
@@ -34,7 +34,7 @@ def devices_of_all(tmp_path_factory: pytest.TempPathFactory) -> Devices:
 
 @pytest.fixture(scope="module")
 def devices(devices_of_all: Devices) -> Devices:
-    """The browser's devices for the tests of one module: somebody left of the middle of the picture, and beeps."""
+    """The browser's devices for the tests of one module: a person left of the middle of the picture, and beeps."""
     devices_of_all.see(lambda _: [Sitter("collins", x=0.4)], 0.5)
     devices_of_all.hear_beeps()
     return devices_of_all
@@ -42,7 +42,7 @@ def devices(devices_of_all: Devices) -> Devices:
 
 @pytest_asyncio.fixture(scope="session", loop_scope="session")
 async def browser(chromium: Path, devices_of_all: Devices) -> AsyncIterator[Browser]:
-    """The browser of all tests. Who opens a camera or microphone in it asks for `devices`, too."""
+    """The browser of all tests. Tests that open a camera or microphone in it need `devices`, too."""
     async with running_browser(chromium, *devices_of_all.arguments) as browser:
         yield browser
 
@@ -55,7 +55,7 @@ def demos(chromium: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
 
 @pytest.fixture(scope="module")
 def demo(demos: Demos) -> Iterator[Demo]:
-    """A demo with colour bars and a marker tone. What fails in it unseen is in its log."""
+    """A demo with colour bars and a marker tone. Its log is checked afterwards."""
     with demos.watched("synthetic") as demo:
         yield demo
 
@@ -71,7 +71,7 @@ def avatar(request: pytest.FixtureRequest, demos: Demos) -> Iterator[Demo]:
 
 @pytest_asyncio.fixture(loop_scope="session")
 async def guest(browser: Browser, avatar: Demo) -> AsyncIterator[Visit]:
-    """The avatar's page, opened and ready for whatever a person may want of it."""
+    """The avatar's page, opened, with the avatar ready to be operated."""
     async with visiting(browser, avatar.page) as visit:
         await meet(visit)
         yield visit

@@ -1,5 +1,5 @@
 // Runs in the page: uses every component of the avatar by the TypeScript SDK, and returns what each of them gave.
-// The page has a camera in front of somebody who nods, and a microphone near somebody who says "go to the window".
+// The page's camera shows a nodding person, and its microphone hears "go to the window".
 // Tests give it what it shall not take longer than, in ms.
 async (patience) => {
   const sdk = await import("/openrois.js");
@@ -168,7 +168,7 @@ async (patience) => {
 
   const legs = async () => {
     await hear("surroundings", part("surroundings").event("figure_moved", { position_data: "string" }));
-    // A machine that is busy enough stops what moves, for nobody can tell who is in control: then it goes on from there.
+    // On a very busy machine the dead man's switch stops what moves: then it goes on from there.
     const arriving = async (go) => {
       let status = await go();
       for (let tries = 0; status === "ABORT" && tries < 5; tries += 1) status = await go();

@@ -1,4 +1,4 @@
-"""No rule of WCAG 2.2 AA is broken in any state of the page, and what is pressed is large enough."""
+"""No rule of WCAG 2.2 AA is broken in any state of the page, and touch targets are large enough."""
 
 from collections.abc import Sequence
 from typing import Final, Literal
@@ -32,7 +32,7 @@ _ROVING: Final = "[...document.querySelectorAll('[data-testid=log] [tabindex=\"0
 
 
 async def _faultless(visit: Visit, state: str, looks: Sequence[tuple[str, str]]) -> None:
-    """Look at the page in these sizes and colours."""
+    """Check the page in these sizes and colours."""
     for size, scheme in looks:
         width, height = _SIZES[size]
         await visit.page.set_viewport_size({"width": width, "height": height})
@@ -50,7 +50,7 @@ async def _faultless(visit: Visit, state: str, looks: Sequence[tuple[str, str]])
         pytest.param(_ALL, id="every look", marks=[pytest.mark.long, pytest.mark.timeout(600)]),
     ],
 )
-async def test_axe_finds_nothing_in_any_state(
+async def test_axe_reports_nothing_in_any_state_of_the_page(
     browser: Browser, avatar: Demo, guest: Visit, looks: Sequence[tuple[str, str]]
 ) -> None:
     async with visiting(browser, avatar.page, script=_NEVER_OPEN) as waiting:
@@ -84,7 +84,7 @@ async def _meet_the_driven(visit: Visit) -> None:
         await expect(visit.item(name)).to_be_disabled()
 
 
-async def test_what_a_finger_presses_is_as_large_as_a_finger(browser: Browser, avatar: Demo) -> None:
+async def test_touch_targets_are_large_enough(browser: Browser, avatar: Demo) -> None:
     phone = {"width": 390, "height": 844}
     async with visiting(browser, avatar.page, viewport=phone, has_touch=True, is_mobile=True) as visit:
         await meet(visit)
@@ -94,7 +94,7 @@ async def test_what_a_finger_presses_is_as_large_as_a_finger(browser: Browser, a
         assert await too_small(visit.page, 44) == []
 
 
-async def test_the_messages_are_one_stop_of_the_tab_key_and_the_arrows_go_through_them(guest: Visit) -> None:
+async def test_message_log_is_one_tab_stop_with_arrow_keys(guest: Visit) -> None:
     keyboard = guest.page.keyboard
     rows = guest.page.locator("[data-role=log-row]")
     await guest.until("document.querySelectorAll('[data-role=log-row]').length > 10")

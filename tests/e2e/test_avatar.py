@@ -1,6 +1,5 @@
-"""The avatar of `openrois demo` lives: it moves, speaks with its mouth, reacts, looks, and stops when it is told to."""
+"""The avatar of `openrois demo`: it moves, speaks with its mouth, reacts, looks, and stops."""
 
-import os
 import re
 from collections import Counter
 from pathlib import Path
@@ -25,25 +24,25 @@ ENGINE: Final = "panda3d"
 _PICTURE: Final = (0.0, 0.0, 1.0, 0.94)
 _EYES: Final = (0.40, 0.33, 0.25, 0.12)
 _ALIVE: Final = 0.3
-"""By how much a picture differs from an earlier one, in luma and on average, when somebody breathes in it."""
+"""By how much a picture differs from an earlier one, in luma and on average, when the avatar breathes."""
 _MOVED: Final = 2.0
-"""... when somebody makes a gesture in it."""
+"""... when the avatar makes a gesture."""
 
-_DOCS: Final = Path(__file__).parents[2] / "docs"
 _VOICE: Final = "avatar/speech_synthesizer"
-_STORY: Final = "Once upon a time there was an avatar that told long stories to whoever would listen. " * 11
+_STORY: Final = "Once upon a time there was an avatar that told long stories to all its visitors. " * 11
 """Takes longer to tell than anything here may take."""
-_IN_TIME: Final = 400
-"""Milliseconds between the first sound and the first movement of the mouth; idle machines have 50."""
+_IN_TIME: Final = 800
+"""Milliseconds between the first sound and the first movement of the mouth; a mouth that does not follow the sentence
+is a second or more away. How exact it is on an idle machine (50) is for `openrois_bench.streams.lipsync`."""
 
 
-async def test_it_is_alive_without_being_asked(guest: Visit) -> None:
+async def test_avatar_moves_while_idle(guest: Visit) -> None:
     await guest.watch("picture", *_PICTURE)
     assert await guest.until(f"probe.watched.picture.filter(({{ away }}) => away > {_ALIVE}).length > 10")
     await guest.no_banner()
 
 
-async def test_it_speaks_a_sentence_and_its_mouth_moves_with_the_sound(guest: Visit) -> None:
+async def test_mouth_moves_with_the_sound_of_a_sentence(guest: Visit) -> None:
     speech = await speak(guest, "Hello, I am pleased to meet you. How are you today?")
     await expect(guest.item("say-state")).to_have_text(re.compile(r"^Done after \d+\.\d s$"))
     assert await outcome(guest, _VOICE, "start") == "OK"
@@ -54,7 +53,7 @@ async def test_it_speaks_a_sentence_and_its_mouth_moves_with_the_sound(guest: Vi
     assert abs(speech.mouth_after_sound) < _IN_TIME
 
 
-async def test_it_stops_in_the_middle_of_a_word(guest: Visit) -> None:
+async def test_speech_stops_in_the_middle_of_a_word(guest: Visit) -> None:
     await guest.listen()
     await say(guest, _STORY)
     await aloud(guest)
@@ -65,7 +64,7 @@ async def test_it_stops_in_the_middle_of_a_word(guest: Visit) -> None:
 
 
 @pytest.mark.long
-async def test_two_people_cannot_speak_through_it_at_once(browser: Browser, avatar: Demo, guest: Visit) -> None:
+async def test_speech_is_refused_while_another_visitor_speaks(browser: Browser, avatar: Demo, guest: Visit) -> None:
     async with visiting(browser, avatar.page) as other:
         await meet(other)
         await say(guest, _STORY)
@@ -78,7 +77,7 @@ async def test_two_people_cannot_speak_through_it_at_once(browser: Browser, avat
 
 
 @pytest.mark.long
-async def test_a_reaction_is_seen_and_ends_by_itself_or_by_the_next_one(guest: Visit) -> None:
+async def test_reaction_is_seen_and_ends_by_itself_or_by_the_next_one(guest: Visit) -> None:
     buttons = guest.page.locator("button.reaction")
     await expect(buttons).to_have_count(12)
     for number in range(2):
@@ -97,13 +96,13 @@ async def test_a_reaction_is_seen_and_ends_by_itself_or_by_the_next_one(guest: V
 
 
 async def _performed(guest: Visit, number: int) -> None:
-    """Wait until the page says that it has ended; the words go away after some seconds, what was watched does not."""
+    """Wait until the page reports the end of a reaction, before that text disappears."""
     name = await guest.page.locator("button.reaction").nth(number).locator("span").inner_text()
     await expect(guest.item("reaction-state")).to_have_text(re.compile(rf"^{name}: done after \d+\.\d s$"))
     assert await outcome(guest, "avatar/reaction", "start") == "OK"
 
 
-async def test_it_looks_where_the_picture_is_clicked(guest: Visit) -> None:
+async def test_avatar_looks_where_the_picture_is_clicked(guest: Visit) -> None:
     stage = guest.item("stage")
     box = await stage.bounding_box()
     assert box is not None
@@ -114,7 +113,7 @@ async def test_it_looks_where_the_picture_is_clicked(guest: Visit) -> None:
 
 
 @pytest.mark.long
-async def test_a_crashed_game_engine_leaves_its_picture_and_comes_back(guest: Visit, avatar: Demo) -> None:
+async def test_picture_stays_when_the_game_engine_crashes_and_restarts(guest: Visit, avatar: Demo) -> None:
     await guest.status("video", "RUNNING")
     stream_id = await guest.stream_id("video")
     async with guest.watched() as seen:
@@ -129,12 +128,8 @@ async def test_a_crashed_game_engine_leaves_its_picture_and_comes_back(guest: Vi
 
 @pytest.mark.long
 async def test_the_page_is_worth_a_picture(guest: Visit, tmp_path: Path) -> None:
-    """`OPENROIS_WRITE_SCREENSHOTS=1` makes the pictures of the README and the docs: it waves, and it walks."""
-    write = os.environ.get("OPENROIS_WRITE_SCREENSHOTS") == "1"
-    file = (_DOCS if write else tmp_path) / "demo.png"
-    if write:
-        await say(guest, "Hello! I am an avatar, live in your browser.")
-        await guest.until(f"{SAYING} === 'done'")
+    """It waves, and it walks; `make pictures` takes those of the documentation."""
+    file = tmp_path / "waving.png"
     await guest.page.get_by_role("button", name="Wave").click()
     await guest.plays(25)
     await guest.page.evaluate("scrollTo(0, 0)")
@@ -154,6 +149,6 @@ async def test_the_page_is_worth_a_picture(guest: Visit, tmp_path: Path) -> None
         await guest.page.keyboard.up("Shift")
     await expect(guest.item("map-words")).to_have_text("Walking to 2 places")
     await guest.until("Number(document.querySelector('[data-testid=map]').dataset.figure.split(',')[1]) > 0.7")
-    walking = (_DOCS if write else tmp_path) / "map.png"
+    walking = tmp_path / "walking.png"
     await guest.page.screenshot(path=walking)
     assert walking.stat().st_size > 50_000

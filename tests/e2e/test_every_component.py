@@ -1,4 +1,4 @@
-"""Every component of the avatar's profile, used from Chromium by the TypeScript SDK, and what each of them gave."""
+"""Every component of the avatar's profile, used from Chromium by the TypeScript SDK, and their results."""
 
 import asyncio
 from pathlib import Path
@@ -28,13 +28,13 @@ PATIENCE: Final = 60_000
 _ALL: Final = (Path(__file__).parent / "every_component.js").read_text(encoding="utf-8")
 _BY_HAND: Final = {"avatar/teleoperation"}
 """What a script in the page cannot use as a person does."""
-_STORY: Final = "Once upon a time there was an avatar that told long stories to whoever would listen. " * 6
+_STORY: Final = "Once upon a time there was an avatar that told long stories to all its visitors. " * 6
 _ANN: Final = "urn:x-rois:def:person:OpenRoIS::avatar/enrolled/Ann"
 
 
 @pytest.fixture(scope="module", autouse=True)
 def operator(devices: Devices, flite: None, pocketsphinx: None) -> None:
-    """Somebody before the camera nods and says where to go, again and again."""
+    """A page whose camera shows a nodding person and whose microphone hears a destination, again and again."""
     devices.see(nodding(Sitter("collins"), begin=0.5), 3.0)
     devices.hear(stereo_48k(np.concatenate([spoken("go to the window"), np.zeros(24_000, np.int16)]))[:, 0])
 
@@ -61,7 +61,7 @@ async def test_every_component_does_what_it_is_for(browser: Browser, avatar: Dem
 
 
 @pytest.mark.long
-async def test_a_page_that_is_reloaded_in_the_middle_goes_on_with_a_new_life(browser: Browser, avatar: Demo) -> None:
+async def test_reloaded_page_goes_on_with_a_new_session(browser: Browser, avatar: Demo) -> None:
     async with visiting(browser, avatar.page) as visit:
         await meet(visit)
         begun = """async (story) => {
@@ -164,7 +164,7 @@ def _check_acting(found: dict[str, Any]) -> None:
 
 
 async def _drive(visit: Visit) -> None:
-    """Teleoperation: what the keyboard does moves the figure, and what is let go of does not."""
+    """Check teleoperation: a pressed key moves the figure, a released one does not."""
     where = "openrois.client.query('robot_position', \"component_ref = 'avatar/system_info'\")"
     operation = "openrois.client.query('operation', \"component_ref = 'avatar/teleoperation'\")"
 

@@ -1,4 +1,4 @@
-"""Whichever process of the demo dies or stands still, the page is live again by itself, and nothing is left over."""
+"""Each process of the demo dies or is stopped: the page is live again by itself, and nothing is left over."""
 
 import asyncio
 import signal
@@ -23,16 +23,16 @@ PROCESSES: Final = {
     "gateway": "gateway",
     "adapter": "avatar",
     "engine": "openrois_avatar.engines.puppet",
-    "speech": "openrois_avatar.speech.espeak_child",
+    "speech": "openrois_body.speech.espeak_child",
 }
-"""The processes that a demo starts, and the word of their command line that tells them from others."""
+"""The processes that a demo starts, and the word of their command line that distinguishes them."""
 BACK: Final = 90.0
 """Seconds that all may take to be back: what hangs is found after 10 s at the latest, then programs start."""
 RESTARTS: Final = 20
 
 
 def left_over(folder: Path) -> list[Path]:
-    """What programs of ours leave where they are killed: folders of sockets, and shared memory."""
+    """Leftovers of killed programs: folders of sockets, and shared memory."""
     return [path for place in (folder, Path("/dev/shm")) for path in place.glob("*openrois*")]
 
 
@@ -44,7 +44,7 @@ class Watched:
         self.visit = visit
 
     def running(self) -> dict[str, list[int]]:
-        """The ids of its processes, by name; what waits to be buried counts as another one."""
+        """The ids of its processes, by name; a zombie counts as another one."""
         found: dict[str, list[int]] = {}
         for process in self.demo.tree():
             try:
@@ -60,12 +60,12 @@ class Watched:
         return {name: len(ids) for name, ids in self.running().items()} == dict.fromkeys(PROCESSES, 1)
 
     async def live(self) -> None:
-        """Wait until the avatar is seen, heard and does what it is told, each process once."""
+        """Wait until the avatar is seen, heard and obeys, with each process once."""
         async with asyncio.timeout(BACK):
             await self._seen()
             while not await self._speaks():
                 pass
-            while not self.complete():  # noqa: ASYNC110 - the system tells nobody
+            while not self.complete():  # noqa: ASYNC110 - the system sends no event
                 await asyncio.sleep(0.1)
 
     async def _seen(self) -> None:
@@ -76,7 +76,7 @@ class Watched:
         await expect(self.visit.item("say-text")).to_be_enabled(timeout=BACK * 1000)
 
     async def _speaks(self) -> bool:
-        """Say a sentence, wait until the page has done with it, and return whether it was spoken to its end."""
+        """Say a sentence, wait for its end on the page, and return whether it was spoken whole."""
         before = len(self.visit.executed(_VOICE, "start"))
         await say(self.visit, "Hello.")
         await self.visit.until(f"!['speaking', 'paused'].includes({SAYING})")
@@ -93,7 +93,7 @@ class Watched:
         await self.live()
 
     async def another(self, name: str, than: int) -> None:
-        """Wait until a process is gone; who speaks notices a voice that is gone, or hangs, when it is needed."""
+        """Wait until a process is replaced; speech detects a dead or hanging voice only when it needs one."""
         async with asyncio.timeout(BACK):
             while than in self.running().get(name, []):
                 if name == "speech":
@@ -118,7 +118,7 @@ async def watched(browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 
 @pytest.mark.long
-async def test_each_process_dies(watched: Watched) -> None:
+async def test_page_is_live_again_after_each_process_died(watched: Watched) -> None:
     await watched.live()
     for name in PROCESSES:
         await watched.harm(name, signal.SIGKILL)
@@ -127,7 +127,7 @@ async def test_each_process_dies(watched: Watched) -> None:
 @pytest.mark.long
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("name", PROCESSES)
-async def test_a_process_stands_still(watched: Watched, name: str) -> None:
+async def test_page_is_live_again_after_a_process_was_stopped(watched: Watched, name: str) -> None:
     await watched.live()
     await watched.harm(name, signal.SIGSTOP)
 
@@ -135,7 +135,7 @@ async def test_a_process_stands_still(watched: Watched, name: str) -> None:
 @pytest.mark.long
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("name", PROCESSES)
-async def test_a_process_dies_again_and_again(watched: Watched, name: str) -> None:
+async def test_page_is_live_again_after_a_process_died_repeatedly(watched: Watched, name: str) -> None:
     await watched.live()
     descriptors = psutil.Process(watched.demo.process.pid).num_fds()
     for _ in range(RESTARTS):

@@ -1,4 +1,4 @@
-"""A game engine that does WebRTC itself: the page plays what comes straight from it."""
+"""A game engine that does WebRTC itself: the page plays its stream."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ pytestmark = [
 
 
 @pytest.mark.long
-async def test_the_page_plays_what_comes_straight_from_a_game_engine(browser: Browser, tmp_path: Path) -> None:
+async def test_page_plays_the_stream_of_a_game_engine(browser: Browser, tmp_path: Path) -> None:
     async with (
         house("unreal") as here,
         streaming(FakeUnreal, here.avatar.url) as played,

@@ -20,7 +20,7 @@ pytestmark = [
 
 ENGINE: Final = "godot"
 _MOVED: Final = 1.0
-"""By how much a picture differs from an earlier one, in luma and on average, when somebody makes a gesture in it."""
+"""By how much a picture differs from an earlier one, in luma and on average, when the avatar makes a gesture."""
 
 
 @pytest.mark.long

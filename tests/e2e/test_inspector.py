@@ -1,4 +1,4 @@
-"""The inspector: whatever a profile lists can be seen and tried, and nothing of it is known beforehand."""
+"""The inspector: everything in a profile is shown and can be tried, for components that the page does not know."""
 
 import asyncio
 import re
@@ -132,11 +132,11 @@ async def test_every_component_of_every_engine_is_shown_with_all_that_its_profil
                 panel.locator(".panel-ids"),
                 component_urn(profile["identifier"]["code"], profile["identifier"]["authority"]),
             )
-            await _shows(panel.get_by_test_id("component-status"), "READY")
+            await _shows(panel.get_by_test_id("component-status"), "Ready")
             assert await panel.locator(".chip").inner_text() == (profile.get("function") or "")
 
 
-async def test_a_query_is_asked(visit: Visit) -> None:
+async def test_query_shows_its_results(visit: Visit) -> None:
     query = _message(visit, "query", "water_inside")
     await query.locator("[type=submit]").click()
     await _shows(query.locator(".outcome"), re.compile(r"OK\s*answered in [\d.]+ m?s"))
@@ -187,16 +187,16 @@ async def test_a_command_is_refused_without_binding_and_runs_with_it(visit: Visi
     await _field(command, "degrees").locator("input").fill("95")
     await _field(command, "note").locator("textarea").fill("for two")
     await command.locator("[type=submit]").click()
-    await _shows(command, re.compile("OUT_OF_RESOURCES.*has to be bound first"))
+    await _shows(command, re.compile("Refused.*has to be bound first"))
 
     await command.get_by_role("button", name="Bind and execute").click()
     await _shows(visit.item("bind-state"), "Bound by this page")
     await _shows(command.locator(".runs"), "Running since")
-    await _shows(visit.item("component-status"), "BUSY")
+    await _shows(visit.item("component-status"), "Busy")
     kettle.may_boil.set()
     await _shows(command.locator("[data-result=note]"), "for two")
     await _shows(command.locator(".runs"), "completed after")
-    await _shows(visit.item("component-status"), "READY")
+    await _shows(visit.item("component-status"), "Ready")
 
     heard = _message(visit, "event", "water_boiled").locator(".heard > li")
     await expect(heard).to_have_count(1)
@@ -208,10 +208,10 @@ async def test_a_command_is_refused_without_binding_and_runs_with_it(visit: Visi
     await visit.press("bind")
     await _shows(visit.item("bind-state"), "Not bound")
     await command.locator("[type=submit]").click()
-    await _shows(command.locator(".runs > li").first, "OUT_OF_RESOURCES")
+    await _shows(command.locator(".runs > li").first, "Refused")
 
 
-async def test_what_does_not_fit_is_sent_only_on_purpose(visit: Visit) -> None:
+async def test_misfitting_value_is_sent_only_on_purpose(visit: Visit) -> None:
     await visit.press("bind")
     command = _message(visit, "command", "boil_water")
     await _field(command, "degrees").locator("input").fill("hot")
@@ -220,10 +220,10 @@ async def test_what_does_not_fit_is_sent_only_on_purpose(visit: Visit) -> None:
     await _shows(command, "A value does not fit its type.")
     assert not [each for each in visit.sent if each.get("method") == "rois.command.execute"]
     await command.get_by_role("button", name="Send it anyway").click()
-    await _shows(command, re.compile("BAD_PARAMETER.*does not accept these arguments"))
+    await _shows(command, re.compile("Not accepted.*does not accept these arguments"))
 
 
-async def test_a_component_that_somebody_else_has_bound(visit: Visit, gateway: Gateway) -> None:
+async def test_bind_is_refused_while_another_application_holds_the_component(visit: Visit, gateway: Gateway) -> None:
     async with application(gateway) as other:
         assert await other.code("rois.command.bind", component_ref="kitchen/kettle") == "OK"
         await visit.press("bind")
@@ -242,13 +242,13 @@ async def test_the_message_that_is_sent_can_be_seen_while_it_is_typed(visit: Vis
 async def test_errors_are_shown_with_their_details(visit: Visit) -> None:
     await visit.press("bind")
     await _message(visit, "command", "burn_dry").locator("[type=submit]").click()
-    await _shows(_message(visit, "command", "burn_dry"), re.compile("ERROR.*went wrong: there is no water"))
+    await _shows(_message(visit, "command", "burn_dry"), re.compile("Failed.*went wrong: there is no water"))
     errors = visit.page.locator(".panel [data-group=errors]")
-    await _shows(errors, "COMPONENT_INTERNAL_ERROR")
+    await _shows(errors, "Component failed")
     await errors.locator("summary").click()
     await _shows(errors.locator("[data-result=description]"), "there is no water")
     panel = await _go(visit, "kitchen")
-    await _shows(panel.locator("[data-group=errors]"), "COMPONENT_INTERNAL_ERROR")
+    await _shows(panel.locator("[data-group=errors]"), "Component failed")
 
 
 async def test_a_command_is_stopped_by_another(visit: Visit, gateway: Gateway) -> None:
@@ -257,11 +257,11 @@ async def test_a_command_is_stopped_by_another(visit: Visit, gateway: Gateway) -
         await _go(visit, "robot/follower")
         await visit.press("bind")
         await _message(visit, "command", "start").locator("[type=submit]").click()
-        await _shows(visit.item("component-status"), "BUSY")
+        await _shows(visit.item("component-status"), "Busy")
         await _message(visit, "command", "stop").locator("[type=submit]").click()
-        await _shows(_message(visit, "command", "start"), re.compile("ABORT.*Ended before it was done"))
+        await _shows(_message(visit, "command", "start"), re.compile("Stopped.*Ended before it was done"))
         await _shows(_message(visit, "command", "stop"), "completed after")
-        await _shows(visit.item("component-status"), "READY")
+        await _shows(visit.item("component-status"), "Ready")
 
 
 async def test_what_was_typed_and_listened_to_survives_the_adapter(browser: Browser, gateway: Gateway) -> None:
@@ -276,7 +276,7 @@ async def test_what_was_typed_and_listened_to_survives_the_adapter(browser: Brow
             await _field(visit, "label").locator("textarea").fill("mine")
         await _shows(visit.page.locator(".absent"), "This component has left.")
         await _shows(visit.page.locator(".row[data-id='kitchen/kettle']"), "away")
-        await _shows(visit.item("component-status"), "unknown")
+        await _shows(visit.item("component-status"), "Unknown")
         executed = [each for each in visit.sent if each.get("method") == "rois.command.execute"]
         await command.locator("[type=submit]").focus()
         await visit.page.keyboard.press("Enter")
@@ -285,7 +285,7 @@ async def test_what_was_typed_and_listened_to_survives_the_adapter(browser: Brow
         again = Kettle()
         await stack.enter_async_context(fleet(_adapters(gateway), kitchen(again)))
         await expect(visit.page.locator(".absent")).to_be_hidden(timeout=PATIENCE * 1000)
-        await _shows(visit.item("component-status"), "READY")
+        await _shows(visit.item("component-status"), "Ready")
         await _shows(visit.item("bind-state"), "Bound by this page")
         await expect(_field(visit, "target").locator("input")).to_have_value("82")
         await expect(_field(visit, "label").locator("textarea")).to_have_value("mine")
@@ -324,7 +324,7 @@ async def test_engines_below_engines(browser: Browser, gateway: Gateway) -> None
         stack.push_async_callback(asyncio.wait, {dialling})
         stack.callback(dialling.cancel)
         visit = await stack.enter_async_context(visiting(browser, gateway.url + _KETTLE))
-        await _shows(visit.item("component-status"), "READY")
+        await _shows(visit.item("component-status"), "Ready")
         levels = [("gateway", "1"), ("robot", "2"), ("kitchen", "3"), ("kitchen/kettle", "4")]
         for name, level in levels:
             await expect(visit.page.locator(f".row[data-id='{name}']")).to_have_attribute("aria-level", level)
@@ -409,7 +409,7 @@ async def test_the_smallest_screen_shows_one_thing_at_a_time(
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 async def test_every_text_can_be_read(browser: Browser, gateway: Gateway, kettle: Kettle, scheme: str) -> None:
     async with visiting(browser, gateway.url + _KETTLE, color_scheme=scheme) as visit:
-        await _shows(visit.item("component-status"), "READY")
+        await _shows(visit.item("component-status"), "Ready")
         await _message(visit, "command", "boil_water").locator("[type=submit]").click()
         query = _message(visit, "query", "water_inside")
         await query.locator("[type=submit]").click()

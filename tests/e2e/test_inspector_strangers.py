@@ -1,4 +1,4 @@
-"""Whatever an adapter says of itself is text in the inspector, of bounded size; and events may come fast."""
+"""Profiles of unknown adapters in the inspector: text of bounded size, and events that come fast."""
 
 from typing import Any, Final
 
@@ -26,7 +26,7 @@ def _value(text: str) -> dict[str, Any]:
 
 
 def _naming_all(text: str, count: int = 1) -> dict[str, Any]:
-    """Return what `get_profile` answers where all that has a name has this one, and each message stands so often."""
+    """Return a result of `get_profile` in which every name is this one and each message appears `count` times."""
     message = {"name": text, "results": [_value(text)]}
     component = {
         "identifier": {"code": text},

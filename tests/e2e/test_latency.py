@@ -1,4 +1,4 @@
-"""The latency that the page shows, beside a stamp in the pictures: in both browsers, encoded here or elsewhere."""
+"""The latency shown by the page, compared with stamps in the pictures, in both browsers and for all encoders."""
 
 import os
 import subprocess
@@ -23,7 +23,7 @@ _APART = f"""(() => {{
     if (told.length < 60) return null;
     return probe.median(told.map(({{ time, rtp }}) => probe.since(time, openrois.video.capturedAt(rtp))));
 }})()"""
-"""Milliseconds by which the capture time of a picture's RTP timestamp is later than its stamp; null before it is told.
+"""Milliseconds by which the capture time of a picture's RTP timestamp is later than its stamp; null before it is known.
 It is a median, because a browser that calls back for a picture may show the next one by then."""
 _SHOWN = "Number(document.querySelector('[data-testid=figure-latency]').dataset.value || NaN)"
 _MEASURED = f"""probe.median({_STAMPED}

@@ -37,7 +37,7 @@ _VISITOR: Final = """(() => {
 
 
 async def _figure(visit: Visit) -> tuple[float, float]:
-    """Where the map shows the figure."""
+    """Return where the map shows the figure."""
     x, y = str(await visit.until(_FIGURE)).split(",")
     return float(x), float(y)
 
@@ -62,7 +62,7 @@ async def test_a_click_sends_the_avatar_there_and_it_arrives(guest: Visit) -> No
     await guest.until("document.querySelectorAll('.map-target').length === 1")
     await _says(guest, "^Arrived after|no sign of life")
     for _ in range(5):
-        # A machine that is busy enough stops what moves: nobody can tell who is in control.
+        # On a very busy machine the dead man's switch stops what moves.
         if "no sign of life" in await guest.item("map-words").inner_text():
             await _click(guest, -0.8, 0.6)
             await _says(guest, "^Arrived after|no sign of life")
@@ -72,7 +72,7 @@ async def test_a_click_sends_the_avatar_there_and_it_arrives(guest: Visit) -> No
 
 
 @pytest.mark.long
-async def test_it_comes_back_to_where_it_began(guest: Visit) -> None:
+async def test_avatar_comes_back_to_its_start(guest: Visit) -> None:
     await _figure(guest)
     await _click(guest, 0.6, 0.4)
     await _says(guest, "^Arrived after|no sign of life")
@@ -86,12 +86,15 @@ async def test_it_comes_back_to_where_it_began(guest: Visit) -> None:
     await expect(guest.item("map-back")).to_be_hidden()
 
 
-async def test_it_is_stopped_and_what_is_out_of_reach_is_named(guest: Visit) -> None:
+async def test_walk_is_stopped_and_unreachable_place_is_named(guest: Visit) -> None:
     x, y = await _figure(guest)
     across, along = "Right" if x < -0.5 else "Left", "Up" if y < 0.5 else "Down"  # not towards a wall, wherever it is
     await guest.item("map").focus()
+    before = len(guest.executed("avatar/navigation", "start"))
     for key in (f"Shift+Arrow{across}", f"Shift+Arrow{along}", "Enter"):
         await guest.page.keyboard.press(key)
+    # Stopped any sooner, it would never have begun.
+    await guest.until_executed("avatar/navigation", "start", before)
     await guest.press("map-stop")
     await _says(guest, "^(Stopped|.*stop)")
     assert await outcome(guest, "avatar/navigation", "start") == "ABORT"
@@ -116,7 +119,7 @@ async def test_the_red_button_and_its_key_stop_everything(guest: Visit) -> None:
 
 
 async def _follow(guest: Visit) -> None:
-    """Follow the visitor, which goes on until somebody ends it."""
+    """Follow the visitor, which goes on until it is ended."""
     await guest.until("document.querySelector('.map-thing.person')")
     # The visitor walks: where it was seen it may be no more.
     for _ in range(10):
@@ -129,7 +132,7 @@ async def _follow(guest: Visit) -> None:
 
 
 @pytest.mark.long
-async def test_a_stop_that_fails_is_told_until_the_next_one(guest: Visit) -> None:
+async def test_failed_stop_is_shown_until_the_next_one(guest: Visit) -> None:
     await _figure(guest)
     await guest.page.evaluate(_NO_STOP)
     button = guest.item("stop-all")
@@ -144,7 +147,7 @@ async def test_a_stop_that_fails_is_told_until_the_next_one(guest: Visit) -> Non
 
 
 @pytest.mark.long
-async def test_somebody_is_followed_until_stop(guest: Visit) -> None:
+async def test_person_is_followed_until_stop(guest: Visit) -> None:
     await _figure(guest)
     await _follow(guest)
     await guest.press("map-stop")
@@ -152,7 +155,7 @@ async def test_somebody_is_followed_until_stop(guest: Visit) -> None:
 
 
 @pytest.mark.long
-async def test_a_map_that_is_closed_asks_nothing(guest: Visit) -> None:
+async def test_closed_map_sends_no_queries(guest: Visit) -> None:
     await _figure(guest)
     await guest.press("map-open")
     await expect(guest.item("map")).to_be_hidden()

@@ -1,4 +1,4 @@
-"""The operator's microphone and camera reach the avatar, and only while the operator wants it."""
+"""The operator's microphone and camera reach the avatar, and only while the operator has switched them on."""
 
 import re
 
@@ -16,7 +16,7 @@ pytestmark = [
 _CAMERA = "openrois.client.query('camera', \"component_ref = 'avatar/operator'\")"
 
 
-async def test_microphone_and_camera_reach_the_avatar_and_are_let_go(visit: Visit) -> None:
+async def test_microphone_and_camera_reach_the_avatar_and_are_released(visit: Visit) -> None:
     await visit.plays(1)
     await visit.press("microphone-toggle")
     await visit.press("camera-toggle")
@@ -39,7 +39,7 @@ async def test_microphone_and_camera_reach_the_avatar_and_are_let_go(visit: Visi
 
 
 @pytest.mark.long
-async def test_the_avatar_looks_only_where_it_is_let_and_remembers_a_face_by_its_name(visit: Visit) -> None:
+async def test_avatar_looks_at_the_camera_only_when_allowed_and_remembers_a_face(visit: Visit) -> None:
     await visit.plays(1)
     await visit.press("camera-toggle")
     await expect(visit.item("sending")).to_have_text("Camera is on")
@@ -73,7 +73,7 @@ async def test_the_avatar_looks_only_where_it_is_let_and_remembers_a_face_by_its
 
 
 async def _enrol(visit: Visit) -> None:
-    """Ask to be remembered; to who is seen too seldom, as by a machine that is too busy, the page says: once more."""
+    """Enrol the operator's face, again where a busy machine saw it too seldom."""
     words = visit.item("sight-words")
     for _ in range(3):
         await visit.press("enrol")

@@ -1,4 +1,4 @@
-"""The page of an operator elsewhere: over TLS with a token, from the one that is refused to the one that has ended."""
+"""The page of an operator elsewhere: over TLS with a token, from a refused token to one that has ended."""
 
 import ssl
 import time
@@ -47,7 +47,7 @@ async def _give(visit: Visit, token: str) -> None:
 
 
 @pytest.mark.long
-async def test_an_operator_comes_with_a_token_and_operates_until_it_ends(browser: Browser, coming: Guarded) -> None:
+async def test_operator_with_a_token_operates_until_it_ends(browser: Browser, coming: Guarded) -> None:
     url = coming.gateway.url
     async with visiting(browser, url, tolerated=_REFUSED, ignore_https_errors=True) as visit:
         await expect(visit.item("banner")).to_contain_text("The gateway asks for a token")
@@ -66,7 +66,7 @@ async def test_an_operator_comes_with_a_token_and_operates_until_it_ends(browser
         await visit.item("say-text").fill("Hi.")
         await visit.item("say-text").press("Enter")
         await expect(visit.item("say-state")).to_have_attribute("data-state", "done")
-        await visit.item("say-text").fill("Nobody hears this to its end. " * 12)
+        await visit.item("say-text").fill("This is not heard to its end. " * 12)
         await visit.item("say-text").press("Enter")
         await expect(visit.item("say-state")).to_have_attribute("data-state", "speaking")
         await visit.until_executed("avatar/speech_synthesizer", "start")
@@ -92,9 +92,7 @@ async def test_an_operator_comes_with_a_token_and_operates_until_it_ends(browser
         await visit.no_banner()
 
 
-async def test_who_may_only_watch_sees_the_picture_and_why_there_is_nothing_to_press(
-    browser: Browser, coming: Guarded
-) -> None:
+async def test_viewer_sees_the_picture_and_why_controls_are_disabled(browser: Browser, coming: Guarded) -> None:
     page = f"{coming.gateway.url}#token={fresh(sub='eve', roles='viewer')}"
     async with visiting(browser, page, ignore_https_errors=True) as visit:
         await visit.plays()
@@ -116,7 +114,7 @@ _DARK = """
 
 
 @pytest.mark.long
-async def test_control_is_asked_for_kept_and_handed_over(browser: Browser, coming: Guarded) -> None:
+async def test_control_is_requested_kept_and_handed_over(browser: Browser, coming: Guarded) -> None:
     url, trust = coming.gateway.url, ssl.create_default_context(cafile=coming.folder / "ca.pem")
     async with (
         visiting(browser, f"{url}#token={fresh(sub='anna')}", script=_DARK, ignore_https_errors=True) as anna,

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 import pytest_asyncio
 from openrois_avatar.adapter import serve_scene
-from openrois_avatar.pixel_streaming.settings import PixelStreaming
+from openrois_avatar.options.pixel_streaming import PixelStreaming
 from openrois_avatar.scene import Scene, embedded_scene
 from openrois_streaming.clock import SystemClock
 from playwright.async_api import Browser
@@ -63,7 +63,7 @@ class Scenery:
         self.scene = scene
 
     async def told(self, name: str, so: str = "true") -> Any:
-        """Wait until the front-end has told something, of which this is so."""
+        """Wait for an event of the front-end that fits."""
         return await self.visit.until(f"told.findLast(({{name, data}}) => name === '{name}' && ({so}))")
 
     async def walks(self, key: str = "", ahead: float = 1.0) -> None:

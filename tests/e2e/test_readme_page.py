@@ -1,4 +1,4 @@
-"""The page of ten lines in the README of the web demo is a whole page: it shows the avatar and lets it speak."""
+"""The page of ten lines in the README of the web demo is complete: it shows the avatar and lets it speak."""
 
 import re
 import shutil
@@ -23,7 +23,7 @@ README = Path(__file__).parents[2] / "web_demo" / "README.md"
 _PLAYS = "() => document.querySelector('video').getVideoPlaybackQuality().totalVideoFrames >= 30"
 
 
-async def test_it_shows_the_avatar_and_lets_it_speak(browser: Browser, avatar: Demo, tmp_path: Path) -> None:
+async def test_readme_page_shows_the_avatar_and_lets_it_speak(browser: Browser, avatar: Demo, tmp_path: Path) -> None:
     found = re.search(r"```html\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
     assert found is not None
     lines = found[1].replace(":8765/", f":{avatar.port}/")

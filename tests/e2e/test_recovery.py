@@ -1,4 +1,4 @@
-"""Whatever dies, the page says so, keeps its last picture, and goes on by itself when it is back."""
+"""Recovery: the page names what is lost, keeps its last picture, and goes on by itself."""
 
 from collections.abc import AsyncIterator
 
@@ -75,7 +75,7 @@ async def test_a_suspended_picture_comes_back_suspended(visit: Visit, demo: Demo
     assert not any(each.black for each in seen), seen
 
 
-async def test_the_way_of_the_media_is_replaced_by_another_under_a_running_picture(visit: Visit) -> None:
+async def test_media_path_is_replaced_under_a_running_picture(visit: Visit) -> None:
     await visit.plays()
     await visit.status("audio", "RUNNING")
     video, audio = await visit.stream_id("video"), await visit.stream_id("audio")
@@ -95,7 +95,7 @@ async def test_the_way_of_the_media_is_replaced_by_another_under_a_running_pictu
 
 
 @pytest.mark.long
-async def test_a_page_that_is_loaded_again_shows_what_it_showed(visit: Visit) -> None:
+async def test_reloaded_page_restores_its_state(visit: Visit) -> None:
     await visit.plays()
     await visit.status("audio", "RUNNING")
     await visit.press("audio-suspend")

@@ -1,4 +1,4 @@
-"""The page of `openrois demo` shows and sounds, and its streams are suspended, resumed, left and joined again."""
+"""The page of `openrois demo` plays the avatar; its streams are suspended, resumed, disconnected, connected again."""
 
 import itertools
 import re

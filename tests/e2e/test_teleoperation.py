@@ -1,4 +1,4 @@
-"""A person drives the avatar with the keyboard; it stops when that person looks at something else, or goes."""
+"""The operator drives the avatar; it stops when the operator's page is hidden or closed."""
 
 import re
 from collections.abc import AsyncIterator
@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 from openrois_avatar.link.messages import Drive, Halt, Look
-from openrois_avatar.teleoperation import pilot
+from openrois_body.teleoperation import pilot
 from playwright.async_api import Browser, expect
 
 from tests.support.browser import PATIENCE, Visit, visiting
@@ -44,7 +44,7 @@ class Drivers:
 
 @pytest_asyncio.fixture(loop_scope="session")
 async def drivers(browser: Browser, tmp_path: Path) -> AsyncIterator[Drivers]:
-    # A token that is left from another gateway takes nothing from anybody at one that asks for none.
+    # A token left from another gateway has no effect at one without tokens.
     left = f"#token={fresh(roles='viewer')}"
     async with (
         operated_avatar(tmp_path) as (gateway, engine),
@@ -54,7 +54,7 @@ async def drivers(browser: Browser, tmp_path: Path) -> AsyncIterator[Drivers]:
         yield Drivers(visit, engine)
 
 
-async def test_the_keyboard_drives_and_a_page_that_is_not_looked_at_lets_go(drivers: Drivers) -> None:
+async def test_keyboard_drives_and_a_hidden_page_releases_everything(drivers: Drivers) -> None:
     visit, engine = drivers.visit, drivers.engine
     await drivers.take_control()
     await visit.page.keyboard.down("ArrowUp")
@@ -69,7 +69,7 @@ async def test_the_keyboard_drives_and_a_page_that_is_not_looked_at_lets_go(driv
     await visit.page.evaluate(f"{hide} && document.dispatchEvent(new Event('visibilitychange'))")
     await drivers.stands()
     assert engine.inputs[-1] in {"release", "state"}
-    await expect(visit.item("control-words")).to_have_text("The operator's page is not seen any more")
+    await expect(visit.item("control-words")).to_have_text("The operator's page was hidden")
 
     await visit.page.evaluate("delete document.visibilityState")
     await visit.page.keyboard.up("KeyA")
@@ -107,7 +107,7 @@ async def test_a_gamepad_is_announced_and_drives(drivers: Drivers) -> None:
     assert all(command.ahead > 0 for _, command in engine.heard if isinstance(command, Drive))
 
 
-async def test_who_drives_has_the_whole_body_and_hands_over_all_of_it(browser: Browser, drivers: Drivers) -> None:
+async def test_driver_holds_the_whole_body_and_hands_over_all_of_it(browser: Browser, drivers: Drivers) -> None:
     mine = drivers.visit
     async with visiting(browser, mine.page.url) as theirs:
         await theirs.until("openrois.video?.status === 'STREAMING_RUNNING'")
@@ -136,7 +136,7 @@ async def test_who_drives_has_the_whole_body_and_hands_over_all_of_it(browser: B
 
 
 async def _holding(visit: Visit) -> set[str]:
-    """How the page stands to each component that moves the body."""
+    """Return the page's lease of each component that moves the body."""
     refs = ["teleoperation", "navigation", "move", "follower", "reaction"]
     ask = f"Promise.all({refs}.map((name) => openrois.client.control.status(`avatar/${{name}}`)))"
     return {each["state"] for each in await visit.page.evaluate(ask)}
@@ -176,7 +176,7 @@ async def test_a_finger_walks_with_the_stick_and_another_one_looks(browser: Brow
 
 
 @pytest.mark.long
-async def test_another_way_changes_nothing_and_a_page_that_is_closed_lets_go(
+async def test_input_survives_a_new_media_path_and_a_closed_page_releases_everything(
     drivers: Drivers, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(pilot, "PATIENCE", 5.0)  # a slow machine may stall for longer than a hand may be silent

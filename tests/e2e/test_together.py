@@ -1,4 +1,4 @@
-"""Several viewers at once, seen from inside the adapter: one encoder for all, none for nobody."""
+"""Several viewers at once, seen from inside the adapter: one encoder for all of them, and none without a viewer."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -51,7 +51,7 @@ async def test_two_pages_and_another_application_see_the_work_of_one_encoder(
 
 
 @pytest.mark.parametrize("run_before_unload", [False, True], ids=["closed", "closed politely"])
-async def test_a_closed_tab_is_noticed(
+async def test_streams_end_when_a_tab_is_closed(
     browser: Browser, gateway: Gateway, avatar: Avatar, run_before_unload: bool
 ) -> None:
     async with visiting(browser, gateway.url) as visit:
@@ -62,7 +62,7 @@ async def test_a_closed_tab_is_noticed(
         await _no_encoder_runs(avatar)
 
 
-async def test_a_page_that_is_loaded_again_leaves_nothing_of_its_first_life_running(
+async def test_reloaded_page_leaves_no_stream_of_its_former_session(
     browser: Browser, gateway: Gateway, avatar: Avatar
 ) -> None:
     async with visiting(browser, gateway.url) as visit:

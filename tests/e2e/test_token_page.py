@@ -15,7 +15,7 @@ async def connected(page: Page) -> None:
     await expect(page.get_by_test_id("connection")).to_have_attribute("data-state", "connected")
 
 
-async def test_a_page_over_tls_with_a_token(browser: Browser, tmp_path: Path) -> None:
+async def test_token_is_asked_for_and_kept_over_tls(browser: Browser, tmp_path: Path) -> None:
     cert, key = Authority(tmp_path).issue()
     revoked = tmp_path / "revoked"
     revoked.write_text("")

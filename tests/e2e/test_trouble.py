@@ -34,7 +34,7 @@ async def gateway() -> AsyncIterator[Gateway]:
         yield gateway
 
 
-async def test_a_gateway_that_has_gone(browser: Browser) -> None:
+async def test_banner_names_a_lost_gateway(browser: Browser) -> None:
     async with AsyncExitStack() as stack:
         async with running_gateway() as gateway:
             phone = {"width": 360, "height": 640}
@@ -50,7 +50,7 @@ async def test_a_gateway_that_has_gone(browser: Browser) -> None:
 
 @pytest.mark.usefixtures("node")
 @pytest.mark.long
-async def test_a_gateway_without_an_avatar_and_then_with_one(browser: Browser, gateway: Gateway) -> None:
+async def test_banner_names_a_missing_avatar_until_it_connects(browser: Browser, gateway: Gateway) -> None:
     async with visiting(browser, gateway.url) as visit:
         words = await visit.banner("no-adapter", "No avatar is connected")
         assert "openrois avatar" in words
@@ -69,19 +69,19 @@ async def test_a_gateway_without_an_avatar_and_then_with_one(browser: Browser, g
         assert set(await visit.read(_ENABLED)) <= usable | {"log-filter", "log-pause", "log-clear"}
 
 
-async def test_no_codec_in_common(browser: Browser, gateway: Gateway) -> None:
+async def test_banner_names_a_missing_codec(browser: Browser, gateway: Gateway) -> None:
     async with running_avatar(gateway), visiting(browser, gateway.url, script=_ONLY_UNKNOWN_CODECS) as visit:
         words = await visit.banner("no-codec", "decodes neither H.264 nor VP8")
         assert "Install the browser's media codecs" in words
 
 
-async def test_a_browser_without_webrtc(browser: Browser, gateway: Gateway) -> None:
+async def test_banner_names_a_browser_without_webrtc(browser: Browser, gateway: Gateway) -> None:
     async with running_avatar(gateway), visiting(browser, gateway.url, script=_NO_WEBRTC) as visit:
         await visit.banner("no-webrtc", "This browser has no WebRTC")
 
 
 @pytest.mark.long
-async def test_no_way_for_the_media(chromium: Path, gateway: Gateway) -> None:
+async def test_banner_names_a_blocked_media_path(chromium: Path, gateway: Gateway) -> None:
     # This policy is for those who let nothing out but through a proxy: no UDP at all. Its switch has had two names.
     policy = [f"--{name}=disable_non_proxied_udp" for name in _POLICY]
     async with (

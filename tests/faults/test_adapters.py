@@ -28,7 +28,7 @@ async def three(place: Ground) -> tuple[Witness, Witness, Witness]:
 
 
 async def lost(place: Ground, holder: Witness, listener: Witness, stranger: Witness, commands: list[str]) -> None:
-    """Check what is told when the robot has gone without a word."""
+    """Check the notifications when the robot has gone without a word."""
     for command_id in commands:
         assert await holder.end_of(command_id) == "ERROR"
     told = [await holder.error(), await listener.error()]
@@ -44,7 +44,7 @@ async def lost(place: Ground, holder: Witness, listener: Witness, stranger: Witn
 
 
 async def back(place: Ground, holder: Witness, command_id: str = "again") -> None:
-    """Check that a robot that is back works, and that nobody has it before it is bound again."""
+    """Check that a robot that is back works, and that it has no holder before it is bound again."""
     place.relay.mend()
     await place.attached()
     # What it had begun it may still do.
@@ -91,7 +91,7 @@ async def test_f1_f2_f28_a_process_that_blocks_stands_still_and_dies(
         assert await who[1].end_of("b") == "ERROR"
         await lost(place, *who, [])
         await back(place, who[0])
-        assert "the adapter stands still" in robot.log()
+        assert "this call blocks the adapter" in robot.log()
         await who[1].subscribe("rang", BELL)
         assert await who[0].execute("c") == "OK"
         await asyncio.sleep(place.chance.random() * 0.1)

@@ -15,7 +15,7 @@ LAMP, BELL = "robot/lamp", "robot/bell"
 
 
 async def free_again(place: Ground, other: Witness) -> None:
-    """Wait until the lamp can be had by somebody else."""
+    """Wait until another application can bind the lamp."""
     async with asyncio.timeout(5):
         while await other.bind() != "OK":
             await turns(place.chance)
@@ -39,7 +39,7 @@ async def test_f10_f11_a_half_open_application(seed: int, tmp_path: Path, caplog
 
 
 @pytest.mark.parametrize("seed", ALL)
-async def test_f11_who_vanishes_loses_what_it_had_after_the_grace(
+async def test_f11_an_application_that_vanishes_loses_its_leases_after_the_grace(
     seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     async with ground(seed, tmp_path, caplog, lease_grace=0.02) as place:
@@ -62,7 +62,7 @@ async def test_f11_who_vanishes_loses_what_it_had_after_the_grace(
 
 
 @pytest.mark.parametrize("seed", ALL)
-async def test_f11_who_comes_back_in_time_has_it_still(
+async def test_f11_an_application_that_is_back_in_time_keeps_its_leases(
     seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     async with ground(seed, tmp_path, caplog, lease_grace=5.0) as place:
@@ -142,7 +142,7 @@ async def test_f13_f14_ids_that_come_twice(seed: int, tmp_path: Path, caplog: py
 
 
 @pytest.mark.parametrize("seed", SOME)
-async def test_f15_f16_a_storm_of_events_and_one_who_reads_slowly(
+async def test_f15_f16_a_storm_of_events_and_a_slow_reader(
     seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     # The applications of this process read megabytes.
@@ -154,7 +154,7 @@ async def test_f15_f16_a_storm_of_events_and_one_who_reads_slowly(
             await each.subscribe("rang", BELL)
         sent = 0
         slow.socket.transport.pause_reading()
-        # Else the system keeps everything for whoever does not read.
+        # Else the system keeps everything for the slow reader.
         slow.socket.transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 64 << 10)
         tune = "x" * 16_000
         for _ in range(20):

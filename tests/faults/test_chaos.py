@@ -24,7 +24,7 @@ class Storm:
     """What may go wrong, for one who watches over a path.
 
     Attributes:
-        log: what was done, for whoever reads of a run that failed.
+        log: what was done, for the reader of a failed run.
     """
 
     def __init__(self, on: Stage, app: Spectator) -> None:

@@ -86,7 +86,7 @@ async def test_f43_a_gateway_with_a_bad_file_does_not_start(seed: int, tmp_path:
 
 
 @pytest.mark.parametrize("seed", ALL)
-async def test_f43_new_and_damaged_certificates_drop_nobody(
+async def test_f43_new_and_damaged_certificates_drop_no_connection(
     seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     authority = Authority(tmp_path)

@@ -1,4 +1,4 @@
-"""F7 to F9, F22, F25, F27: the gateway itself is killed, told to stop, stopped, or has no disk and no files."""
+"""F7 to F9, F22, F25, F27: the gateway itself is killed, asked to stop, stopped, or has no disk and no files."""
 
 import asyncio
 import random

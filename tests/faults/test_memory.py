@@ -23,7 +23,7 @@ from tests.support.seeds import SOME
 pytestmark = [pytest.mark.long, pytest.mark.timeout(600)]
 
 MEGABYTES = 300
-APPLICATIONS = 150
+APPLICATIONS = 60
 TUNE = "x" * 16_000
 
 

@@ -26,7 +26,7 @@ class Pensive(Component, authority="Test", function="sensing"):
 
     @query(result="answer")
     async def think(self) -> int:
-        """Answer when everybody may."""
+        """Answer when the test allows it."""
         Pensive.asked += 1
         await self.may_answer.wait()
         return 42
@@ -73,7 +73,7 @@ async def test_stop_passes_whatever_stands_before_an_adapter(
         async with asyncio.timeout(10):
             while Pensive.asked < MAX_RUNNING_REQUESTS or not all(motor.turning for motor in motors):
                 await turns(place.chance)
-        # These stand behind them, in the adapter: it takes so many at a time from its gateway, whoever asks there.
+        # These wait behind them, in the adapter: it runs so many at a time for its gateway, of whatever application.
         condition = f"component_ref = '{OTHER}'"
         waiting = [
             await holder.begin("rois.query.query", query_type="brightness", condition=condition)

@@ -1,4 +1,4 @@
-"""F37 to F40: viewers whose network changes, who reach no relay, whose UDP is blocked, and who die."""
+"""F37 to F40: viewers whose network changes, without a relay, with blocked UDP, and that die."""
 
 import signal
 from contextlib import AbstractAsyncContextManager
@@ -115,7 +115,7 @@ async def test_f38_a_relay_that_is_not_there_and_one_that_dies(
             video = await app.connect(VIDEO)
             await app.is_now(video, "NOT_CONNECTED")
             words = {"udp": "the TURN server does not answer", "tcp": "the TURN server cannot be reached"}
-            assert app.byes == [f"media may pass over a relay only, and there is none: {words[transport]}"]
+            assert app.byes == [f"the engine is set to relays only and got none: {words[transport]}"]
 
 
 @pytest.mark.usefixtures("namespaces", "turnserver")

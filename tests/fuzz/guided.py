@@ -56,7 +56,7 @@ with atheris.instrument_imports(include=INSTRUMENTED):
     from openrois_streaming.receive.assembly import BYTES_LIMIT, PACKETS_LIMIT, VideoAssembly, VideoPacket
     from openrois_streaming.receive.payloads import h264_piece, vp8_piece
     from openrois_streaming.rtp.reports import ReceiverReport
-    from openrois_streaming.send.outlet import Outlet
+    from openrois_streaming.send.pacer import Outlet
     from openrois_streaming.send.sender import Negotiated, RtpSender
 
     from openrois.catalog.streaming import VIDEO_STREAMING
@@ -170,7 +170,7 @@ def datagram(data: bytes) -> None:
 
 @cache
 def rehearsed() -> Rehearsal:
-    """An ICE agent without sockets that has not met anybody."""
+    """An ICE agent without sockets and without a peer."""
     loop = asyncio.new_event_loop()
     asyncio.set_event_loop(loop)
     return Rehearsal()
@@ -213,7 +213,7 @@ def pictures(data: bytes) -> None:
         now += 0.01
         payload = data[position + 3 : position + 3 + length]
         found = assembly.add(VideoPacket(sequence, 3000 * (picture & 0x7F), picture > 0x7F, payload), now)
-        found += assembly.attend(now)[0]
+        found += assembly.check_deadlines(now)[0]
         for each in found:
             decodable |= each.key_frame
             assert decodable or not each.decodable

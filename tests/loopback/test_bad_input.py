@@ -31,7 +31,7 @@ UNKNOWN = "avatar/00000000000000000000000000000000"
 
 @pytest.fixture(scope="module")
 def bystander(demo: Demo) -> Iterator[Watcher]:
-    """Somebody who only watches, in a process of its own, all the time."""
+    """Viewer in a process of its own that watches all the time."""
     with watching(demo.url) as watcher:
         yield watcher
 
@@ -148,9 +148,7 @@ async def test_encoding_parameters_that_cannot_be_met_are_refused(app: Applicati
     assert not app.told("signaling.offer")
 
 
-async def test_what_belongs_to_another_application_looks_like_what_does_not_exist(
-    app: Application, other: Application
-) -> None:
+async def test_streams_of_another_client_look_absent(app: Application, other: Application) -> None:
     stream_id = await app.play(VIDEO, H264)
     peer = app.peer_of(stream_id)
     peer_id, generation = peer.offers[-1]["peer_id"], peer.offers[-1]["generation"]
@@ -226,7 +224,7 @@ async def test_candidates_that_cannot_be_used_do_not_end_anything(app: Applicati
     assert app.statuses(stream_id) == ["NOT_RUNNING", "RUNNING"]
 
 
-async def test_what_names_an_older_offer_is_refused_or_dropped(app: Application) -> None:
+async def test_messages_on_an_older_offer_are_refused_or_dropped(app: Application) -> None:
     first = await app.play(VIDEO, H264)
     peer = app.peer_of(first)
     old, (peer_id, generation) = peer.offers[0], (peer.offers[0]["peer_id"], peer.offers[0]["generation"])

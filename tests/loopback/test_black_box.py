@@ -1,4 +1,4 @@
-"""What `docs/wire.md` promises, seen by an application that was written from it alone."""
+"""What `docs/reference/wire.md` promises, seen by an application that was written from it alone."""
 
 import itertools
 import json
@@ -36,7 +36,7 @@ def test_the_client_imports_nothing_of_this_project() -> None:
     assert run.stdout == "[]\n"
 
 
-async def test_what_there_is_can_be_found(app: Application) -> None:
+async def test_components_can_be_found(app: Application) -> None:
     found = await app.ask(
         "rois.command.search", condition="component_type = 'urn:x-rois:def:component:OMG::VideoStreaming'"
     )

@@ -22,7 +22,7 @@ _SECONDS = 4
 
 
 def scene(moment: float) -> list[Sitter]:
-    """Somebody who nods, and somebody who sits still."""
+    """A nodding person, and one that sits still."""
     (nods,) = nodding(Sitter("collins", x=0.28, size=0.18), begin=1.5)(moment)
     return [nods, replace(Sitter("hopper"), x=0.74, size=0.18)]
 
@@ -54,7 +54,7 @@ async def app(demo: Demo) -> AsyncIterator[Application]:
 
 
 class Heard:
-    """The events of each kind, as they are told."""
+    """The events of each kind, as they are received."""
 
     def __init__(self, app: Application) -> None:
         self._app = app

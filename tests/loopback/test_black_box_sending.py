@@ -1,4 +1,4 @@
-"""What `docs/wire.md` promises to applications that send, seen by one that was written from it alone."""
+"""What `docs/reference/wire.md` promises to applications that send, seen by one that was written from it alone."""
 
 import asyncio
 import json
@@ -31,7 +31,7 @@ async def asked(app: Application, query: str) -> dict[str, str]:
 
 
 class Levels:
-    """What is told of the microphone, one event after another."""
+    """The events about the microphone, one after another."""
 
     def __init__(self, app: Application) -> None:
         self._app = app

@@ -1,4 +1,4 @@
-"""What is said into a microphone is told to an application, with a network, a codec and a gateway between."""
+"""Speech into a microphone is notified to an application, with a network, a codec and a gateway between."""
 
 from collections.abc import AsyncIterator
 
@@ -24,7 +24,7 @@ async def app(demo: Demo, flite: None, pocketsphinx: None) -> AsyncIterator[Appl
 
 
 class Events:
-    """Events in the order in which they are told, with their results."""
+    """Events in the order in which they are received, with their results."""
 
     def __init__(self, app: Application) -> None:
         self._app = app
@@ -38,7 +38,7 @@ class Events:
         return notice["event_type"], {each["name"]: each["value"] for each in detail["results"]}
 
 
-async def test_a_phrase_is_heard_and_nothing_once_nobody_listens(app: Application) -> None:
+async def test_phrase_is_recognised_while_subscribed(app: Application) -> None:
     parameter: Message = {"name": "grammar", "data_type_ref": "string", "value": GRAMMAR}
     answer = await app.ask("rois.command.set_parameter", component_ref=SPEECH, parameters=[parameter])
     assert answer["return_code"] == "OK", answer

@@ -52,7 +52,7 @@ async def test_a_person_sees_and_hears_although_the_browser_hides_its_addresses(
     await engine.until("a", StreamStatus.RUNNING)
 
 
-async def test_trap_9_sound_is_heard_when_its_track_is_also_in_a_media_element(engine: Engine, page: Tab) -> None:
+async def test_trap_9_sound_plays_when_its_track_is_also_in_a_media_element(engine: Engine, page: Tab) -> None:
     engine.connect("a", "audio")
     await engine.until("a", StreamStatus.RUNNING, 2.0)
     await page.hears("0")

@@ -1,4 +1,4 @@
-"""A viewer closes its peer connection, aiortc then closes ours by itself, and so do we: nobody may trip over it."""
+"""A viewer closes its peer connection while aiortc closes ours by itself and we do too: no task may fail."""
 
 import asyncio
 import gc
@@ -36,7 +36,7 @@ async def both_sides_close_at_once(engine: Engine, viewer: Viewer) -> None:
 
 
 async def watched(end: Callable[[Engine, Viewer], Awaitable[None]]) -> list[dict[str, Any]]:
-    """Play something, end it, and return what went wrong in tasks that nobody waits for."""
+    """Play, end, and return the failures of tasks that are not awaited."""
     mishaps: list[dict[str, Any]] = []
     asyncio.get_running_loop().set_exception_handler(lambda _loop, context: mishaps.append(context))
     await play_and(end)
@@ -52,7 +52,7 @@ async def play_and(end: Callable[[Engine, Viewer], Awaitable[None]]) -> None:
 
 
 @pytest.mark.parametrize("end", [both_sides_close_at_once, *map(session_ends_meanwhile, (0, 4, 6, 8))])
-async def test_whoever_closes_second_waits_for_the_first(end: Callable[[Engine, Viewer], Awaitable[None]]) -> None:
+async def test_second_closing_waits_for_the_first(end: Callable[[Engine, Viewer], Awaitable[None]]) -> None:
     assert await watched(end) == []
 
 

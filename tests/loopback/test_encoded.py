@@ -9,7 +9,7 @@ import pytest
 from openrois_avatar.link.embedded import EmbeddedEngine
 from openrois_avatar.link.messages import Event, Log
 from openrois_streaming.clock import SystemClock
-from openrois_streaming.publish.self_encoding import EncodedPublisher
+from openrois_streaming.publish.passthrough import EncodedPublisher
 from openrois_streaming.testing import ImpairedPath, Impairments, MeasuringSink, playing
 
 from tests.support import loopback
@@ -67,7 +67,7 @@ async def test_a_viewer_sees_what_the_engine_has_encoded(stage: Stage) -> None:
 
 
 @pytest.mark.media
-async def test_who_joins_later_gets_a_key_frame_of_the_engine(stage: Stage) -> None:
+async def test_later_viewer_gets_a_key_frame_of_the_engine(stage: Stage) -> None:
     async with MeasuringSink() as first, playing(first, video=stage.video):
         await first.sees(10)
         asked = stage.said("key frame")

@@ -116,7 +116,7 @@ async def test_a_game_engine_that_goes_and_comes_back() -> None:
         assert status["return_code"] == "OK"
 
 
-async def test_streams_belong_to_who_connected_them() -> None:
+async def test_streams_belong_to_the_client_that_connected_them() -> None:
     async with (
         house("unreal") as here,
         application(here.gateway) as app,
@@ -133,7 +133,7 @@ async def test_streams_belong_to_who_connected_them() -> None:
         found = {"peer_id": offer["peer_id"], "generation": 1, "candidate": "candidate:x", "sdp_mid": "0"}
         assert await app.code("signaling.candidate", **found) == "OK"
         assert await other.code("signaling.candidate", **found) == "UNSUPPORTED"
-        assert (await here.avatar.look()).process.sessions == 1
+        assert (await here.avatar.collect_figures()).process.sessions == 1
         sends = {"name": "transport_parameters", "data_type_ref": "string", "value": '{"direction": "sendonly"}'}
         code, why = await app.why("rois.stream.connect_stream", component_ref=AUDIO, parameters=[sends])
         assert (code, "recvonly" in why) == ("UNSUPPORTED", True)

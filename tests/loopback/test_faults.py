@@ -11,7 +11,7 @@ from tests.support.demo import Demo
 pytestmark = pytest.mark.media
 
 
-async def test_an_adapter_that_stands_still_for_a_moment_loses_nobody(demo: Demo) -> None:
+async def test_adapter_standstill_loses_no_viewer(demo: Demo) -> None:
     async with application(demo.url) as app:
         await app.hello()
         stream_id = await app.play(VIDEO, H264)

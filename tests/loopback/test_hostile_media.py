@@ -55,7 +55,7 @@ async def test_packets_that_cannot_be_read_end_nothing_and_sources_without_end_d
     await dtls._send_rtp(rtcp(203, 31, bytes(4)))
     for number, extension in enumerate(camera._headerExtensions):
         await dtls._send_rtp(rtp(payload_type, number, 5, bytes((extension.id << 4,)) + b"\xff"))
-    for first in (b"\x80\x60", b"\x80\xc9", b"\x16\xfe"):  # whoever sees one datagram can send these
+    for first in (b"\x80\x60", b"\x80\xc9", b"\x16\xfe"):  # an eavesdropper can send these
         await dtls.transport._send(first + bytes(1600))
     await talker.plays("0", 30)
     assert engine.byes == []

@@ -10,7 +10,7 @@ from openrois_streaming.input.reader import Label
 from openrois_streaming.publish.publisher import VideoPublisher
 from openrois_streaming.synthetic import ColourBars
 from openrois_streaming.testing import MeasuringSink
-from openrois_streaming.testing.hands import Hands
+from openrois_streaming.testing.input_sender import InputSender
 from openrois_streaming.testing.stage import playing
 
 pytestmark = pytest.mark.media
@@ -44,30 +44,30 @@ def bars() -> VideoPublisher:
     return VideoPublisher(ColourBars(160, 90, clock=clock), clock=clock, stamp=True)
 
 
-async def hands_of(sink: MeasuringSink) -> Hands:
-    await sink.until(lambda: sink.hands is not None and sink.hands.are_free)
-    assert sink.hands is not None
-    return sink.hands
+async def sender_of(sink: MeasuringSink) -> InputSender:
+    await sink.until(lambda: sink.input is not None and sink.input.are_open)
+    assert sink.input is not None
+    return sink.input
 
 
 async def test_messages_arrive_beside_the_pictures_and_answers_come_back() -> None:
     ears = Ears()
     async with MeasuringSink() as sink, playing(sink, video=bars(), inputs=ears) as session:
         await sink.sees()
-        hands = await hands_of(sink)
+        sender = await sender_of(sink)
         state, key = State(1, 0.0, Held(frozenset({"KeyW"}))), Key(2, 0.0, "KeyW", True)
-        hands.do(state)
+        sender.send_message(state)
         await ears.hear(1)
-        hands.do(key)
-        hands.send(b"bytes", over_control=True)
+        sender.send_message(key)
+        sender.send(b"bytes", over_control=True)
         await ears.hear(3)
         assert ears.came == [
             ("input", json.dumps(state.to_json())),
             ("control", json.dumps(key.to_json())),
             ("control", b"bytes"),
         ]
-        session.input.tell("hello")
-        await sink.until(lambda: hands.told == ["hello"])
+        session.input.send_message("hello")
+        await sink.until(lambda: sender.received == ["hello"])
         assert len(session.peer_ids) == 1
     assert ears.lost == ["the session is over"]
 
@@ -76,19 +76,19 @@ async def test_a_later_wish_is_offered_and_a_later_stream_too() -> None:
     ears = Ears()
     async with MeasuringSink() as sink, playing(sink, video=bars()) as session:
         await sink.sees()
-        assert sink.hands is None
+        assert sink.input is None
     async with MeasuringSink() as sink, playing(sink, video=bars(), inputs=ears) as session:
-        hands = await hands_of(sink)
+        sender = await sender_of(sink)
         session.connect("second", "stage/Second", bars(), "video")
         await sink.sees(mid="2")
-        hands.do(State(1, 0.0))
+        sender.send_message(State(1, 0.0))
         await ears.hear(1)
 
 
-async def test_the_end_of_the_other_side_is_heard() -> None:
+async def test_end_of_the_other_side_is_notified() -> None:
     ears = Ears()
     async with MeasuringSink() as sink, playing(sink, video=bars(), inputs=ears):
-        await hands_of(sink)
+        await sender_of(sink)
         await sink.__aexit__()
         async with asyncio.timeout(60):
             while not ears.lost:

@@ -19,7 +19,7 @@ pytestmark = [pytest.mark.media, pytest.mark.engine]
 ERROR: Final = "rois.system.notify_error"
 _SPEECH: Final = "avatar/speech_synthesizer"
 _WALK: Final = "avatar/navigation"
-_STORY: Final = "Once upon a time there was an avatar that told long stories to whoever would listen. " * 6
+_STORY: Final = "Once upon a time there was an avatar that told long stories to every listener. " * 6
 _LONG_WAY: Final = ["-2.5,2.5", "2.5,0"] * 5
 _BACK_WITHIN: Final = 30.0
 
@@ -102,7 +102,7 @@ class Stage:
         return str(place)
 
     def ends(self, command_id: str) -> list[str]:
-        """How a command was told to have ended: once, it is hoped."""
+        """Return the statuses with which a command was notified to have ended; one is expected."""
         told = self.app.told("rois.command.completed")
         return [each["status"] for each in told if each["command_id"] == command_id]
 
@@ -178,7 +178,7 @@ async def test_a_killed_adapter_fails_what_ran_and_its_successor_does_it_again(d
 
 
 @pytest.mark.long
-async def test_what_ran_when_the_gateway_was_killed_is_in_the_hands_of_whoever_comes_next(demo: Demo) -> None:
+async def test_commands_of_a_killed_gateway_pass_to_the_next_client(demo: Demo) -> None:
     async with stage(demo) as orphan:
         speech, walk = await orphan.speak(), await orphan.walk()
         demo.program("gateway").kill()

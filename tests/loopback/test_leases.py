@@ -67,7 +67,7 @@ async def test_a_cut_connection_is_resumed(house: House) -> None:
             assert await again.completed("b") == {"b": "OK"}
 
 
-async def test_how_a_command_ended_meanwhile_is_told(house: House) -> None:
+async def test_command_ended_meanwhile_is_reported_on_resume(house: House) -> None:
     async with application(house.gateway) as ann, application(house.gateway) as bob:
         token = await holding(ann)
         await glowing(house.robot)
@@ -79,8 +79,9 @@ async def test_how_a_command_ended_meanwhile_is_told(house: House) -> None:
             assert await again.completed("glow") == {"glow": "OK"}
 
 
-async def test_who_shows_the_token_has_it_at_once(house: House) -> None:
-    """The gateway does not know yet that the connection is dead, or it is not: whoever has the token is the holder."""
+async def test_resume_token_restores_the_lease_at_once(house: House) -> None:
+    """The gateway does not know yet that the connection is dead, or it is not: the client with the token is the
+    holder."""
     async with (
         application(house.gateway) as ann,
         application(house.gateway) as bob,
@@ -103,7 +104,7 @@ async def test_who_shows_the_token_has_it_at_once(house: House) -> None:
         assert await dan.completed("glow") == {"glow": "ABORT"}
         house.robot.lamp.may_end.set()
         assert await dan.completed("b") == {"b": "OK"}
-        # It is good once, and its line ends with whoever shows it again.
+        # It is valid once, and its line ends when it is shown again.
         async with application(house.gateway) as thief:
             assert await thief.code("openrois.lease.resume", token=token) == "UNSUPPORTED"
             assert await thief.code("openrois.lease.resume", token=resumed["token"]) == "UNSUPPORTED"
@@ -118,7 +119,7 @@ async def test_a_session_does_not_resume_itself(house: House) -> None:
         assert await ann.code("openrois.lease.resume", token=token) == "BAD_PARAMETER"
 
 
-async def test_what_is_handed_over_meanwhile_is_told(house: House) -> None:
+async def test_handover_meanwhile_is_notified(house: House) -> None:
     """Who takes a component and changes connections before it is cleared hears when it may operate."""
     async with (
         application(house.gateway) as ann,
@@ -156,7 +157,7 @@ async def test_a_token_is_good_once(house: House) -> None:
             assert (await bob.next("openrois.lease.changed"))["state"] == "HELD"
             assert await thief.code("openrois.lease.resume", token=token) == "UNSUPPORTED"
             assert await thief.code("openrois.lease.resume", token="guess") == "UNSUPPORTED"
-            # Whoever it was, nobody goes on any more where that session ends.
+            # After that no client can resume that session.
             again.socket.transport.abort()
             assert (await bob.next("openrois.lease.changed"))["state"] == "FREE"
 
@@ -184,7 +185,7 @@ async def test_without_a_token_nothing_is_kept(house: House) -> None:
         assert (await bob.next("openrois.lease.changed"))["state"] == "FREE"
 
 
-async def test_who_closes_leaves(house: House) -> None:
+async def test_closing_releases_the_lease(house: House) -> None:
     async with application(house.gateway) as bob:
         async with application(house.gateway) as ann:
             await holding(ann)
@@ -216,7 +217,7 @@ async def test_asking_and_granting(house: House) -> None:
 
 
 async def until_state(app: Application, state: str, **more: Any) -> dict[str, Any]:
-    """Wait until an application is told that a component is in a state."""
+    """Wait until an application is notified that a component is in a state."""
     while True:
         told = await app.next("openrois.lease.changed")
         if {**told, **more, "state": state} == told:
@@ -236,7 +237,7 @@ async def test_declining_and_leaving(house: House) -> None:
         assert await ann.code("openrois.lease.grant", request_id=asked["request_id"]) == "UNSUPPORTED"
 
 
-async def test_taking_from_somebody_who_knows_nothing_of_it(house: House) -> None:
+async def test_take_from_a_plain_rois_client(house: House) -> None:
     async with application(house.gateway) as plain, application(house.gateway) as chief:
         assert await plain.code("rois.command.bind", component_ref=LAMP) == "OK"
         assert await plain.code("rois.command.execute", command_unit_list=[UNIT]) == "OK"
@@ -250,7 +251,7 @@ async def test_taking_from_somebody_who_knows_nothing_of_it(house: House) -> Non
         await glowing(house.robot)
 
 
-async def test_what_is_no_lease(house: House) -> None:
+async def test_invalid_lease_requests_are_refused(house: House) -> None:
     async with application(house.gateway) as ann:
         for method in ("query", "request", "take", "leave"):
             for component_ref in ("robot/bell", "robot/nobody"):

@@ -149,7 +149,7 @@ async def test_a_flood_before_the_answer_is_bounded() -> None:
         stranger.close()
 
 
-async def test_the_guard_drops_nothing_of_a_session_that_nobody_attacks() -> None:
+async def test_guard_drops_nothing_without_an_attack() -> None:
     for _ in range(3):
         async with loopback.engine(network=LOOPBACK) as engine, loopback.viewer(engine) as viewer:
             engine.connect("v", "video")
@@ -161,7 +161,7 @@ async def test_the_guard_drops_nothing_of_a_session_that_nobody_attacks() -> Non
             assert (guarded.peer_limit, guarded.total_limit) == (0, 0)
 
 
-async def test_ports_are_those_of_the_range_and_the_public_address_is_told() -> None:
+async def test_ports_are_in_range_and_the_public_address_is_a_candidate() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
         taken = probe.getsockname()[1]
@@ -182,7 +182,7 @@ async def test_no_free_port_is_said() -> None:
         async with loopback.engine(network=NetworkSettings(("127.0.0.1",), PortRange(taken, taken))) as engine:
             engine.connect("v", "video")
             await engine.until("v", StreamStatus.NOT_CONNECTED)
-            assert [bye.reason for bye in engine.byes] == ["none of the engine's UDP ports are free"]
+            assert [bye.reason for bye in engine.byes] == ["none of the engine's UDP ports are free: widen --udp-ports"]
 
 
 @pytest.mark.parametrize(
@@ -191,13 +191,17 @@ async def test_no_free_port_is_said() -> None:
         (
             NetworkSettings(interfaces=("nowhere0",)),
             (),
-            "the engine has not the network interface that it is set to use",
+            "the engine lacks the network interface that --interface names",
         ),
-        (NetworkSettings(relay_only=True), (), "media may pass over a relay only, and the engine knows no TURN server"),
+        (
+            NetworkSettings(relay_only=True),
+            (),
+            "the engine is set to relays only and has no TURN server: configure one",
+        ),
         (
             NetworkSettings(relay_only=True),
             (IceServer(urls=("turn:127.0.0.1:1?transport=tcp",), username="u", credential="c"),),
-            "media may pass over a relay only, and there is none: the TURN server cannot be reached",
+            "the engine is set to relays only and got none: the TURN server cannot be reached",
         ),
     ],
 )
@@ -273,7 +277,7 @@ async def test_a_server_that_does_not_answer_is_not_waited_for() -> None:
     transport.close()
 
 
-async def test_what_a_server_knows_follows_the_offer() -> None:
+async def test_server_candidates_follow_the_offer() -> None:
     transport, _, url = await stun_server(answers=True)
     async with loopback.engine(network=LOOPBACK, ice_servers=[url]) as engine, loopback.viewer(engine) as viewer:
         told: list[Candidate] = []

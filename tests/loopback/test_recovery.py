@@ -61,7 +61,7 @@ async def test_media_outlives_a_killed_gateway_and_ends_after_the_grace(fragile:
             connection = orphan.peer_of(old).connection
             await orphan.news.until(lambda: orphan.media(old).ended and connection.connectionState == "closed")
             last = orphan.media(old).pictures[-1]
-            assert 9 < last.at - killed < 12, "nobody can command it any more, so it ends after 10 s"
+            assert 9 < last.at - killed < 12, "no client can command it any more, so it ends after 10 s"
             assert await app.pictures(new, 10)
             assert app.statuses(new) == ["NOT_RUNNING", "RUNNING"]
 
@@ -107,7 +107,7 @@ def more_than(known: int, app: Application) -> Callable[[], bool]:
 
 
 async def gateway_is_back(url: str, orphan: Application, stream_id: str) -> None:
-    """Wait until somebody listens again; tried at each picture that still comes."""
+    """Wait until the gateway listens again; tried at each picture that still comes."""
     while True:
         await orphan.pictures(stream_id, 1)
         with suppress(OSError):

@@ -9,12 +9,12 @@ from tests.support.loopback import engine
 pytestmark = pytest.mark.media
 
 
-async def test_what_is_lost_is_sent_again_and_pictures_go_on() -> None:
+async def test_lost_packets_are_retransmitted_and_pictures_go_on() -> None:
     down = Impairments(delay=0.01, loss=0.05)
     async with ImpairedPath(down) as path, engine() as one, MeasuringSink(path=path) as sink:
 
         async def respond(offer: Offer) -> None:
-            await one.session.answer(await sink.respond(offer))
+            await one.session.apply_answer(await sink.respond(offer))
 
         one.application = respond
         one.connect("s1", "video")

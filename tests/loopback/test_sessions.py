@@ -118,7 +118,7 @@ async def test_viewers_share_one_encoder_and_each_decodes() -> None:
             await engine.close()
 
 
-async def test_a_source_that_stalls_is_told_and_so_is_its_return(engine: Engine, viewer: Viewer) -> None:
+async def test_stalled_source_and_its_recovery_are_notified(engine: Engine, viewer: Viewer) -> None:
     engine.connect("v", "video")
     await engine.until("v", StreamStatus.RUNNING)
     engine.source.running.clear()

@@ -7,7 +7,7 @@ from statistics import median
 
 import numpy as np
 import pytest
-from openrois_avatar.hearing.bearing import SOUND_SPEED, WINDOW, BearingFinder, is_stereo
+from openrois_body.hearing.bearing import SOUND_SPEED, WINDOW, BearingFinder, is_stereo
 from openrois_streaming.source.shared_inlet import SharedInlet
 from openrois_streaming.source.source import SAMPLE_RATE, RawAudio
 

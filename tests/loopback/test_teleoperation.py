@@ -1,6 +1,6 @@
 """Operating an avatar by hand, whole: application, gateway, adapter, WebRTC, and a game engine that takes notes.
 
-When the figure stops is printed, and asserted where a clock is turned by hand (`tests/avatar/teleoperation`).
+When the figure stops is printed, and asserted where a clock is turned by hand (`tests/body/teleoperation`).
 """
 
 import asyncio
@@ -16,7 +16,7 @@ import pytest
 from openrois_avatar.link.messages import Drive, Halt, Quit
 from openrois_signaling.messages import Offer
 from openrois_streaming.testing import ImpairedPath, Impairments, MeasuringSink
-from openrois_streaming.testing.hands import Hands
+from openrois_streaming.testing.input_sender import InputSender
 
 from openrois.gateway.server import Gateway
 from tests.support.deployment import Application, application
@@ -37,15 +37,15 @@ class Operator:
     hand: Hand = field(default_factory=Hand)
 
     @property
-    def hands(self) -> Hands:
-        assert self.sink.hands is not None
-        return self.sink.hands
+    def input(self) -> InputSender:
+        assert self.sink.input is not None
+        return self.sink.input
 
     async def hold(self, seconds: float) -> float:
         """Hold a key as a page does; return when the last message left."""
         ends = time.monotonic() + seconds
         while True:
-            self.hands.do(self.hand.state())
+            self.input.send_message(self.hand.state())
             sent = time.monotonic()
             if sent >= ends:
                 return sent
@@ -85,7 +85,7 @@ class House:
             assert await app.code("rois.stream.connect_stream", **asked) == "OK"
             offer = Offer.model_validate(await app.next("signaling.offer"))
             assert await app.code("signaling.answer", **(await sink.respond(offer)).wire()) == "OK"
-            await sink.until(lambda: sink.hands is not None and sink.hands.are_free)
+            await sink.until(lambda: sink.input is not None and sink.input.are_open)
             yield Operator(app, sink)
 
 
@@ -174,20 +174,20 @@ async def test_the_application_goes_while_a_key_is_held(house: House, capsys: py
             told("application gone", house.engine.times(Halt)[0], sent, house.engine.times(Drive)[-1])
 
 
-async def test_only_who_has_bound_it_operates(house: House) -> None:
+async def test_only_the_binding_client_operates(house: House) -> None:
     async with house.operator() as ann, house.operator() as bob:
         await ann.start()
         assert await bob.app.code("rois.command.bind", component_ref=REF) == "OUT_OF_RESOURCES"
         await bob.hold(0.2)
-        await bob.sink.until(lambda: bob.hands.told)
-        assert json.loads(bob.hands.told[0]) == {
+        await bob.sink.until(lambda: bob.input.received)
+        assert json.loads(bob.input.received[0]) == {
             "event": "refused",
             "reason": "avatar/teleoperation has to be bound and started first",
         }
         assert house.engine.times(Drive) == []
-        ann.hands.do(ann.hand.key("KeyW"))
+        ann.input.send_message(ann.hand.key("KeyW"))
         await house.engine.until(lambda: house.engine.times(Drive))
-        ann.hands.do(ann.hand.key("KeyW", down=False))
+        ann.input.send_message(ann.hand.key("KeyW", down=False))
         await house.engine.until(lambda: house.engine.times(Halt))
         operation = await ann.operation()
         assert (int(operation["taken"]), int(operation["refused"]) > 0) == (2, True)
@@ -195,6 +195,6 @@ async def test_only_who_has_bound_it_operates(house: House) -> None:
         assert await ann.app.completed("start") == {"start": "ABORT"}
         assert ann.app.reasons["start"] == "the component was released"
         await bob.start()
-        bob.hands.do(bob.hand.key("KeyW"))
+        bob.input.send_message(bob.hand.key("KeyW"))
         await house.engine.until(lambda: len(house.engine.times(Drive)) == 2)
         assert Quit not in {type(command) for _, command in house.engine.heard}

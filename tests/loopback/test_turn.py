@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from openrois_avatar.doctor import network
+from openrois_demo.doctor import network
 from openrois_signaling.messages import Candidate, IceServer
 from openrois_streaming.network.servers import read_servers
 from openrois_streaming.network.settings import NetworkSettings
@@ -42,7 +42,7 @@ async def test_media_passes_over_the_relay_alone(turn: Turn, transport: str) -> 
         engine.connect("v", "video")
         await viewer.plays(frames=20)
         assert paths(engine) == {"relay"}
-        assert "raddr 0.0.0.0 rport 9" in engine.offers[0].sdp, "nobody learns where the engine is"
+        assert "raddr 0.0.0.0 rport 9" in engine.offers[0].sdp, "the engine's address is hidden"
         assert engine.session.guarded.strangers == 0
 
 
@@ -53,7 +53,7 @@ async def test_a_wrong_or_old_credential_ends_it_with_a_reason(turn: Turn, secre
         engine.connect("v", "video")
         await engine.until("v", StreamStatus.NOT_CONNECTED)
         assert [bye.reason for bye in engine.byes] == [
-            "media may pass over a relay only, and there is none: the TURN server refuses the credentials"
+            "the engine is set to relays only and got none: the TURN server refuses the credentials"
         ]
         assert engine.offers == []
 

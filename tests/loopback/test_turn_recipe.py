@@ -44,7 +44,7 @@ INSIDE_6 = (
 
 
 def shipped(*added: str) -> str:
-    """Return the file as somebody sets it up who has this address alone, and lines that are added to it."""
+    """Return the file as set up with this address alone, and added lines."""
     return "\n".join((FILE.read_text(encoding="utf-8").replace("203.0.113.10", LISTENS, 2), *added))
 
 
@@ -53,7 +53,7 @@ def good(user: str = "alice", lifetime: float = 60, secret: str = SECRET) -> tup
     return turn_credential(secret, int(time.time() + lifetime), user)
 
 
-async def test_without_a_credential_that_is_good_now_and_for_this_user_nobody_is_let_in(tmp_path: Path) -> None:
+async def test_relay_needs_a_valid_credential_of_this_user(tmp_path: Path) -> None:
     name, credential = good()
     tried = {
         "nobody": ("", ""),
@@ -61,7 +61,7 @@ async def test_without_a_credential_that_is_good_now_and_for_this_user_nobody_is
         "another secret": good(secret="another"),
         "a secret that is empty": good(secret=""),
         "made to last longer": (f"9{name}", credential),
-        "somebody else's": (name.replace("alice", "bob"), credential),
+        "another user's": (name.replace("alice", "bob"), credential),
         "without a time": ("alice", turn_credential(SECRET, 0, "alice")[1]),
     }
     async with coturn(tmp_path, shipped()) as server:
@@ -77,7 +77,7 @@ async def test_without_a_credential_that_is_good_now_and_for_this_user_nobody_is
             assert await client.permit("8.8.8.8") == WRONG_CREDENTIALS
 
 
-async def test_as_it_is_shipped_it_lets_nobody_in(tmp_path: Path) -> None:
+async def test_shipped_configuration_admits_no_user(tmp_path: Path) -> None:
     async with coturn(tmp_path, shipped(), secret="") as server:
         for secret in ("", "<its first line>", SECRET):
             async with turn_client((LISTENS, server.port), *good(secret=secret)) as client:
@@ -117,7 +117,7 @@ async def test_nothing_inside_is_a_peer_in_ipv6_either(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("arrives", [True, False])
-async def test_nothing_is_sent_where_nobody_permits_it(tmp_path: Path, arrives: bool) -> None:
+async def test_relay_sends_only_to_permitted_addresses(tmp_path: Path, arrives: bool) -> None:
     """A server that lets loopback addresses pass shows that it would be seen."""
     settings = LOOSE if arrives else shipped()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as inside:

@@ -60,7 +60,7 @@ class Talker(Viewer):
 
 
 class CarefulTalker(Talker):
-    """Answers what is idle as `docs/wire.md` wants it, and lets go of the device as a person's application does."""
+    """Answers what is idle as the wire's page wants it, and lets go of the device as a person's application does."""
 
     async def respond(self, offer: Offer) -> None:
         connection = self.connections.get(offer.peer_id)
@@ -160,7 +160,7 @@ async def test_tone_and_pictures_arrive_are_suspended_and_go_on_over_a_replaceme
     assert [each.mid for each in engine.offers[-1].streams] == ["0", "1", "2"]
 
 
-async def test_a_conversation_and_a_second_microphone_are_told_apart(ears: Ears, talker: Talker) -> None:
+async def test_conversation_and_second_microphone_are_distinguished(ears: Ears, talker: Talker) -> None:
     other: SharedInlet[RawAudio] = SharedInlet("other")
     ears.connect("talk", both=True)
     ears.engine.session.connect("mic", "engine/Other", None, "audio", direction="sendonly", inlet=other)
@@ -169,7 +169,7 @@ async def test_a_conversation_and_a_second_microphone_are_told_apart(ears: Ears,
     await talker.plays("0")
 
 
-async def test_what_is_declined_ends_or_narrows_that_stream_alone(ears: Ears, talker: Talker) -> None:
+async def test_declined_section_ends_or_narrows_that_stream_alone(ears: Ears, talker: Talker) -> None:
     talker.declines = {"mic", "talk"}
     engine = ears.engine
     engine.connect("v", "video")

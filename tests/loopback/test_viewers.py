@@ -29,7 +29,7 @@ async def house() -> AsyncIterator[House]:
 async def test_three_viewers_share_one_encoder_and_a_fourth_of_another_codec_has_its_own(
     house: House, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # Nobody is gone here because of silence, however long a busy machine makes it.
+    # No viewer is lost here because of silence, however long on a busy machine.
     monkeypatch.setattr(liveness, "SILENCE", float("inf"))
     apps = [await house.guest() for _ in range(3)]
     streams = await asyncio.gather(*(app.play(VIDEO, H264) for app in apps))
@@ -55,7 +55,7 @@ async def test_three_viewers_share_one_encoder_and_a_fourth_of_another_codec_has
     await apps[1].drop()
     await apps[2].drop()
     await gone(house, "video/H264", fourth, last)
-    assert house.avatar.video.running_encoders == 1, "nobody commands what still takes pictures in, so it gets none"
+    assert house.avatar.video.running_encoders == 1, "the orphaned viewer gets no more pictures"
     await fourth.act("disconnect", last)
     await fourth.until_status(last, "NOT_CONNECTED")
     assert house.avatar.video.running_encoders == 0
@@ -87,7 +87,7 @@ async def test_a_viewer_that_stops_is_gone_and_the_others_never_notice(
 
 
 async def gone(house: House, codec: str, witness: Application, stream_id: str) -> None:
-    """Wait until nobody watches in `codec` any more; looked at whenever the witness gets a picture."""
+    """Wait until there is no viewer of `codec`; checked whenever the witness gets a picture."""
     await witness.pictures(stream_id, 1)
     await witness.news.until(lambda: house.figures(codec).viewers == 0)
 

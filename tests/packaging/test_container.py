@@ -1,18 +1,17 @@
 """The container file, as far as it can be tried without an image to build on: what it copies, runs and starts."""
 
 import json
-import re
 import shlex
 import subprocess
 import sys
 import tomllib
-from pathlib import Path
 
+from openrois.extras import EXTRAS
 from openrois.gateway import probe
 from openrois.gateway.configuration import configure
 from openrois.gateway.settings import GatewaySettings
+from tests.support.packages import ROOT, tracked
 
-ROOT = Path(__file__).parents[2]
 PACKAGING = ROOT / "packaging"
 
 
@@ -48,13 +47,13 @@ def test_it_knows_only_what_a_container_file_may_say() -> None:
 
 
 def test_what_it_copies_is_there_and_is_all_that_the_build_reads() -> None:
-    tracked = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
     for source in copied():
-        assert any(name == source or name.startswith(f"{source}/") for name in tracked), source
+        assert any(name == source or name.startswith(f"{source}/") for name in tracked()), source
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    wheel = project["tool"]["hatch"]["build"]["targets"]["wheel"]
-    needed = [*wheel["packages"], wheel["hooks"]["custom"]["path"], *project["project"]["license-files"]]
-    needed += [project["project"]["readme"], project["tool"]["hatch"]["version"]["path"], "avatar_adapter/godot"]
+    hatch = project["tool"]["hatch"]
+    wheel = hatch["build"]["targets"]["wheel"]
+    needed = [*wheel["packages"], hatch["build"]["hooks"]["custom"]["path"], *project["project"]["license-files"]]
+    needed += ["README.md", hatch["version"]["path"], "avatar_adapter/godot"]
     for path in ("pyproject.toml", "constraints.txt", *needed):
         assert any(path == source or path.startswith(f"{source}/") for source in copied()), path
 
@@ -63,7 +62,7 @@ def test_it_installs_what_was_tried_and_nothing_newer() -> None:
     (install,) = [rest for name, rest in steps() if name == "RUN" and "pip install" in rest]
     words = shlex.split(install)
     assert words[words.index("-c") + 1] == "constraints.txt"
-    assert words[-1] == "."
+    assert words[-1] == ".[gateway]"
 
 
 def test_another_image_may_be_built_on() -> None:
@@ -80,13 +79,11 @@ def test_the_builder_is_given_what_is_copied_and_not_the_rest() -> None:
     assert [rule for rule in rules[1:] if not rule.startswith("!")] == ["**/__pycache__"]
 
 
-def test_a_gateway_needs_nothing_that_is_taken_out_of_it() -> None:
+def test_a_gateway_needs_nothing_that_is_not_in_it() -> None:
     (removed,) = [rest for name, rest in steps() if name == "RUN" and "pip uninstall" in rest]
     gone = removed.partition("--yes ")[2].split()
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    named = {re.split(r"[<>=;\[]", each)[0] for each in project["project"]["dependencies"]}
-    assert set(gone) - {"pip", "setuptools"} <= named
-    modules = [{"opencv-python-headless": "cv2"}.get(name, name) for name in gone]
+    others = {module for modules in EXTRAS.values() for module in modules} - set(EXTRAS["gateway"])
+    modules = sorted({*gone, *others})
     program = (
         f"import sys; sys.modules.update(dict.fromkeys({modules!r}))\n"
         "import openrois.gateway.command, openrois.auth.command, openrois_conformance.command, openrois.cli.__main__"

@@ -4,11 +4,9 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from tests.support.packages import ROOT, packages
+from tests.support.packages import NOT_SHIPPED, ROOT, packages
 
 PROJECT: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-NOT_SHIPPED = {"codegen/openrois_codegen"}
-"""What is for those who build the product."""
 
 
 def names() -> set[str]:

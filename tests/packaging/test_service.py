@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from openrois_avatar import command as avatar
-from openrois_avatar.settings import AvatarSettings
+from openrois_avatar.options.settings import AvatarSettings
 
 from openrois.gateway import command
 from openrois.gateway.configuration import configure
@@ -41,7 +41,8 @@ def test_systemd_understands_every_line(tmp_path: Path, unit: Path) -> None:
 
 @needs_systemd
 def test_systemd_understands_what_is_written_of_ports(tmp_path: Path) -> None:
-    blocks = re.findall(r"```ini\n(.*?)```", (PACKAGING.parent / "docs" / "deploying.md").read_text(), re.DOTALL)
+    page = (PACKAGING.parent / "docs" / "how-to" / "deploying.md").read_text()
+    blocks = re.findall(r"```ini\n(.*?)```", page, re.DOTALL)
     (port,) = [block for block in blocks if "CAP_NET_BIND_SERVICE" in block]
     there = tmp_path / UNIT.name
     own = UNIT.read_text(encoding="utf-8").replace("[Install]", port.replace("[Service]", "") + "[Install]")
@@ -98,7 +99,7 @@ def test_a_configuration_that_cannot_be_used_is_not_tried_again() -> None:
 def test_who_deploys_it_installs_what_it_reads_for_its_group_and_nobody_else() -> None:
     unit = entries()
     (group,) = unit["SupplementaryGroups"]
-    steps = (PACKAGING.parent / "docs" / "deploying.md").read_text(encoding="utf-8")
+    steps = (PACKAGING.parent / "docs" / "how-to" / "deploying.md").read_text(encoding="utf-8")
     assert f"groupadd --system {group}\n" in steps
     (installed,) = re.findall(rf"install -m 0640 -g {group} (.*) /etc/openrois/\n", steps)
     settings = configure(["--config", str(PACKAGING / "gateway.toml")], {}).settings

@@ -40,7 +40,7 @@ def offered(now: float = 0.0, *, replaces: str | None = None) -> tuple[Negotiati
 
 def settled() -> Negotiation:
     negotiation, offer = offered()
-    assert negotiation.answer(answer(offer.generation), 0.0) is Verdict.APPLY
+    assert negotiation.receive_answer(answer(offer.generation), 0.0) is Verdict.APPLY
     assert negotiation.applied(0.0) == ()
     return negotiation
 
@@ -48,13 +48,13 @@ def settled() -> Negotiation:
 def in_state(state: State) -> Negotiation:
     negotiation = Negotiation(PEER)
     if state is State.ENDED:
-        negotiation.end("over")
+        negotiation.end_negotiation("over")
     if state in {State.PREPARING, State.OFFERED, State.APPLYING}:
         negotiation.change(0.0)
     if state in {State.OFFERED, State.APPLYING}:
         negotiation.made("v=0", SECTIONS, 0.0)
     if state is State.APPLYING:
-        negotiation.answer(answer(1), 0.0)
+        negotiation.receive_answer(answer(1), 0.0)
     assert negotiation.state is state
     return negotiation
 
@@ -66,11 +66,11 @@ def feed(negotiation: Negotiation, event: Input) -> None:
         case Input.MADE:
             negotiation.made("v=0", SECTIONS, 1.0)
         case Input.ANSWER:
-            negotiation.answer(answer(max(1, negotiation.generation)), 1.0)
+            negotiation.receive_answer(answer(max(1, negotiation.generation)), 1.0)
         case Input.APPLIED:
             negotiation.applied(1.0)
         case Input.END:
-            negotiation.end("over")
+            negotiation.end_negotiation("over")
 
 
 @pytest.mark.parametrize("state", State)
@@ -97,7 +97,7 @@ def test_the_table_is_whole_and_ends_everywhere() -> None:
 def test_an_offer_is_made_sent_answered_and_applied() -> None:
     negotiation, offer = offered()
     assert offer == Offer(peer_id=PEER, generation=1, sdp="v=0", streams=SECTIONS)
-    assert negotiation.answer(answer(1), 3.0) is Verdict.APPLY
+    assert negotiation.receive_answer(answer(1), 3.0) is Verdict.APPLY
     assert negotiation.answered == 0
     assert negotiation.applied(3.0) == ()
     assert (negotiation.state, negotiation.answered, negotiation.dirty) == (State.STABLE, 1, False)
@@ -106,7 +106,7 @@ def test_an_offer_is_made_sent_answered_and_applied() -> None:
 def test_a_replacement_names_the_peer_it_replaces_in_its_first_offer_only() -> None:
     negotiation, first = offered(replaces="engine/old")
     assert first.replaces == "engine/old"
-    negotiation.answer(answer(1), 0.0)
+    negotiation.receive_answer(answer(1), 0.0)
     negotiation.applied(0.0)
     assert negotiation.change(0.0)
     assert negotiation.made("v=0", (), 0.0).replaces is None
@@ -120,7 +120,7 @@ def test_a_change_while_an_offer_is_pending_goes_into_the_next_one(state: State)
     if state is State.PREPARING:
         negotiation.made("v=0", SECTIONS, 0.0)
     if state is not State.APPLYING:
-        negotiation.answer(answer(1), 0.0)
+        negotiation.receive_answer(answer(1), 0.0)
     negotiation.applied(0.0)
     dirty = [negotiation.dirty]
     assert negotiation.change(0.0)
@@ -147,14 +147,14 @@ def test_a_stale_answer_is_dropped_and_says_so(generation: int) -> None:
     negotiation = settled()
     negotiation.change(0.0)
     negotiation.made("v=0", SECTIONS, 0.0)
-    assert negotiation.answer(answer(generation), 0.0) is Verdict.STALE
+    assert negotiation.receive_answer(answer(generation), 0.0) is Verdict.STALE
     assert negotiation.state is State.OFFERED
-    assert negotiation.answer(answer(2), 0.0) is Verdict.APPLY
+    assert negotiation.receive_answer(answer(2), 0.0) is Verdict.APPLY
 
 
 def test_a_second_answer_to_the_same_offer_is_stale() -> None:
     negotiation = settled()
-    assert negotiation.answer(answer(1), 0.0) is Verdict.STALE
+    assert negotiation.receive_answer(answer(1), 0.0) is Verdict.STALE
 
 
 def test_what_is_wrong_with_an_answer_that_no_offer_waits_for() -> None:
@@ -173,7 +173,7 @@ def test_candidates_wait_for_the_description_they_belong_to() -> None:
     negotiation, _ = offered()
     early = [candidate(1, number) for number in range(3)]
     assert [negotiation.candidate(each) for each in early[:2]] == [Verdict.HELD, Verdict.HELD]
-    negotiation.answer(answer(1), 0.0)
+    negotiation.receive_answer(answer(1), 0.0)
     assert negotiation.candidate(early[2]) is Verdict.HELD
     assert negotiation.applied(0.0) == tuple(early)
     assert negotiation.candidate(candidate(1, 4)) is Verdict.APPLY
@@ -185,7 +185,7 @@ def test_a_candidate_of_the_answer_in_place_is_good_while_a_further_offer_is_out
     negotiation.made("v=0", SECTIONS, 0.0)
     assert negotiation.candidate(candidate(1)) is Verdict.APPLY
     assert negotiation.candidate(candidate(2)) is Verdict.HELD
-    negotiation.answer(answer(2), 0.0)
+    negotiation.receive_answer(answer(2), 0.0)
     assert negotiation.applied(0.0) == (candidate(2),)
     assert negotiation.candidate(candidate(1)) is Verdict.STALE
     assert negotiation.candidate(candidate(3)) is Verdict.STALE
@@ -199,7 +199,7 @@ def test_a_peer_sends_a_bounded_number_of_candidates() -> None:
     negotiation, _ = offered()
     for number in range(CANDIDATES_LIMIT // 2):
         assert negotiation.candidate(candidate(1, number)) is Verdict.HELD
-    negotiation.answer(answer(1), 0.0)
+    negotiation.receive_answer(answer(1), 0.0)
     assert len(negotiation.applied(0.0)) == CANDIDATES_LIMIT // 2
     for number in range(CANDIDATES_LIMIT // 2):
         assert negotiation.candidate(candidate(1, number)) is Verdict.APPLY
@@ -230,7 +230,7 @@ def test_a_change_does_not_move_the_deadline_of_the_offer() -> None:
 
 
 @pytest.mark.parametrize("state", list(TIMEOUTS))
-def test_time_in_which_nobody_could_listen_does_not_count(state: State) -> None:
+def test_a_pause_of_the_process_does_not_count(state: State) -> None:
     negotiation = in_state(state)
     negotiation.excuse(20.0, 22.0)
     assert negotiation.expire(22.0) is None
@@ -250,9 +250,9 @@ def test_nothing_is_due_while_nothing_is_awaited(state: State) -> None:
 def test_an_end_is_for_good_and_said_once() -> None:
     negotiation, _ = offered()
     negotiation.candidate(candidate(1))
-    assert negotiation.end("rejected") == Bye(peer_id=PEER, reason="rejected")
-    assert negotiation.end("again") is None
-    assert negotiation.answer(answer(1), 0.0) is Verdict.ENDED
+    assert negotiation.end_negotiation("rejected") == Bye(peer_id=PEER, reason="rejected")
+    assert negotiation.end_negotiation("again") is None
+    assert negotiation.receive_answer(answer(1), 0.0) is Verdict.ENDED
     assert negotiation.candidate(candidate(1)) is Verdict.ENDED
 
 
@@ -317,7 +317,7 @@ class Conversation(RuleBasedStateMachine):
     def send_answer(self, behind: int) -> None:
         generation = max(1, self.negotiation.generation - behind)
         due = self.unanswered is not None and self.unanswered.generation == generation and not self.ended
-        verdict = self.negotiation.answer(answer(generation), self.now)
+        verdict = self.negotiation.receive_answer(answer(generation), self.now)
         assert (verdict is Verdict.APPLY) == due
         if verdict is Verdict.APPLY:
             self.unanswered = None
@@ -351,7 +351,7 @@ class Conversation(RuleBasedStateMachine):
     @rule()
     def leave(self) -> None:
         over = self.ended
-        assert (self.negotiation.end("left") is None) == over
+        assert (self.negotiation.end_negotiation("left") is None) == over
         self.byes += not over
 
     @invariant()

@@ -55,7 +55,7 @@ async def test_a_foreign_peer_cannot_be_told_from_an_unknown_one(ends: Ends) -> 
     assert ends.forwarded == []
 
 
-async def test_an_application_that_sends_too_fast_is_told_so_and_hurts_nobody_else(ends: Ends) -> None:
+async def test_an_application_that_sends_too_fast_is_refused_and_hurts_no_other(ends: Ends) -> None:
     ends.relay.register("q", "bob", "avatar")
     codes = [await ends.send("alice", restart()) for _ in range(int(BURST) + 2)]
     assert codes == ["OK"] * int(BURST) + ["OUT_OF_RESOURCES"] * 2
@@ -87,10 +87,10 @@ def test_a_peer_keeps_its_two_ends(ends: Ends) -> None:
     assert ends.relay.owner("p", "avatar") == "alice"
     assert ends.relay.owner("p", "evil") is None
     assert ends.relay.owner("q", "avatar") is None
-    ends.relay.forget("p", "evil")
-    ends.relay.forget("q", "avatar")
+    ends.relay.forget_peer("p", "evil")
+    ends.relay.forget_peer("q", "avatar")
     assert ends.relay.owner("p", "avatar") == "alice"
-    ends.relay.forget("p", "avatar")
+    ends.relay.forget_peer("p", "avatar")
     assert ends.relay.owner("p", "avatar") is None
 
 

@@ -43,5 +43,5 @@ def test_the_time_of_day_of_a_moment() -> None:
     assert wall_at(clock, 100.0) == pytest.approx(8600.0)
 
 
-def test_the_system_clock_tells_the_time_of_day() -> None:
+def test_system_clock_gives_the_time_of_day() -> None:
     assert abs(SystemClock().wall() - time.time()) < 1

@@ -3,7 +3,7 @@ from openrois_streaming import codecs
 from openrois_streaming.codecs import CodecUnavailable, available_codecs, codec_named
 
 
-def test_what_the_dependencies_of_this_package_bring() -> None:
+def test_all_codecs_are_available() -> None:
     assert available_codecs() == ("video/H264", "video/VP8", "audio/opus")
 
 
@@ -12,7 +12,7 @@ def test_media_types_are_case_insensitive(spelling: str) -> None:
     assert codec_named(spelling) == "video/H264"
 
 
-def test_an_unknown_media_type_is_told_with_what_there_is() -> None:
+def test_unknown_media_type_is_refused_with_the_known_ones() -> None:
     with pytest.raises(CodecUnavailable, match=r"'video/AV1'.*video/H264, video/VP8"):
         codec_named("video/AV1")
 

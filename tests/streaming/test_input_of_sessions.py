@@ -12,7 +12,7 @@ from tests.support.viewing import Application, FakeChannels, FedPublisher, Wirel
 
 
 class Player(Application):
-    """An application that plays, and what is heard of its person."""
+    """An application that plays, and the input received from it."""
 
     def __init__(self) -> None:
         super().__init__(self)
@@ -56,20 +56,20 @@ async def test_channels_are_in_the_first_offer_and_there_is_no_second(player: Pl
     player.connect("w")
     channels = await player.up()
     channels.come("input", "{}")
-    player.session.input.tell("hello")
+    player.session.input.send_message("hello")
     await settle()
     assert (len(player.offers), player.came, channels.told) == (1, [("input", "{}")], ["hello"])
 
 
-async def test_who_asks_before_the_first_stream_or_late_has_them_too(player: Player) -> None:
+async def test_channels_are_opened_before_the_first_stream_or_later(player: Player) -> None:
     player.session.input.open()
-    player.session.input.tell("nobody hears this")
+    player.session.input.send_message("lost")
     player.connect()
     await player.up()
     assert len(player.offers) == 1
 
 
-async def test_who_asks_late_is_offered_them_then(player: Player) -> None:
+async def test_channels_opened_late_are_offered_then(player: Player) -> None:
     player.connect()
     await player.answer()
     assert WirelessConnection.made[0].channels is None
@@ -78,7 +78,7 @@ async def test_who_asks_late_is_offered_them_then(player: Player) -> None:
     assert [offer.generation for offer in player.offers] == [1, 2]
 
 
-async def test_who_does_not_ask_has_none(player: Player) -> None:
+async def test_no_channels_without_open(player: Player) -> None:
     player.connect()
     await player.answer()
     player.session.end_peer("engine/p1", "enough")
@@ -86,7 +86,7 @@ async def test_who_does_not_ask_has_none(player: Player) -> None:
     assert player.lost == []
 
 
-async def test_closed_channels_are_told_and_the_streams_go_on(player: Player) -> None:
+async def test_closed_channels_are_notified_and_streams_go_on(player: Player) -> None:
     player.connect()
     player.session.input.open()
     (await player.up()).close()
@@ -94,7 +94,7 @@ async def test_closed_channels_are_told_and_the_streams_go_on(player: Player) ->
     assert player.session.stream_ids == ("v",)
 
 
-async def test_a_viewer_that_is_gone_is_told(player: Player) -> None:
+async def test_lost_viewer_is_notified(player: Player) -> None:
     player.connect()
     player.session.input.open()
     await player.up()
@@ -114,7 +114,7 @@ async def test_while_one_of_two_peers_has_channels_nothing_is_lost(player: Playe
     now.come("control", "new")
     player.session.end_peer("engine/p1", "it was replaced")
     assert (player.lost, player.came) == ([], [("control", "late"), ("control", "new")])
-    player.session.input.tell("still here")
+    player.session.input.send_message("still here")
     assert now.told == ["still here"]
     player.session.end_peer("engine/p2", "enough")
     assert player.lost == ["enough"]

@@ -81,7 +81,7 @@ def test_a_stream_can_be_suspended_before_it_is_connected() -> None:
         ({Party.APPLICATION, Party.ENGINE}, Party.ENGINE, StreamInput.SUSPEND),
     ],
 )
-def test_a_stream_goes_on_when_nobody_wants_it_suspended(
+def test_stream_resumes_when_every_party_has_resumed_it(
     suspended_by: set[Party], by: Party, event: StreamInput
 ) -> None:
     assert resumption(suspended_by, by) is event

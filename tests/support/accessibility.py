@@ -22,7 +22,7 @@ _SMALL: Final = """(least) => [...document.querySelectorAll("a, button, input, s
 
 
 async def found_by_axe(page: Page) -> list[str]:
-    """Each rule that is broken, and where; the page is looked at from its top."""
+    """Return each broken rule and its place; the page is scrolled to its top."""
     await page.evaluate("scrollTo(0, 0)")
     if not await page.evaluate("'axe' in window"):
         await page.evaluate(_AXE.read_text())
@@ -31,6 +31,6 @@ async def found_by_axe(page: Page) -> list[str]:
 
 
 async def too_small(page: Page, least: int) -> list[str]:
-    """What can be pressed and is less than so many CSS pixels wide or high."""
+    """Return controls that are smaller than so many CSS pixels."""
     found: list[str] = await page.evaluate(_SMALL, least)
     return found

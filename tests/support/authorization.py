@@ -1,4 +1,4 @@
-"""Applications of several principals at one gateway: what they send and are sent, as texts, and what it reaches."""
+"""Applications of several principals at one gateway: their messages as texts, and the components they reach."""
 
 import asyncio
 import json
@@ -30,13 +30,13 @@ __all__ = ["Place", "Watched", "Wire", "place", "principal"]
 PATIENCE: Final = 30.0
 
 
-def principal(role: Role | str | None, *scope: str, subject: str = "somebody") -> Principal:
-    """Return somebody with one role, or with none, and a scope."""
+def principal(role: Role | str | None, *scope: str, subject: str = "anna") -> Principal:
+    """Return a principal with one role, or with none, and a scope."""
     return Principal(subject, frozenset() if role is None else frozenset({Role(role)}), scope)
 
 
 class Watched:
-    """A robot of basic components as a bus that notes what is reached.
+    """A bus of a robot's basic components that notes each call.
 
     Args:
         engine_id: its name.
@@ -77,17 +77,20 @@ class Watched:
         return self.streams.engines()
 
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
-        if "component_ref" in params and method != HolderNotification.method:
+        if "component_ref" in params:
             self.reached.append((method, params["component_ref"]))
         return await self.streams.call(method, params, client)
 
-    async def forget(self, client: Client) -> None:
-        await self.streams.forget(client)
+    async def set_holder(self, notification: HolderNotification, client: Client) -> None:
+        await self.streams.set_holder(notification, client)
+
+    async def forget_client(self, client: Client) -> None:
+        await self.streams.forget_client(client)
 
 
 @dataclass
 class Wire:
-    """An application that is nothing but texts, which are sent and received in memory or over a socket.
+    """An application that sends and receives texts, in memory or over a socket.
 
     Attributes:
         frames: everything that came and was not looked at yet.
@@ -138,7 +141,7 @@ class Wire:
 
 @dataclass
 class Place:
-    """A gateway and what stands behind it.
+    """A gateway with its robots.
 
     Attributes:
         host: the gateway's engine.
@@ -150,10 +153,10 @@ class Place:
 
     @asynccontextmanager
     async def application(self, who: Principal | TokenExpiry) -> AsyncIterator[Wire]:
-        """Connect an application of a principal, which a tenure can change."""
+        """Connect an application of a principal, which a new token can change."""
         near, far = memory_pair(capacity=4096)
-        tenure = TokenExpiry(who) if isinstance(who, Principal) else who
-        serving = asyncio.ensure_future(serve_application(self.host, far, tenure))
+        expiry = TokenExpiry(who) if isinstance(who, Principal) else who
+        serving = asyncio.ensure_future(serve_application(self.host, far, expiry))
         try:
             yield Wire(near)
         finally:
@@ -161,7 +164,7 @@ class Place:
             await asyncio.wait({serving}, timeout=PATIENCE)
 
     def reached(self) -> set[tuple[str, str]]:
-        """Return what was called, and of which components, since this was asked last."""
+        """Return the calls since the last call of this method."""
         found = {call for robot in self.robots.values() for call in robot.reached}
         for robot in self.robots.values():
             robot.reached.clear()

@@ -32,7 +32,7 @@ def plain(message: Message) -> Message:
 
 
 class FakeAdapter:
-    """Answers the first HELLO with `answer`; afterwards the test speaks for it."""
+    """Answers the first HELLO with `answer`; everything else is sent by the test."""
 
     def __init__(self, answer: bytes = wire(Welcome("adapter"))) -> None:
         self._answer = answer

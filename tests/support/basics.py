@@ -18,7 +18,7 @@ class SystemInformation(components.SystemInformation):
 
 
 class PersonDetection(components.PersonDetection):
-    """Tells of one more person each time it is started."""
+    """Detects one more person at each start."""
 
     persons = 0
 
@@ -124,7 +124,7 @@ class Reaction(components.Reaction):
 
 
 class Navigation(components.Navigation):
-    """Is at once where it goes."""
+    """Arrives at once."""
 
     async def start(self) -> None:
         *waypoints, destination = self.target_positions or ("home",)
@@ -155,7 +155,7 @@ class Move(components.Move):
 
 
 class AudioStreaming(components.AudioStreaming):
-    """One stream that belongs to everybody."""
+    """One stream shared by all applications."""
 
     async def connect_stream(self) -> str:
         self.notify_stream_status(StreamStatus.STREAMING_RUNNING, stream_id="stream")

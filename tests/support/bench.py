@@ -1,14 +1,13 @@
 """Reports of benches that never ran."""
 
-from openrois_avatar.bench.fanout_report import FanoutReport
-from openrois_avatar.bench.latency_report import LatencyReport
-from openrois_avatar.bench.observation import Observation, Sightings
-from openrois_avatar.bench.runs import AIORTC, OPENROIS, Run, compare
-from openrois_avatar.bench.stop_report import Load, StopReport
-from openrois_avatar.bench.stop_report import Run as StopRun
-
-from openrois.bench.conditions import Conditions
-from openrois.bench.figures import Waits
+from openrois_bench.faults.stop_report import Load, StopReport
+from openrois_bench.faults.stop_report import Run as StopRun
+from openrois_bench.measuring.conditions import Conditions
+from openrois_bench.measuring.figures import Percentiles
+from openrois_bench.streams.fanout.report import FanoutReport
+from openrois_bench.streams.fanout.runs import AIORTC, OPENROIS, Run, compare
+from openrois_bench.streams.latency.report import LatencyReport
+from openrois_bench.viewing.observation import Observation, Sightings
 
 CONDITIONS = Conditions(
     cpus=2, processor="P", system="S", python="3", versions={"aiortc": "1"}, load_before=0.1, load_after=0.2
@@ -46,7 +45,7 @@ def fanout(*, delivered: bool, others: float | None = None) -> FanoutReport:
 def stop_run(load: Load, p99: float = 20.0, **more: object) -> StopRun:
     """A run under a load, of which everything was there unless `more` says otherwise."""
     reached = {"reports": load.reports, "strangers": load.strangers, "joined": load.viewers}
-    waits = Waits(count=300, p50=4_000.0, p95=9_000.0, p99=p99 * 1000)
+    waits = Percentiles(count=300, p50=4_000.0, p95=9_000.0, p99=p99 * 1000)
     rest = {"unconfirmed": 0, "adapter": 0.2, "pictures": 30.0}
     return StopRun.model_validate({"load": load, "stops": waits, **rest, **reached, **more})
 

@@ -1,4 +1,4 @@
-"""A gateway that does something wrong: a proxy in front of a real one, which bends what passes."""
+"""A faulty gateway: a proxy in front of a real one that changes messages."""
 
 import asyncio
 import json
@@ -42,7 +42,7 @@ class Bent:
 
 
 class _Leg:
-    """One connection through the proxy: what was asked on it, and what became of it."""
+    """One connection through the proxy, with its requests and responses."""
 
     def __init__(self, bent: Bent, near: ServerConnection, far: Any) -> None:
         self.bent = bent

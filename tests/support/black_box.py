@@ -1,4 +1,4 @@
-"""An application written from `docs/wire.md` alone: `websockets`, `aiortc`, and nothing of this project.
+"""An application written from `docs/reference/wire.md` alone: `websockets`, `aiortc`, and nothing of this project.
 
 Run as a program it is a viewer of its own: it plays the avatar's pictures and prints a line with number and arrival for
 each, until it is ended: `python -m tests.support.black_box ws://127.0.0.1:8765/ video/H264`.
@@ -41,7 +41,7 @@ Message = dict[str, Any]
 
 
 class Refused(Exception):
-    """The gateway answered with a JSON-RPC error."""
+    """JSON-RPC error response of the gateway."""
 
     def __init__(self, error: Message) -> None:
         super().__init__(f"{error['message']} ({error['code']})")
@@ -50,7 +50,7 @@ class Refused(Exception):
 
 
 class News:
-    """Wakes whoever waits for something to become true, whenever something has happened."""
+    """Wakes waiters of conditions at each event."""
 
     def __init__(self) -> None:
         self._waiting: set[asyncio.Future[None]] = set()
@@ -184,13 +184,25 @@ class Application(Wire):
         self._players: list[asyncio.Task[None]] = []
 
     def statuses(self, stream_id: str) -> list[str]:
-        """What was told about a stream so far, without `STREAMING_`."""
+        """Return the statuses notified of a stream so far, without `STREAMING_`."""
         notices = (params for params in self.told(STATUS) if params["stream_id"] == stream_id)
         return [params["status"].removeprefix("STREAMING_") for params in notices]
 
     async def until_status(self, stream_id: str, status: str, within: float = _PATIENCE) -> None:
-        """Wait until `status` is the newest that was told about a stream."""
-        await self.news.until(lambda: self.statuses(stream_id)[-1:] == [status], within)
+        """Wait until `status` is the newest notified of a stream."""
+        try:
+            await self.news.until(lambda: self.statuses(stream_id)[-1:] == [status], within)
+        except TimeoutError:
+            raise TimeoutError(f"not {status} within {within:g} s: {self._condition(stream_id)}") from None
+
+    def _condition(self, stream_id: str) -> str:
+        """Return what is known of a stream, for the message of a wait in vain."""
+        peers = [
+            (each.connection.connectionState, [media.arrived for media in each.media.values()], each.bye)
+            for each in self.peers.values()
+        ]
+        faults = [each.get("error_type") for each in self.told("rois.system.notify_error")]
+        return f"statuses {self.statuses(stream_id)}; state, frames and bye of peers {peers}; faults {faults}"
 
     async def hello(self) -> str:
         """Say which extensions this application speaks; returns the client id."""
@@ -201,7 +213,7 @@ class Application(Wire):
     async def connect_stream(
         self, component_ref: str, codecs: Sequence[str] | None = None, direction: str | None = None
     ) -> str:
-        """Connect a stream and return its id; what is offered is answered by itself."""
+        """Connect a stream and return its id; its offer is answered by itself."""
         servers = (await self.ask("signaling.ice_servers"))["ice_servers"]
         self._ice_servers = [RTCIceServer(**server) for server in servers]
         parameters = [] if codecs is None else [encoding_parameters(json.dumps({"codecs": list(codecs)}))]
@@ -213,7 +225,7 @@ class Application(Wire):
         return str(answer["stream_id"])
 
     async def play(self, component_ref: str, codecs: Sequence[str] | None = None, direction: str | None = None) -> str:
-        """Connect a stream and wait until it is told to run."""
+        """Connect a stream and wait until it is notified as running."""
         stream_id = await self.connect_stream(component_ref, codecs, direction)
         await self.until_status(stream_id, "RUNNING")
         return stream_id
@@ -291,7 +303,7 @@ class Application(Wire):
             await self._trickle(about, candidates)
 
     async def described(self, offer: Message) -> str:
-        """The answer to an offer that was taken, not sent yet."""
+        """Apply an offer and return the answer, which is not sent yet."""
         connection = self.peers[offer["peer_id"]].connection
         await connection.setRemoteDescription(RTCSessionDescription(offer["sdp"], "offer"))
         places = {each.mid: each for each in connection.getTransceivers()}

@@ -1,4 +1,4 @@
-"""A person's visit to the page: a real Chromium, its tab, and what that person sees, hears and is told."""
+"""A visit to the page: a real Chromium, its tab, and what is seen, heard and received there."""
 
 import asyncio
 import itertools
@@ -47,7 +47,7 @@ class Seen:
 
     @property
     def black(self) -> bool:
-        """Nothing of a picture is to be seen: the placeholder is darker and flatter than the colour bars."""
+        """Whether no picture is visible: the placeholder is darker and flatter than the colour bars."""
         return self.luma < 60 or self.spread < 25
 
 
@@ -71,7 +71,7 @@ class Visit:
     _passing: asyncio.Event = field(default_factory=asyncio.Event)
 
     def item(self, name: str) -> Locator:
-        """The element that page and tests know by this name."""
+        """Return the element with this test id."""
         return self.page.get_by_test_id(name)
 
     async def press(self, name: str) -> None:
@@ -86,7 +86,7 @@ class Visit:
         return await self.page.evaluate(f"probe.until(() => ({condition}), {PATIENCE * 1000})")
 
     async def read(self, expression: str) -> Any:
-        """What a JavaScript expression gives now."""
+        """Return the present value of a JavaScript expression."""
         return await self.page.evaluate(f"({expression})")
 
     async def status(self, kind: str, status: str) -> None:
@@ -101,7 +101,7 @@ class Visit:
         return words
 
     async def no_banner(self) -> None:
-        """Wait until the page has nothing to complain about."""
+        """Wait until the page shows no banner."""
         await expect(self.item("banner")).to_be_hidden(timeout=PATIENCE * 1000)
 
     async def plays(self, count: int = 5) -> list[dict[str, float]]:
@@ -153,9 +153,9 @@ class Visit:
             if (unit["component_ref"], unit["command_type"]) == (component_ref, command_type)
         ]
 
-    async def until_executed(self, component_ref: str, command_type: str) -> str:
-        """Wait for such a command and return the id of the last one."""
-        return (await self._until_passed(lambda: self.executed(component_ref, command_type)))[-1]
+    async def until_executed(self, component_ref: str, command_type: str, beyond: int = 0) -> str:
+        """Wait for such a command, after the first `beyond` ones, and return the id of the last one."""
+        return (await self._until_passed(lambda: self.executed(component_ref, command_type)[beyond:]))[-1]
 
     async def _until_passed(self, found: Callable[[], list[T]]) -> list[T]:
         """Wait until there is something among the messages that the page sent or received."""
@@ -180,7 +180,7 @@ class Visit:
         await self.page.evaluate("probe.listen()")
 
     async def look(self) -> Seen:
-        """What the stage shows, as a person sees it: out of a screenshot."""
+        """Return what the stage shows, read from a screenshot."""
         picture = await self.picture()
         height, width = picture.shape
         middle = picture[height // 5 : height * 3 // 4, width // 8 : width * 7 // 8]
@@ -225,7 +225,7 @@ class Visit:
                 await watching
 
     def connected(self, socket: WebSocket) -> None:
-        """Take note of what a WebSocket of the page carries."""
+        """Record the messages of a WebSocket of the page."""
         socket.on("framesent", lambda text: self._passed(text, self.sent))
         socket.on("framereceived", lambda text: self._passed(text, self.received))
 
@@ -234,7 +234,7 @@ class Visit:
         self._passing.set()
 
     def heard(self, message: ConsoleMessage) -> None:
-        """Take what the console says."""
+        """Take a message of the console."""
         if message.type in ("error", "warning"):
             self.complain(f"{message.type}: {message.text}")
 

@@ -1,12 +1,12 @@
-"""The senses of a camera behind one engine id, told by hand what is seen."""
+"""The senses of a camera behind one engine id; the test sets what is seen."""
 
 from typing import Any
 
-from openrois_avatar.camera_senses import CameraSenses, camera_senses
-from openrois_avatar.devices import Camera
-from openrois_avatar.sensing.changes import Place
-from openrois_avatar.vision.box import Box
-from openrois_avatar.vision.seen import Person, Seen
+from openrois_body.camera_senses import CameraSenses, camera_senses
+from openrois_body.sensing.changes import Place
+from openrois_body.vision.box import Box
+from openrois_body.vision.sighting import Person, Sighting
+from openrois_media.devices import Camera
 
 from openrois.contract import Event
 from openrois.engine.registry import LocalRegistry
@@ -14,10 +14,10 @@ from openrois.types.messages import Argument
 from openrois.types.values import decode_value
 from tests.support.streaming import VirtualClock
 
-__all__ = ["CameraStage", "somebody"]
+__all__ = ["CameraStage", "seen_person"]
 
 
-def somebody(number: int = 1, x: float = 0.0, y: float = 1.0, **more: Any) -> Person:
+def seen_person(number: int = 1, x: float = 0.0, y: float = 1.0, **more: Any) -> Person:
     """A person at a place."""
     return Person(number, Box(0.4, 0.3, 0.2, 0.3), Place(x, y, 0.0), **more)
 
@@ -42,10 +42,10 @@ class CameraStage:
         await self.registry.invoke(f"avatar/{component}", "set_parameter", arguments)
 
     def see(self, *persons: Person, passed: float = 0.1) -> list[dict[str, Any]]:
-        """Let the watch see somebody in the next picture; return what was told of it."""
+        """Let the watch see persons in the next picture; return the events about them."""
         self.clock.jump(passed)
         before = len(self.heard)
-        self.senses.watch.seen.tell(Seen(self.clock.now(), persons))
+        self.senses.watch.seen.notify_all(Sighting(self.clock.now(), persons))
         return self.heard[before:]
 
     def _hear(self, item: object) -> None:

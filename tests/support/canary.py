@@ -1,4 +1,4 @@
-"""Secrets of tests that must not be said anywhere: they are looked for in all that a test run prints and logs."""
+"""Secrets of tests that must not leak: everything that a test run prints and logs is searched for them."""
 
 import re
 from collections.abc import Iterable

@@ -41,6 +41,7 @@ class Authority:
         self.serial += 1
         begun = x509.CertificateBuilder().subject_name(_name(subject)).issuer_name(_name("authority"))
         begun = begun.public_key(public_key).serial_number(self.serial)
+        begun = begun.add_extension(x509.SubjectKeyIdentifier.from_public_key(public_key), critical=False)
         return begun.not_valid_before(_BEGIN).not_valid_after(_END)
 
     def issue(self, *, password: bytes | None = None) -> tuple[Path, Path]:

@@ -63,8 +63,6 @@ class Tab:
         """What its media passes; None for nothing."""
         self.refusals: list[SessionError] = []
         self._newest: dict[str, Offer] = {}
-        self._answered: set[str] = set()
-        self._waiting: list[tuple[str, dict[str, Any]]] = []
 
     async def open(self) -> None:
         await self.page.goto("about:blank")
@@ -127,7 +125,7 @@ class Tab:
 
 @asynccontextmanager
 async def browser_at(program: Path, *, hide_addresses: bool = True) -> AsyncIterator[Browser]:
-    """A browser, as a person has it; it may be told not to hide its addresses behind `.local` names."""
+    """A browser, as a person has it; it may be set not to hide its addresses behind `.local` names."""
     arguments: Sequence[str] = ["--no-sandbox", "--autoplay-policy=no-user-gesture-required"]
     if not hide_addresses:
         arguments = [*arguments, "--disable-features=WebRtcHideLocalIpsWithMdns"]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass
 class Clock:
-    """Seconds, monotonic or since the epoch, as who reads them likes."""
+    """Seconds, monotonic or since the epoch."""
 
     now: float = 0.0
 

@@ -14,7 +14,7 @@ def text(name: str, value: str) -> Result:
 
 
 class Lamp(Component, authority="Test", function="actuation"):
-    """An actuation: glows in a colour, counts its switches, and can be told to fail, to time out or to wait."""
+    """An actuation: glows in a colour, counts its switches, and has commands that fail, time out or wait."""
 
     colour: str = parameter("white")
     level: int = parameter(5)
@@ -64,7 +64,7 @@ class Lamp(Component, authority="Test", function="actuation"):
 
 
 class Rover(Component, authority="Test", function="actuation"):
-    """Drives until it is stopped, and only while somebody is in control; its brake can be broken."""
+    """Drives until it is stopped, and only while an application is in control; its brake can be broken."""
 
     dead_man = DEAD_MAN
 
@@ -92,7 +92,7 @@ class Rover(Component, authority="Test", function="actuation"):
 
 
 class Bell(Component, authority="Test", function="sensing"):
-    """A sensing component that needs no bind: rings when a test tells it to."""
+    """A sensing component that needs no bind: rings when a test calls `ring`."""
 
     @event
     def rang(self, tune: str) -> None: ...

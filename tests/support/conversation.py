@@ -1,4 +1,4 @@
-"""What a person does with an avatar on the page: meet it, speak through it, and hear and see how it does that."""
+"""Steps of a visitor: meet the avatar, speak through it, and measure sound and mouth."""
 
 import re
 from dataclasses import dataclass
@@ -58,7 +58,7 @@ async def aloud(visit: Visit) -> None:
 
 
 async def all_stopped(visit: Visit) -> None:
-    """Wait until the red button says that all has stopped; what did not say so in time is told once more.
+    """Wait until the red button reports that all has stopped; press it again for what did not confirm in time.
 
     Raises:
         AssertionError: something does not stop.
@@ -73,7 +73,7 @@ async def all_stopped(visit: Visit) -> None:
 
 
 async def outcome(visit: Visit, component_ref: str, command_type: str) -> str:
-    """How the command ended that the page executed last on a component, as the wire said it."""
+    """Return the status of the last command that the page executed on a component."""
     command_id = await visit.until_executed(component_ref, command_type)
     completed = await visit.until_told("rois.command.completed", command_id=command_id)
     return str(completed["status"])
@@ -106,6 +106,6 @@ async def speak(visit: Visit, text: str) -> Speech:
 
 
 def _tenth(samples: list[tuple[float, float]]) -> float:
-    """When a tenth of all that is sampled had come; each is a moment and how much came then."""
+    """Return the moment at which a tenth of the total had come; samples are (moment, amount)."""
     rest = sum(amount for _, amount in samples) / 10
     return next(at for at, amount in samples if (rest := rest - amount) <= 0)

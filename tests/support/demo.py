@@ -1,4 +1,4 @@
-"""`openrois demo` as a person runs it: a process of its own, on a free port."""
+"""`openrois demo` as users run it: a process of its own, on a free port."""
 
 import itertools
 import os
@@ -25,9 +25,9 @@ _END: Final = 10.0
 
 
 def free_port() -> int:
-    """A TCP port of the loopback interface that nobody uses, nor is given who asks for any: it can be taken twice.
+    """Return a TCP port of the loopback interface that is free and outside of the range of ephemeral ports.
 
-    Debian gives those from 32768 on.
+    Debian's ephemeral ports begin at 32768. A restarted program can use the port again.
     """
     while True:
         # Tests of other processes must not try the same ones, however they seed `random`.
@@ -43,7 +43,7 @@ def start(*arguments: str, log: IO[str] | int = subprocess.PIPE) -> subprocess.P
     It does not survive this process, nor the thread that calls this.
     """
     return subprocess.Popen(
-        [sys.executable, "-m", "openrois_avatar.launch", str(os.getpid()), "openrois.cli", *arguments],
+        [sys.executable, "-m", "openrois_body.processes.launch", str(os.getpid()), "openrois.cli", *arguments],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=log,
@@ -130,7 +130,7 @@ def running_demo(folder: Path, engine: str = "synthetic", more: Sequence[str] = 
 
 
 class Demos:
-    """Demos that tests share. One runs at a time, as a game engine works also while nobody looks.
+    """Demos that tests share. One runs at a time, as a game engine draws also without a viewer.
 
     Args:
         folders: where their logs go.

@@ -1,8 +1,8 @@
-"""A real gateway with real adapters on real sockets, and an application that is nothing but a WebSocket."""
+"""A real gateway with real adapters on real sockets, and an application on a bare WebSocket."""
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 from typing import Any
@@ -34,7 +34,7 @@ PATIENCE = 30.0
 
 
 class Door(Component, authority="Test"):
-    """A component without a class: opens when it is let, can be out of order, and lists what it is given."""
+    """A component without a class: opens when allowed, can be out of order, and records its arguments."""
 
     def __init__(self, name: str = "door") -> None:
         super().__init__(name)
@@ -81,7 +81,7 @@ class Robot:
 
 @dataclass
 class Application:
-    """An application that speaks raw JSON; whatever it hears is checked against the strict wire.
+    """An application that speaks raw JSON; each message it gets is checked against the strict wire.
 
     Attributes:
         reasons: why something was refused or failed, by the request's id or the command's: each stood right before it.
@@ -201,7 +201,7 @@ class Application:
         return ended
 
     async def settled(self) -> list[str]:
-        """Ask something harmless; return the notifications that came up to its answer and nobody asked for yet."""
+        """Send a harmless request; return the notifications up to its response that were not read yet."""
         await self.ask("rois.system.connect")
         return [name for name, _ in self.told]
 
@@ -251,22 +251,6 @@ class Adapter:
 def patience() -> asyncio.Timeout:
     """Bound a wait for something that comes at once."""
     return asyncio.timeout(PATIENCE)
-
-
-class Slow:
-    """A method that first waits until it is let; `done` says that it has returned."""
-
-    def __init__(self, method: Callable[..., Awaitable[Any]]) -> None:
-        self._method = method
-        self.may_go_on = asyncio.Event()
-        self.done = asyncio.Event()
-
-    async def __call__(self, *arguments: Any) -> Any:
-        await self.may_go_on.wait()
-        try:
-            return await self._method(*arguments)
-        finally:
-            self.done.set()
 
 
 def adapter_sessions(monkeypatch: pytest.MonkeyPatch) -> list[RpcSession]:

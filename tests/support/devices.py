@@ -44,7 +44,7 @@ class Devices:
 
     @property
     def arguments(self) -> tuple[str, ...]:
-        """What tells Chromium to use them, and that its user says yes to everything."""
+        """The options with which Chromium uses them, and grants every permission."""
         return (
             "--use-fake-device-for-media-stream",
             "--use-fake-ui-for-media-stream",

@@ -35,14 +35,14 @@ class Child:
             return [await anext(self.pictures) for _ in range(count)]
 
     async def until(self, seen: Callable[[RawVideo], bool]) -> RawVideo:
-        """The first picture that shows what is looked for."""
+        """Return the first picture that meets a condition."""
         async with asyncio.timeout(PATIENCE):
             while not seen(picture := await anext(self.pictures)):
                 pass
             return picture
 
     async def completed(self, id: str) -> Completed:
-        """How the reaction with this id ended."""
+        """Return how the reaction with this id ended."""
         async with asyncio.timeout(PATIENCE):
             while True:
                 for event in self.events:

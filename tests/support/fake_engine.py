@@ -1,4 +1,4 @@
-"""A game engine, a process of its own, that behaves as told: `python -m tests.support.fake_engine good`."""
+"""A game engine, a process of its own that behaves as its argument says: `python -m tests.support.fake_engine good`."""
 
 import os
 import signal

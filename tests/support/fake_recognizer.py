@@ -4,7 +4,7 @@ import os
 import sys
 import time
 
-from openrois_avatar.speech.framing import HEADER, decode_body, decode_header, encode
+from openrois_body.processes.framing import HEADER, decode_body, decode_header, encode
 
 
 def main() -> None:

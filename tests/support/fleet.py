@@ -1,4 +1,4 @@
-"""Robots with all seventeen basic components, made of the catalog: what they do is simple, and they really do it."""
+"""Robots with all seventeen basic components, made of the catalog, with simple but real behaviour."""
 
 import asyncio
 import itertools
@@ -14,7 +14,7 @@ from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.component_type import ComponentType
 from openrois.catalog.payload import Payload
 from openrois.catalog.streaming import ConnectStreamResults, NotifyStreamStatus, StreamArguments, StreamStatusResults
-from openrois.component.arguments import check_arguments
+from openrois.component.authoring.parameters import check_arguments
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
 from openrois.errors import Aborted, BadParameter, Unsupported, require_usable
@@ -87,7 +87,7 @@ class Part:
         self._starts: set[asyncio.Task[Any]] = set()
 
     async def connect(self) -> None:
-        """Do what is to be done before a component can be used: nothing."""
+        """Connect nothing: the component can be used at once."""
 
     async def disconnect(self) -> None:
         """End what still runs."""
@@ -99,10 +99,10 @@ class Part:
         return ComponentStatus.BUSY if self._running and self.is_in is ComponentStatus.READY else self.is_in
 
     def subscribers_changed(self, event_type: str, number: int) -> None:
-        """It announces whether or not anybody listens."""
+        """Ignore subscribers: events are announced with and without them."""
 
     def tell(self, event_type: str, **values: Any) -> Payload:
-        """Announce an event with `values` and examples for the rest; return what was told."""
+        """Announce an event with `values` and examples for the rest; return its results."""
         kind = next(each for each in self.kind.all_events() if each.name == event_type)
         payload = example(kind.results, **values)
         self.emit(event_type, payload.named(Result))

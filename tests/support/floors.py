@@ -1,11 +1,11 @@
-"""Random floors, and what a way over one must keep to: worked out point by point, apart from what is tested."""
+"""Random floors, and the clearance of a way, computed point by point, independently of the tested code."""
 
 from collections.abc import Sequence
 from itertools import pairwise
 from math import cos, dist, hypot, pi, sin
 
 from hypothesis import strategies as st
-from openrois_avatar.link.messages import Floor
+from openrois_body.messages import Floor
 
 Point = tuple[float, float]
 ROOM = 6.0
@@ -65,7 +65,7 @@ def from_edge(point: Point, edge: tuple[Point, Point]) -> float:
 
 
 def room_at(floor: Floor, point: Point) -> float:
-    """The metres from a point to the nearest edge; -1 where nobody can be."""
+    """The metres from a point to the nearest edge; -1 outside of the floor."""
     if not is_inside(floor.outline, point) or any(is_inside(each, point) for each in floor.obstacles):
         return -1.0
     return min(from_edge(point, edge) for edge in edges(floor))

@@ -1,4 +1,4 @@
-"""Every way that we know to make a bad token."""
+"""All known kinds of bad tokens."""
 
 import json
 

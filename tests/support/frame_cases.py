@@ -1,4 +1,4 @@
-"""What may and may not come over a WebSocket, each case with its name, its bytes and what is heard then (RFC 6455)."""
+"""Valid and invalid WebSocket frames: each case with its name, its bytes and the expected response (RFC 6455)."""
 
 import zlib
 from dataclasses import dataclass
@@ -87,7 +87,7 @@ RIGHT = (
     _one("a ping that is no text", frame(PING, b"\x00\xff\xfe"), "pong \x00\xff\xfe"),
     Case("a ping byte by byte", _bytewise(frame(PING, b"hello")), ("pong hello",)),
     _one("ten pings", b"".join(frame(PING, b"%d" % n) for n in range(10)), *(f"pong {n}" for n in range(10))),
-    _one("a pong that nobody asked for", frame(PONG, b"here")),
+    _one("an unsolicited pong", frame(PONG, b"here")),
     _one("a pong, then a ping", frame(PONG) + frame(PING, b"x"), "pong x"),
     _one(
         "a ping between fragments",
@@ -143,7 +143,7 @@ RESERVED = (
     _closed(
         "a reserved bit of the second fragment", 1002, frame(TEXT, b"x", fin=False), frame(CONTINUATION, b"y", rsv=4)
     ),
-    _closed("a message that is compressed, though nobody agreed to that", 1002, frame(TEXT, _DEFLATED, rsv=4)),
+    _closed("a compressed message without a negotiated extension", 1002, frame(TEXT, _DEFLATED, rsv=4)),
     *(_closed(f"opcode {opcode}", 1002, frame(opcode)) for opcode in (3, 4, 5, 6, 7, 11, 12, 13, 14, 15)),
     _closed("opcode 3 with something in it", 1002, frame(3, b"x" * 200)),
     _closed("opcode 15 with something in it", 1002, frame(15, b"x" * 100)),

@@ -1,4 +1,4 @@
-"""A WebSocket client that sends bytes as they are, and says in words what it hears."""
+"""A WebSocket client that sends raw bytes and describes received frames in words."""
 
 import asyncio
 import itertools

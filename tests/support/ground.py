@@ -1,7 +1,6 @@
-"""Where faults are tried: a gateway, robots behind it, a relay between them, and the rules checked in the end."""
+"""A stage for faults: a gateway, robots behind it, a relay between them, and invariants checked in the end."""
 
 import asyncio
-import json
 import os
 import random
 import ssl
@@ -179,7 +178,7 @@ async def ground(
 
 
 async def _check_left(place: Ground, *, ready: bool) -> None:
-    """Check that the gateway lives and nothing is left of those who have left (I5, I8)."""
+    """Check that the gateway lives and nothing is left of closed sessions (I5, I8)."""
     async with ClientSession() as http, http.get(f"{place.gateway.url}readyz", ssl=place.tls or True) as answer:
         assert not ready or answer.status == 200, await answer.text()
     options: dict[str, Any] = {} if place.tls is None else {"ssl": place.tls}
@@ -199,11 +198,11 @@ def _left(host: EngineHost) -> dict[str, object]:
     left = {
         "commands": host.commands.taken,
         "text of commands": host.commands.text,
-        "accepted": host.accepted.components(),
+        "accepted": host.pending.components(),
         "leases": held,
         "engines": host.engine.directory.profile.engine_ids()[1:],
         "subscriptions": len(host.engine._subscriptions),
-        "sessions": host.traffic.sessions("application") + host.traffic.sessions("adapter"),
+        "sessions": host.connection_stats.sessions("application") + host.connection_stats.sessions("adapter"),
     }
     return {name: value for name, value in left.items() if value}
 
@@ -277,8 +276,3 @@ def gateway_program(*options: str, log: Path, **more: Any) -> Any:
 def robot_program(url: str, *, log: Path, engine_id: str = "robot") -> Any:
     """Run a robot with a lamp and a bell as a process."""
     return program("-m", "tests.support.robot_child", url, engine_id, log=log)
-
-
-def read_json(path: Path) -> list[dict[str, Any]]:
-    """Return the objects of a file of JSON lines."""
-    return [json.loads(line) for line in path.read_text().splitlines()]

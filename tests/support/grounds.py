@@ -10,24 +10,22 @@ from typing import Any, Final, cast
 from websockets.asyncio.server import ServerConnection, serve
 
 from openrois.aio.tasks import TaskScope
-from openrois.client import Client, Reconnect
+from openrois.client import Client, Notice, Reconnect
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
 from openrois.gateway.applications import serve_application
-from openrois.gateway.server import run_gateway
-from openrois.gateway.settings import GatewaySettings
 from openrois.interfaces import base_methods
 from openrois.jsonrpc.session import RpcSession
 from openrois.leases.model import Rules
 from openrois.session.session import ApplicationSession, EngineHost
 from openrois.transport.memory import MemoryStream, memory_pair
-from openrois.transport.stream import MessageStream
+from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.transport.websocket import WebSocketStream
 from tests.support.components import Bell, Lamp
 from tests.support.fleet import Robot, everything
 from tests.support.wire import no_wait
 
-__all__ = ["GROUNDS", "Clock", "Ground", "Line", "eventually", "ground", "line", "serve_plain"]
+__all__ = ["GROUNDS", "Clock", "Ground", "Line", "deaf", "eventually", "ground", "heard", "line", "serve_plain"]
 
 
 @dataclass(frozen=True)
@@ -63,6 +61,10 @@ async def _furnish(engine: Engine) -> tuple[Robot, Lamp, Bell, LocalRegistry]:
 
 @asynccontextmanager
 async def _ours() -> AsyncIterator[Ground]:
+    # The other gateways need no libraries beside those of a client.
+    from openrois.gateway.server import run_gateway
+    from openrois.gateway.settings import GatewaySettings
+
     async with run_gateway(GatewaySettings(port=0)) as gateway:
         robot, lamp, bell, _ = await _furnish(gateway.engine)
         yield Ground(robot, lamp, bell, {"url": gateway.url}, True, gateway.engine)
@@ -133,7 +135,7 @@ async def eventually(client: Client, condition: Callable[[], bool]) -> None:
 
 @dataclass
 class Clock:
-    """A time that a test turns: whoever sleeps is woken by `pass_time`.
+    """A clock set by a test: sleeping tasks are woken by `pass_time`.
 
     Attributes:
         asked: how long each sleep was to be.
@@ -157,14 +159,14 @@ class Clock:
                 self._sleepers.remove(woken)
 
     async def asleep(self) -> None:
-        """Wait until somebody sleeps."""
+        """Wait until a task sleeps."""
         async with asyncio.timeout(60):
             while not self._sleepers:
                 self._fell_asleep.clear()
                 await self._fell_asleep.wait()
 
     async def pass_time(self) -> float:
-        """Wait until somebody sleeps, let the time pass, and return how long that was."""
+        """Wait until a task sleeps, let its time pass, and return how long that was."""
         await self.asleep()
         seconds = self.asked[-1]
         self.now += seconds
@@ -238,3 +240,39 @@ async def line(grace: float = 0) -> AsyncIterator[Line]:
         connections = await stack.enter_async_context(TaskScope())
         host = EngineHost(Engine("gateway"), commands, sleep=no_wait, lease_rules=Rules(grace=grace))
         yield Line(host, *(await _furnish(host.engine)), connections)
+
+
+async def heard(notices: AsyncIterator[Any], *kinds: type[Notice]) -> list[Notice]:
+    """Return the next notices, which are of these kinds."""
+    async with asyncio.timeout(60):
+        found = [await anext(notices) for _ in kinds]
+    assert [type(each) for each in found] == list(kinds)
+    return found
+
+
+@asynccontextmanager
+async def deaf(line: Line) -> AsyncIterator[Any]:
+    """Let the gateway answer nothing but the greeting; yields a wait for a method to be asked."""
+    asked: dict[str, asyncio.Event] = {}
+    usual = line.speaks
+
+    async def speak(_host: Any, stream: MessageStream) -> None:
+        while True:
+            try:
+                message = json.loads(await stream.receive())
+            except StreamClosed:
+                return
+            result = {"return_code": "OK"}
+            if message["method"] in ("rois.system.connect", "openrois.hello", "rois.system.disconnect"):
+                await stream.send(json.dumps({"jsonrpc": "2.0", "id": message["id"], "result": result}))
+            asked.setdefault(message["method"], asyncio.Event()).set()
+
+    async def wait_for(method: str) -> None:
+        async with asyncio.timeout(60):
+            await asked.setdefault(method, asyncio.Event()).wait()
+
+    line.speaks = speak
+    try:
+        yield wait_for
+    finally:
+        line.speaks = usual

@@ -18,7 +18,7 @@ from tests.support.tokens import issue, key_file
 
 @dataclass
 class Guarded:
-    """A gateway, and how to come to it."""
+    """A gateway, and how to reach it."""
 
     gateway: Gateway
     folder: Path
@@ -49,7 +49,7 @@ class Guarded:
         )
 
     def audited(self) -> list[dict[str, Any]]:
-        """What the trail says; it is written once the gateway has stopped."""
+        """Return the audit trail, which is complete once the gateway has stopped."""
         return [json.loads(line) for line in (self.folder / "audit.jsonl").read_text().splitlines()]
 
 

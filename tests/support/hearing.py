@@ -1,4 +1,4 @@
-"""Sounds for ears: voices made of nothing but numbers, what is no voice, and text that flite speaks."""
+"""Sounds for tests of hearing: synthetic voices, other sounds, and text spoken by flite."""
 
 import shutil
 import subprocess
@@ -18,7 +18,7 @@ _FORMANTS = ((700, 1200, 2600), (300, 2200, 3000), (500, 900, 2500), (400, 1900,
 
 
 def voice(seconds: float, pitch: float = 120.0, amplitude: float = 8000.0) -> Sound:
-    """Somebody who babbles: a buzz whose pitch glides, through formants that go from vowel to vowel, 5 a second."""
+    """Return a babbling voice: a buzz of gliding pitch through formants that change vowels 5 times a second."""
     time = np.arange(round(seconds * RATE)) / RATE
     frequency = pitch * (1 + 0.12 * np.sin(2 * np.pi * 1.3 * time))
     phase = 2 * np.pi * np.cumsum(frequency) / RATE

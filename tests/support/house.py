@@ -7,8 +7,8 @@ from functools import partial
 from unittest.mock import patch
 
 from openrois_avatar.adapter import Avatar, run_avatar
+from openrois_avatar.options.settings import AvatarSettings
 from openrois_avatar.scene import synthetic_scene
-from openrois_avatar.settings import AvatarSettings
 from openrois_streaming.publish.rendition import RenditionFigures
 
 from openrois.adapter.dialer import serve_parent
@@ -20,7 +20,7 @@ _PATIENCE = 10.0
 
 
 class House:
-    """What runs, and who visits.
+    """The running programs, and applications.
 
     Attributes:
         avatar: the adapter, with all that a test may want to count.
@@ -32,7 +32,6 @@ class House:
         self.avatar = avatar
         self.url = gateway.url.replace("http", "ws", 1)
         self.grace = asyncio.Event()
-        self._gateway = gateway
         self._guests = guests
         self._changed = asyncio.Event()
         self._serving: asyncio.Task[None] | None = None

@@ -1,4 +1,4 @@
-"""What holds after every fault: applications that write down all that they hear, and the rules that it is judged by.
+"""Invariants that hold after every fault, and applications that record all messages for them.
 
 I1  each request gets exactly one response, and one that was cut off at most one
 I2  each accepted command gets exactly one `completed`, after its acceptance
@@ -44,7 +44,7 @@ _NEVER_SAID: Final = ("Traceback", 'File "', ".py", "site-packages", "canary")
 
 @dataclass
 class Book:
-    """What all witnesses of one run have done and heard, in the order in which it came.
+    """Records of all witnesses of one run, in order.
 
     Attributes:
         witnesses: the applications.
@@ -89,13 +89,13 @@ class Book:
             del self.holders[component_ref]
 
     def check(self) -> None:
-        """Judge what was heard, when all connections have ended (I1, I2, I4, I7)."""
+        """Judge what was received, when all connections have ended (I1, I2, I4, I7)."""
         for witness in self.witnesses:
             witness.check()
 
 
 class Witness:
-    """An application that is nothing but a WebSocket, and forgets nothing.
+    """An application on a bare WebSocket that records all messages.
 
     Attributes:
         gone: its connection has ended.
@@ -133,7 +133,7 @@ class Witness:
         return self.socket.close_code != 1000
 
     async def read(self) -> None:
-        """Write down everything until the connection ends."""
+        """Record messages until the connection ends."""
         try:
             while True:
                 raw = await self.socket.recv()
@@ -159,7 +159,7 @@ class Witness:
 
     def _respond(self, message: dict[str, Any]) -> None:
         request_id = message["id"]
-        assert request_id in self._asked, f"nobody asked {request_id!r}"
+        assert request_id in self._asked, f"a response without a request: {request_id!r}"
         self._responses[request_id] += 1
         assert self._responses[request_id] == 1, f"{request_id!r} was answered twice (I1)"
         method, params = self._asked[request_id]
@@ -271,7 +271,7 @@ class Witness:
     async def attached(self, engine_id: str = "robot") -> None:
         """Wait until an engine is there."""
         async with asyncio.timeout(PATIENCE):
-            while engine_id not in await self._engines():  # noqa: ASYNC110 - whoever has not connected is not told
+            while engine_id not in await self._engines():  # noqa: ASYNC110 - an unconnected application gets no notification
                 await asyncio.sleep(0.01)
 
     async def _engines(self) -> list[str]:
@@ -286,7 +286,7 @@ class Witness:
             self._book.holders["robot/lamp"] = self
 
     def check(self) -> None:
-        """Judge what was heard, when the connection has ended (I1, I2, I7)."""
+        """Judge what was received, when the connection has ended (I1, I2, I7)."""
         if not self.was_cut:
             never = [self._asked[number] for number in self._asked if not self._responses[number]]
             assert not never, f"never answered: {never} (I1)"
@@ -309,7 +309,7 @@ class Witness:
         return self._ends[command_id][0] if command_id in self._ends else ""
 
     async def settled(self) -> None:
-        """Wait until every command has ended; a connection that is over tells no more."""
+        """Wait until every command has ended; a connection that is over brings no more."""
         async with asyncio.timeout(PATIENCE):
             while self.unfinished() and not self.gone.is_set():
                 self._news.clear()
@@ -343,7 +343,7 @@ async def calm(log: pytest.LogCaptureFixture, longest: float = LONGEST_BLOCK) ->
     loop.set_exception_handler(None)
     async with asyncio.timeout(PATIENCE):
         # What was closed a moment ago may be closed by the loop's next turns.
-        while _descriptors() > descriptors:  # noqa: ASYNC110 - the kernel tells nobody
+        while _descriptors() > descriptors:  # noqa: ASYNC110 - the kernel sends no event
             await asyncio.sleep(0.01)
 
 

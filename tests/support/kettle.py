@@ -1,4 +1,4 @@
-"""A component that no standard knows, with a value of every type: nothing that shows it can have been made for it."""
+"""A component outside of the standard, with a value of every type: no viewer can know it beforehand."""
 
 import asyncio
 from datetime import datetime
@@ -70,7 +70,7 @@ KETTLE: Final = ComponentType(
 
 
 class Kettle(Part):
-    """A kettle: `boil_water` waits until it may end, tells of it and gives it; `burn_dry` breaks it."""
+    """A kettle: `boil_water` waits until it may end, notifies it and returns it; `burn_dry` breaks it."""
 
     def __init__(self, kind: ComponentType = KETTLE) -> None:
         super().__init__(kind)

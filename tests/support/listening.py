@@ -1,4 +1,4 @@
-"""A microphone that is fed by hand, the senses behind it, and a recogniser that is told what it understands."""
+"""A microphone that is fed by hand, the senses behind it, and a recogniser with scripted results."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -6,15 +6,15 @@ from contextlib import asynccontextmanager, suppress
 
 import numpy as np
 from numpy.typing import NDArray
-from openrois_avatar.devices import Microphone
-from openrois_avatar.hearing.recognizer import Expectation, RecognizerFailed, Transcriber
+from openrois_body.hearing.recognizer import Expectation, RecognizerFailed, Transcriber
+from openrois_media.devices import Microphone
 from openrois_streaming.source.source import RawAudio
 
 from tests.support.streaming import FedSource, VirtualClock, settle
 
 
 class ScriptedRecognizer:
-    """Understands whatever stands in `understands`, in English and German, and remembers what was expected."""
+    """Returns the results in `understands`, in English and German, and records the expected phrases."""
 
     languages = ("en", "de")
 
@@ -56,7 +56,7 @@ class ScriptedRecognizer:
         self._samples += len(samples)
         return self.understands[0][: 1 + self._samples // 8000] if self.understands else ""
 
-    async def end(self) -> tuple[str, ...]:
+    async def finish(self) -> tuple[str, ...]:
         await self._answer()
         self.heard.append(self._samples)
         return self.understands

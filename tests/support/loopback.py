@@ -27,7 +27,7 @@ PATIENCE = 25.0
 
 
 class News:
-    """Lets a test wait until something is so: everything that happens to an engine or a viewer is told here."""
+    """Wakes waiters of conditions: engine and viewers report each event here."""
 
     def __init__(self) -> None:
         self._event = asyncio.Event()
@@ -151,10 +151,10 @@ class Engine:
             self.session.connect(stream_id, "engine/Audio", self.audio, "audio", codecs)
 
     async def answer(self, offer: Offer, sdp: str) -> None:
-        await self.session.answer(Answer(peer_id=offer.peer_id, generation=offer.generation, sdp=sdp))
+        await self.session.apply_answer(Answer(peer_id=offer.peer_id, generation=offer.generation, sdp=sdp))
 
     async def candidate(self, offer: Offer, candidate: str, mid: str) -> None:
-        await self.session.candidate(
+        await self.session.add_candidate(
             Candidate(peer_id=offer.peer_id, generation=offer.generation, candidate=candidate, sdp_mid=mid)
         )
 

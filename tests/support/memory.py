@@ -22,7 +22,6 @@ class Limited:
     """
 
     def __init__(self, folder: Path, *, first_version: bool) -> None:
-        self._folder = folder
         self._usage = folder / ("memory.max_usage_in_bytes" if first_version else "memory.peak")
         self.prefix = ("sh", "-c", f'echo $$ > {folder}/cgroup.procs && exec "$@"', "sh")
 
@@ -34,7 +33,7 @@ class Limited:
 
 @contextmanager
 def limited(megabytes: int) -> Iterator[Limited]:
-    """Make one; the test is skipped where nobody may."""
+    """Make a control group; the test is skipped where that is not permitted."""
     first_version = (_ROOT / "memory").is_dir()
     folder = (_ROOT / "memory" if first_version else _ROOT) / f"openrois-{os.getpid()}"
     limit = "memory.limit_in_bytes" if first_version else "memory.max"
@@ -44,7 +43,7 @@ def limited(megabytes: int) -> Iterator[Limited]:
     except OSError as error:
         with suppress(OSError):
             folder.rmdir()
-        pytest.skip(f"this machine lets nobody bound the memory of a program (cgroup): {error.strerror}")
+        pytest.skip(f"a control group for memory needs root: {error.strerror}")
     try:
         yield Limited(folder, first_version=first_version)
     finally:

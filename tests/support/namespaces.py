@@ -7,9 +7,11 @@ import shutil
 import subprocess
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
-from typing import Any, Final
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any, Final
 
-import ifaddr
+if TYPE_CHECKING:
+    import ifaddr
 
 __all__ = ["Namespace", "hide_cables_of_others", "missing", "namespace"]
 
@@ -23,11 +25,16 @@ _own: set[str] = set()
 def hide_cables_of_others() -> None:
     """Have this process use no address of a namespace that a test in another process has made.
 
-    Media over it would end without a word when that test ends and its cable is taken away.
+    Media over it would end without a word when that test ends and its cable is taken away. Where the libraries of the
+    media plane are not installed there is no media.
     """
+    if find_spec("ifaddr") is None:
+        return
+    import ifaddr
+
     find = ifaddr.get_adapters
 
-    def get_adapters(*arguments: Any, **options: Any) -> Iterable[ifaddr.Adapter]:
+    def get_adapters(*arguments: Any, **options: Any) -> "Iterable[ifaddr.Adapter]":
         adapters = find(*arguments, **options)
         return [each for each in adapters if not _CABLE.fullmatch(each.name) or each.name in _own]
 
@@ -77,7 +84,7 @@ def missing() -> str:
         with namespace():
             return ""
     except subprocess.CalledProcessError as error:
-        return f"this machine lets nobody make network namespaces: {error.stderr.strip()}"
+        return f"this machine does not permit network namespaces, run as root: {error.stderr.strip()}"
 
 
 @contextmanager

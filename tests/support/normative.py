@@ -1,4 +1,4 @@
-"""The catalog against the standard's own files, where somebody has them: the repository carries none."""
+"""The catalog against the standard's own files, where their folder is given: the repository carries none."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A game engine in a thread, made of one socket, that does everything right but what it is told to do wrong."""
+"""A game engine in a thread, made of one socket, correct except for one chosen fault."""
 
 import select
 import socket
@@ -54,7 +54,7 @@ class OddEngine:
         self._over = False
 
     def run(self) -> None:
-        """Connect, and be there until the other side or this one has had enough."""
+        """Connect, and run until either side ends the connection."""
         times = 2 if self._odd == "comes back" else 1
         for _ in range(times):
             with suppress(OSError, LinkError):
@@ -224,7 +224,7 @@ class OddEngine:
 
 @contextmanager
 def odd_engine(address: str, secret: str, odd: str) -> Iterator[None]:
-    """An engine in a thread, for as long as the context lasts, or until the other side has had enough of it."""
+    """An engine in a thread, for as long as the context lasts, or until the other side ends it."""
     thread = threading.Thread(target=OddEngine(address, secret, odd).run, daemon=True)
     thread.start()
     yield

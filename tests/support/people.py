@@ -28,7 +28,7 @@ _CHIN, _CHEST = 0.7, 1.6
 
 @dataclass(frozen=True, slots=True)
 class Sitter:
-    """Somebody in the picture.
+    """A person in the picture.
 
     Attributes:
         who: whose photograph.
@@ -107,17 +107,17 @@ def video(scene: Scene, seconds: float, fps: float = 10.0, width: int = 640, hei
 
 
 def nodding(sitter: Sitter, frequency: float = 1.5, reach: float = 0.16, begin: float = 1.0, times: int = 3) -> Scene:
-    """Somebody who nods so many times, after a while."""
+    """Return a person who nods so many times, after a while."""
     return lambda moment: [replace(sitter, bow=_swing(moment - begin, frequency, reach, times))]
 
 
 def shaking(sitter: Sitter, frequency: float = 1.5, reach: float = 0.16, begin: float = 1.0, times: int = 3) -> Scene:
-    """Somebody who shakes the head."""
+    """Return a person who shakes the head."""
     return lambda moment: [replace(sitter, turn=_swing(moment - begin, frequency, reach, times))]
 
 
 def tilting(sitter: Sitter, degrees: float = 20.0, begin: float = 1.0, end: float = 2.5) -> Scene:
-    """Somebody who tilts the head, holds it, and sets it upright."""
+    """Return a person who tilts the head, holds it, and sets it upright."""
 
     def lean(moment: float) -> float:
         return degrees * float(np.clip(min(moment - begin, end - moment) / 0.3, 0.0, 1.0))

@@ -55,6 +55,6 @@ class Decoder:
 
 
 def psnr(first: Plane, second: Plane) -> float:
-    """Likeness of two planes in dB; above 30 it takes a good look to tell them apart."""
+    """Return the similarity of two planes in dB; above 30 they are hard to tell apart."""
     error = float(np.mean((first.astype(np.float64) - second) ** 2))
     return 10 * math.log10(255**2 / max(error, 1e-9))

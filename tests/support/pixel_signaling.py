@@ -17,7 +17,7 @@ Message = dict[str, Any]
 
 
 class PixelSignaling:
-    """The server. What it hears of streamers is in `heard`."""
+    """The server; the messages received from streamers are in `heard`."""
 
     def __init__(self) -> None:
         self.url = ""
@@ -27,7 +27,6 @@ class PixelSignaling:
         self.streamers: dict[str, ServerConnection] = {}
         self.players: dict[str, ServerConnection] = {}
         self._news = asyncio.Event()
-        self._subscribed: dict[str, str] = {}
         self._count = 0
 
     async def until(self, so: Callable[[], object]) -> None:
@@ -44,7 +43,7 @@ class PixelSignaling:
         return [each for each in self.heard if each["type"] == kind]
 
     async def tell(self, name: str = "avatar", **message: Any) -> None:
-        """Tell a streamer something; one that is just leaving does not hear it."""
+        """Send a message to a streamer, unless it is just leaving."""
         with suppress(ConnectionClosed):
             await self.streamers[name].send(json.dumps(message))
 
@@ -102,7 +101,7 @@ class PixelSignaling:
         self._news.set()
 
     def answer(self, _connection: ServerConnection, request: Request) -> Response | None:
-        """Answer who asks for a page; None for a WebSocket."""
+        """Answer plain HTTP requests; None for a WebSocket."""
         kind, body = self.pages.get(request.path, ("", b""))
         if "Upgrade" in request.headers:
             return None

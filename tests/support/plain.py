@@ -49,7 +49,7 @@ def component_profile(name: str) -> dict[str, Any]:
 
 @dataclass
 class PlainAdapter:
-    """What the gateway asked, and what it is told.
+    """The requests of the gateway, and the responses.
 
     Attributes:
         asked: every request: its method and params.

@@ -5,7 +5,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 
 from openrois_avatar.adapter import Avatar, run_avatar
-from openrois_avatar.settings import AvatarSettings
+from openrois_avatar.options.settings import AvatarSettings
 
 from openrois.adapter.dialer import serve_parent
 from openrois.gateway.server import Gateway, run_gateway

@@ -17,7 +17,7 @@ _PATIENCE = 30.0
 
 
 class Proxy:
-    """It, which may be stopped and started again.
+    """The proxy process, which can be stopped and started again.
 
     Attributes:
         url: where the gateway is reached through it.

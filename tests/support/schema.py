@@ -1,4 +1,4 @@
-"""The wire as a strict application reads it, written down by hand: every field, its type, and nothing else."""
+"""The wire as a strict application reads it, written by hand: every field and its type, no others."""
 
 from typing import Any
 

@@ -1,11 +1,11 @@
-"""A sender without a network: what it is given is written by the test, what it sends and tells is kept."""
+"""A sender without a network: the test writes its input, and keeps its packets and events."""
 
 from collections.abc import Callable, Sequence
 
 from aiortc.rtp import RtpPacket
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.rtp.reports import ReceiverReport
-from openrois_streaming.send.outlet import Outlet
+from openrois_streaming.send.pacer import Outlet
 from openrois_streaming.send.sender import Negotiated, RtpSender
 
 from tests.support.streaming import VirtualClock
@@ -88,7 +88,7 @@ class Alarms:
 
 
 class Sending:
-    """A sender, its wire, and what it told."""
+    """A sender, its wire, and its reports."""
 
     def __init__(self, kind: str = "video") -> None:
         self.clock = VirtualClock()

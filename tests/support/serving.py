@@ -15,7 +15,7 @@ from openrois.http_limits.tcp_server import serving_tcp
 
 @asynccontextmanager
 async def serving(serve: Callable[[ServerSocket], Awaitable[object]]) -> AsyncIterator[str]:
-    """Serve whoever connects; yields the address."""
+    """Serve all connections; yields the address."""
 
     async def accept(request: web.Request) -> web.StreamResponse:
         socket = ServerSocket(request, APPLICATION)
@@ -23,8 +23,8 @@ async def serving(serve: Callable[[ServerSocket], Awaitable[object]]) -> AsyncIt
         await serve(socket)
         return socket.response
 
-    heads = HeaderTimeouts(lambda _reason: None)
-    app = web.Application(middlewares=[heads.middleware()])
+    header_timeouts = HeaderTimeouts(lambda _reason: None)
+    app = web.Application(middlewares=[header_timeouts.middleware()])
     app.router.add_get("/", accept)
     async with AsyncExitStack() as stack:
         runner = web.AppRunner(app, access_log=None, shutdown_timeout=0.1)
@@ -32,6 +32,6 @@ async def serving(serve: Callable[[ServerSocket], Awaitable[object]]) -> AsyncIt
         stack.push_async_callback(runner.cleanup)
         assert runner.server is not None
         loop = asyncio.get_running_loop()
-        connections = partial(HttpConnection, runner.server, heads, loop=loop)
-        port = await stack.enter_async_context(serving_tcp("127.0.0.1", 0, heads, connections))
+        connections = partial(HttpConnection, runner.server, header_timeouts, loop=loop)
+        port = await stack.enter_async_context(serving_tcp("127.0.0.1", 0, header_timeouts, connections))
         yield f"ws://127.0.0.1:{port}/"

@@ -1,4 +1,4 @@
-"""An application's camera that nobody paces, on a narrow path, in simulated time: what stock aiortc sends."""
+"""An application's unpaced camera on a narrow path, in simulated time: what stock aiortc sends."""
 
 import random
 from collections.abc import Callable
@@ -21,7 +21,7 @@ def _piece(payload: bytes) -> Piece:
 
 
 class SimulatedCamera:
-    """Sends at the rate that it is told, repeats all that it is asked for at once, and never asks whether it fits.
+    """Sends at the requested rate and retransmits at once, without congestion control.
 
     Args:
         impairments: of the way to the receiver; the way back has the same delay.
@@ -112,7 +112,7 @@ class SimulatedCamera:
         self._attend()
 
     def _attend(self) -> None:
-        pictures, request = self.assembly.attend(self.now)
+        pictures, request = self.assembly.check_deadlines(self.now)
         self._show(len([each for each in pictures if each.decodable]))
         if request.packets:
             self._answer(lambda: self._repeat(request.packets))

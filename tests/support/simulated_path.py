@@ -15,7 +15,7 @@ VIDEO_SHARE = 0.85
 
 
 class SimulatedViewer:
-    """Sends what a budget allows over a link, and tells the budget what aiortc's receiver would say.
+    """Sends what a budget allows over a link, and reports to the budget what aiortc's receiver would.
 
     `media` gives the bit/s of the pictures at a moment, from what the budget allows.
     """
@@ -56,7 +56,7 @@ class SimulatedViewer:
             self.now = round(self.now + 0.001, 3)
 
     def change(self, impairments: Impairments) -> None:
-        """Let the network be another one from now on."""
+        """Change the network from now on."""
         self.link.change(impairments, self.now)
 
     def median_delay(self, since: float = 0.0) -> float:

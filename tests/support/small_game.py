@@ -19,7 +19,7 @@ _HUM: Final = (np.sin(np.arange(48_000 // FPS) * 0.05) * 3000).astype(np.int16)[
 
 
 def main() -> None:
-    """Play until it is told to end, or its link is over."""
+    """Play until the command to end, or until its link is over."""
     hello = Hello("small", "1", VideoShape(WIDTH, HEIGHT, FPS), 1, ("nod",), "")
     size, chance = [WIDTH, HEIGHT], random.Random(os.environ["SMALL_GAME_SEED"])
 

@@ -1,4 +1,4 @@
-"""An application that watches: it answers offers, counts what it can decode, and is judged by the rules.
+"""A viewer: it answers offers, counts decoded frames, and is checked by the invariants.
 
 It receives with the product's own receiver, which repairs losses as a browser does and aiortc's does not.
 """
@@ -15,7 +15,7 @@ from typing import Any, Final
 from aiortc import MediaStreamTrack, RTCConfiguration, RTCIceServer, RTCPeerConnection, RTCSessionDescription
 from aiortc.rtcconfiguration import RTCBundlePolicy
 from aiortc.sdp import candidate_from_sdp
-from openrois_streaming.aiortc_internals.ice import stop_consent_when_closed
+from openrois_streaming.aiortc_internals.ice_checks import stop_consent_when_closed
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.peer.receiver import RtpReceiver
 from openrois_streaming.receive.remote_time import RemoteClock
@@ -170,7 +170,7 @@ class Spectator(Witness):
                 self._news.set()
 
     async def until(self, so: Callable[[], object], within: float = MEDIA_PATIENCE) -> None:
-        """Wait until something of what it hears and sees is so.
+        """Wait until a condition on its messages and frames holds.
 
         Raises:
             TimeoutError: it never was; a note says what there was instead.
@@ -185,7 +185,7 @@ class Spectator(Witness):
             raise
 
     def _account(self) -> str:
-        """What it has heard and seen, for the reader of a test that failed."""
+        """Return its messages and frames, for the message of a failed test."""
         lines = [f"statuses {self.told}, frames {self.frames}, byes {self.byes}, {len(self.offers)} offers"]
         if self.gone.is_set():
             lines.append(f"its connection to the gateway has ended: {self.close_code} {self.close_reason}")

@@ -1,4 +1,4 @@
-"""When speech is heard on the page, and when the page is told of that; in milliseconds of the page's clock."""
+"""Times of speech on the page and of its notifications, in milliseconds of the page's clock."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ _VOICE: Final = "avatar/speech_synthesizer"
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """A word, and when the page was told that it is heard."""
+    """A word, and when the page was notified of it."""
 
     word: str
     at: float
@@ -35,7 +35,7 @@ class Told:
 
 @dataclass(frozen=True, slots=True)
 class Utterance:
-    """A text that was said to its end.
+    """A text that was spoken whole.
 
     Attributes:
         onsets: when sound began after a pause.

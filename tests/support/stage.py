@@ -82,7 +82,7 @@ class Stage:
 
     async def stream(self, stream_id: str) -> StreamStats:
         """What the adapter has measured of a stream."""
-        return next(each for each in (await self.avatar.look()).streams if each.stream_id == stream_id)
+        return next(each for each in (await self.avatar.collect_figures()).streams if each.stream_id == stream_id)
 
     async def path(self, down: Impairments | None = None, up: Impairments | None = None) -> ImpairedPath:
         """Make a bad network, for those who watch; it is there until they have left."""
@@ -90,7 +90,7 @@ class Stage:
 
     async def sessions(self) -> int:
         """How many applications the adapter knows that watch."""
-        return (await self.avatar.look()).process.sessions
+        return (await self.avatar.collect_figures()).process.sessions
 
     def encoders(self) -> set[str]:
         """The media types that are encoded now."""
@@ -98,14 +98,14 @@ class Stage:
         return {each.mime_type for each in made if each.running}
 
     async def until(self, so: Callable[[], object]) -> None:
-        """Wait until something of the adapter is so, that it tells nobody."""
+        """Wait until a condition of the adapter holds that it does not announce."""
         async with asyncio.timeout(MEDIA_PATIENCE):
             while not so():  # noqa: ASYNC110 - see above
                 await asyncio.sleep(0.02)
 
     async def left(self) -> dict[str, int]:
         """What there is of those who watch."""
-        sessions = (await self.avatar.look()).process.sessions
+        sessions = (await self.avatar.collect_figures()).process.sessions
         encoders = self.avatar.video.running_encoders + self.avatar.audio.running_encoders
         return {name: count for name, count in (("sessions", sessions), ("encoders", encoders)) if count}
 
@@ -151,7 +151,7 @@ async def stage(
                 try:
                     yield stands
                 except Exception as failure:
-                    seen = await avatar.look()
+                    seen = await avatar.collect_figures()
                     failure.add_note("\n".join(map(str, (*seen.streams, *seen.renditions, *seen.sources))))
                     raise
             async with asyncio.timeout(MEDIA_PATIENCE):

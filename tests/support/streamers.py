@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from openrois_avatar.facades.running import FacadeAvatar, run_facade
-from openrois_avatar.settings import AvatarSettings
+from openrois_avatar.options.settings import AvatarSettings
 from openrois_signaling.messages import Answer, Candidate, Downward, Offer
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.publish.publisher import AudioPublisher, VideoPublisher
@@ -98,7 +98,7 @@ class FakeStreamer:
 
     async def answer(self, name: str, sdp: str) -> None:
         session = self.sessions[name]
-        await session.answer(Answer(peer_id=session.peer_ids[0], generation=self._generations[name], sdp=sdp))
+        await session.apply_answer(Answer(peer_id=session.peer_ids[0], generation=self._generations[name], sdp=sdp))
 
     async def candidate(self, name: str, candidate: str, mid: str | None, index: int | None) -> None:
         session = self.sessions[name]
@@ -109,7 +109,7 @@ class FakeStreamer:
             sdp_mid=mid,
             sdp_m_line_index=index,
         )
-        await session.candidate(found)
+        await session.add_candidate(found)
 
     async def end(self, name: str) -> None:
         session = self.sessions.pop(name, None)

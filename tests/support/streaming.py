@@ -1,4 +1,4 @@
-"""Fakes for media: a clock that is turned by hand, a source that is fed by hand, an encoder that does as it is told."""
+"""Fakes for media: a clock that is turned by hand, a source that is fed by hand, an encoder controlled by the test."""
 
 import asyncio
 import heapq
@@ -56,7 +56,7 @@ class VirtualClock:
         await sleeper
 
     def jump(self, seconds: float) -> None:
-        """Let time pass without giving anybody a turn before all of it has passed, as when the loop was blocked."""
+        """Let time pass without a turn of the event loop before its end, as when the loop was blocked."""
         self._move(self._now + seconds)
         while self._sleepers and self._sleepers[0][0] <= self._now:
             self._wake_first()

@@ -10,7 +10,7 @@ from openrois.contract import Client
 from openrois.errors import Unsupported
 from openrois.types.codes import StreamStatus
 from openrois.types.references import new_id
-from openrois.types.streams import StreamStatusNotification
+from openrois.types.streams import HolderNotification, StreamStatusNotification
 
 
 class Camera(VideoStreaming):
@@ -36,7 +36,7 @@ class Camera(VideoStreaming):
 
 
 class SharedCamera(Camera):
-    """The same in strict RoIS alone: one stream that belongs to everybody."""
+    """The same in strict RoIS alone: one stream shared by all applications."""
 
     def __init__(self, name: str = "camera") -> None:
         super().__init__(name)
@@ -65,7 +65,7 @@ class SharedCamera(Camera):
 
 @dataclass
 class Stream:
-    """A stream of somebody."""
+    """A stream of one application."""
 
     client: Client
     component_ref: str
@@ -73,7 +73,7 @@ class Stream:
 
 
 class FakeStreams:
-    """The streams of one engine; an `Extension`. Whatever a call causes is told before the call returns.
+    """The streams of one engine; an `Extension`. Notifications of a call come before its response.
 
     Attributes:
         calls: every call: its method, its params, the client_id.
@@ -138,7 +138,7 @@ class FakeStreams:
         client.notify("signaling.offer", offer)
 
     def announce(self, stream_id: str, *statuses: StreamStatus) -> None:
-        """Tell a stream's owner what it does now."""
+        """Notify the owner of a stream's status."""
         stream = self.streams[stream_id]
         for status in statuses:
             if status is not StreamStatus.STREAMING_RESUMED:
@@ -156,7 +156,12 @@ class FakeStreams:
         self.announce(stream_id, StreamStatus.STREAMING_NOT_CONNECTED)
         del self.streams[stream_id]
 
-    async def forget(self, client: Client) -> None:
+    async def set_holder(self, notification: HolderNotification, client: Client) -> None:
+        self.calls.append((notification.method, notification.model_dump(), client.client_id))
+        self.called.set()
+        await self.may_answer.wait()
+
+    async def forget_client(self, client: Client) -> None:
         self.forgotten.append(client.client_id)
         for stream_id in [key for key, stream in self.streams.items() if stream.client is client]:
             del self.streams[stream_id]

@@ -1,11 +1,11 @@
-"""The controls of a figure that is not there, and what an application sends to it."""
+"""Controls without a figure, and input messages for them."""
 
 import itertools
 import json
 from collections.abc import Mapping
 from typing import Any
 
-from openrois_avatar.teleoperation.steering import Velocity
+from openrois_body.teleoperation.steering import Velocity
 from openrois_streaming.input.messages import Held, Key, Message, Release, State
 
 from openrois.errors import ComponentFailed
@@ -30,7 +30,7 @@ class LoggedControls:
     def halt(self, reason: str) -> None:
         self.done.append((self._clock.now(), "halt", reason))
 
-    def look(self, x: float, y: float) -> None:
+    def turn_eyes(self, x: float, y: float) -> None:
         self._do("look", (x, y))
 
     def pass_on(self, message: Mapping[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""Tokens for tests, made with bare `hmac` and `cryptography`: whatever a library would refuse to make, too."""
+"""Tokens for tests, made with bare `hmac` and `cryptography`: including tokens that a library refuses to make."""
 
 import base64
 import hashlib

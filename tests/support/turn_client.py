@@ -1,4 +1,4 @@
-"""A TURN client that asks for whatever it likes, one request at a time, and returns the error codes (RFC 8656)."""
+"""A TURN client for any request, one at a time, that returns the error codes (RFC 8656)."""
 
 import asyncio
 import hashlib
@@ -28,7 +28,7 @@ class TurnClient(asyncio.DatagramProtocol):
     """One five-tuple at a TURN server.
 
     Attributes:
-        username: who it says it is; nobody where it is empty.
+        username: sent with each request; none where it is empty.
         credential: what it proves that with.
     """
 

@@ -4,7 +4,6 @@ from tests.support.deployment import Application
 
 CAMERA = "robot/camera"
 STATUS = "rois.stream.notify_stream_status"
-VERBS = ("disconnect_stream", "suspend_stream", "resume_stream", "query_stream_status")
 
 
 async def stream_of(app: Application, ref: str = CAMERA) -> str:

@@ -16,18 +16,18 @@ from openrois_streaming.errors import InvalidCandidate, InvalidDescription, Peer
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.network.turns import Ingress
-from openrois_streaming.peer.input_channels import InputSink, MakeChannels, Take
+from openrois_streaming.peer.input_channels import InputSink, MakeChannels, OnMessage
 from openrois_streaming.peer.sdp import Answered
 from openrois_streaming.peer.section import Section
 from openrois_streaming.peer.stream import Stream, StreamChange
 from openrois_streaming.publish.key_frames import KeyFrameCause
-from openrois_streaming.publish.rendition import HandedOn
-from openrois_streaming.receive.figures import ReceiverFigures
+from openrois_streaming.publish.rendition import DirectMailbox
 from openrois_streaming.rtp.reports import ReceiverReport
-from openrois_streaming.send.outlet import Outlet
+from openrois_streaming.send.pacer import Outlet
 from openrois_streaming.session.session import StreamSession
 from openrois_streaming.source.fanout import Fanout, Subscription
 from openrois_streaming.source.source import MediaSource, RawAudio
+from openrois_streaming.stats import ReceiverFigures
 
 from tests.support.sending import NEGOTIATED, Wires
 from tests.support.streaming import FedSource, VirtualClock, settle
@@ -66,14 +66,14 @@ class FedRendition:
     async def play(
         self, viewer: Hashable, take: Callable[[EncodedFrame], None], bitrate: float | None = None
     ) -> AsyncIterator[Subscription[EncodedFrame]]:
-        async with self._fanout.subscribe(mailbox=HandedOn(take)) as subscription:
+        async with self._fanout.subscribe(mailbox=DirectMailbox(take)) as subscription:
             self.request_key_frame(KeyFrameCause.START)
             yield subscription
 
     @asynccontextmanager
     async def prepare(self) -> AsyncIterator[None]:
         self.prepared += 1
-        async with self._fanout.subscribe(mailbox=HandedOn(lambda _frame: None)):
+        async with self._fanout.subscribe(mailbox=DirectMailbox(lambda _frame: None)):
             yield
 
     @contextmanager
@@ -94,7 +94,7 @@ class FedRendition:
         self.asked.append(cause)
 
     async def show(self, *, keyframe: bool = False) -> None:
-        """Give the next frame to whoever reads."""
+        """Give the next frame to the readers."""
         await self.source.feed(frame(next(self._sequence), keyframe=keyframe))
 
 
@@ -109,7 +109,7 @@ class FedPublisher:
         self.fps: float | None = None
         """How many pictures a second were asked for last."""
         self.full: set[str] = set()
-        """Media types in which nobody can be played anything."""
+        """Media types that no viewer can be sent."""
         self.broken: set[str] = set()
         """Media types whose encoders fail again and again."""
 
@@ -165,13 +165,13 @@ class FakeInlet:
 class FakeChannels:
     """Data channels that are opened, filled and closed by the test."""
 
-    def __init__(self, take: Take, on_closed: Callable[[], None]) -> None:
-        self.come = take
+    def __init__(self, on_message: OnMessage, on_closed: Callable[[], None]) -> None:
+        self.come = on_message
         self.are_open = False
         self.told: list[str | bytes] = []
         self._on_closed = on_closed
 
-    def tell(self, message: str | bytes) -> bool:
+    def send_message(self, message: str | bytes) -> bool:
         if self.are_open:
             self.told.append(message)
         return self.are_open
@@ -208,7 +208,7 @@ class WirelessConnection:
         self.hear = on_sign
         self.room = 16
         self.closed_there = False
-        """Whether the application has closed it, and that was not told yet."""
+        """Whether the application has closed it, and that was not notified yet."""
         self.sender_failed = False
         self.misuse = ""
         self.answers_questions = False
@@ -244,32 +244,32 @@ class WirelessConnection:
         self.sections.append(section)
         return section
 
-    def open_channels(self, make: MakeChannels, take: Take, on_closed: Callable[[], None]) -> FakeChannels:
+    def open_channels(self, make: MakeChannels, on_message: OnMessage, on_closed: Callable[[], None]) -> FakeChannels:
         self.make_channels = make
-        self.channels = FakeChannels(take, on_closed)
+        self.channels = FakeChannels(on_message, on_closed)
         return self.channels
 
     async def describe(self, generation: int) -> tuple[str, tuple[StreamSection, ...]]:
-        listed = [(section, section.leg) for section in self.sections if section.leg is not None]
-        self._described = [(each, "inactive" if each.leg is None else each.direction) for each in self.sections]
+        listed = [(section, section.stream_path) for section in self.sections if section.stream_path is not None]
+        self._described = [(each, "inactive" if each.stream_path is None else each.direction) for each in self.sections]
         for section in self.sections:
             section.describe()
-        for _, leg in listed:
-            if leg is not None and leg.generation is None:
-                leg.generation = generation
+        for _, path in listed:
+            if path is not None and path.generation is None:
+                path.generation = generation
         await self._pass()
         if self.failure is not None:
             raise self.failure
         return f"offer {generation}", tuple(
             StreamSection(
                 mid=section.mid,
-                stream_id=leg.stream.stream_id,
-                component_ref=leg.stream.component_ref,
+                stream_id=path.stream.stream_id,
+                component_ref=path.stream.component_ref,
                 kind=section.kind,
                 direction=section.direction,
             )
-            for section, leg in listed
-            if leg is not None
+            for section, path in listed
+            if path is not None
         )
 
     async def apply(self, sdp: str) -> tuple[str, ...]:
@@ -278,7 +278,7 @@ class WirelessConnection:
             raise InvalidDescription("it is garbage")
         for section, offered in self._described:
             if section.codec is None:
-                codecs = ("audio/opus",) if section.leg is None else section.leg.stream.codecs
+                codecs = ("audio/opus",) if section.stream_path is None else section.stream_path.stream.codecs
                 section.codec = "video/VP8" if "video/VP8" in codecs else codecs[0]
             section.negotiated(self.answers.get(section.mid, offered))
         self._start_senders()
@@ -318,10 +318,10 @@ class WirelessConnection:
     def report(self, highest_sequence: int, mid: int = 0) -> None:
         """Receive a report of the viewer about a section."""
         self.hear()
-        leg = self.sections[mid].leg
+        path = self.sections[mid].stream_path
         self.sections[mid].highest_sequence = highest_sequence
-        if leg is not None:
-            leg.reported(ReceiverReport(highest_sequence, 0.0, 0, 90))
+        if path is not None:
+            path.reported(ReceiverReport(highest_sequence, 0.0, 0, 90))
 
 
 class Application:
@@ -362,10 +362,10 @@ class Application:
 
     async def answer(self, sdp: str = "answer", *, offer: Offer | None = None) -> None:
         offer = offer or await self.offered()
-        await self.session.answer(Answer(peer_id=offer.peer_id, generation=offer.generation, sdp=sdp))
+        await self.session.apply_answer(Answer(peer_id=offer.peer_id, generation=offer.generation, sdp=sdp))
         await settle()
 
     async def trickle(self, candidate: str | None, generation: int = 1, peer_id: str = "engine/p1") -> None:
-        await self.session.candidate(
+        await self.session.add_candidate(
             Candidate(peer_id=peer_id, generation=generation, candidate=candidate, sdp_mid="0")
         )

@@ -5,8 +5,8 @@ import re
 from collections.abc import Sequence
 
 import numpy as np
-from openrois_avatar.link.messages import Viseme
-from openrois_avatar.speech.synthesizer import NamedMark, Speech, SpeechRefused, SpeechUnavailable, Word
+from openrois_body.messages import Viseme
+from openrois_body.speech.synthesizer import NamedMark, Speech, SpeechRefused, SpeechUnavailable, Word
 
 
 class ScriptedSynthesizer:
@@ -40,7 +40,7 @@ class ScriptedSynthesizer:
         self._require()
         await self.ready.wait()
         if self.refuses:
-            raise SpeechRefused("nobody speaks that")
+            raise SpeechRefused("not available")
         self.asked.append((text, language, voice, volume, ssml))
         samples = np.full(round(self.seconds * 48_000), 1000, dtype=np.int16)
         found = list(re.finditer(r"\S+", text))

@@ -9,16 +9,14 @@ from collections.abc import Callable
 from math import atan2, cos, hypot, pi, remainder, sin, tau
 from typing import Any
 
-from openrois_avatar.components.follow import Follow
-from openrois_avatar.components.move import Move
-from openrois_avatar.components.moving import Figure
-from openrois_avatar.components.navigation import Navigation
-from openrois_avatar.legs import Legs
-from openrois_avatar.link.messages import (
-    Command,
+from openrois_avatar.link.messages import Command, Event, Idle, command_from_json, event_from_json
+from openrois_body.components.follow import Follow
+from openrois_body.components.move import Move
+from openrois_body.components.moving import Figure
+from openrois_body.components.navigation import Navigation
+from openrois_body.messages import (
     Completed,
     Drive,
-    Event,
     Floor,
     Halt,
     LinkError,
@@ -27,11 +25,10 @@ from openrois_avatar.link.messages import (
     Thing,
     Things,
     Walk,
-    command_from_json,
-    event_from_json,
 )
-from openrois_avatar.wayfinding import Ways
-from openrois_avatar.world import World
+from openrois_body.motion.legs import Legs
+from openrois_body.motion.wayfinding import Ways
+from openrois_body.motion.world import World
 
 from openrois.types.codes import ComponentStatus
 from tests.support.streaming import VirtualClock, settle
@@ -160,8 +157,9 @@ class Walking:
         return ComponentStatus.READY if self.engine.connected else ComponentStatus.ERROR
 
     def _take(self, event: Event) -> None:
-        self.world.take(event)
-        self.legs.take(event)
+        assert not isinstance(event, Idle)
+        self.world.handle_event(event)
+        self.legs.handle_event(event)
 
     def build(self, floor: Floor) -> None:
         self.engine.tell(floor)
@@ -172,7 +170,7 @@ class Walking:
     def lose(self) -> None:
         """The engine dies."""
         self.engine.connected = False
-        self.legs.lost()
+        self.legs.engine_lost()
         self.world.clear()
 
     async def run(self, seconds: float) -> None:

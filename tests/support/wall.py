@@ -1,4 +1,4 @@
-"""A wall clock that tests set: every piece of the product that reads it in this process reads this one instead."""
+"""A wall clock that tests set: all code of the product in this process reads it instead."""
 
 import gc
 import sys
@@ -15,7 +15,7 @@ _OURS: Final = ("openrois.", "openrois_")
 
 
 class WallClock:
-    """The real time and what it is wrong by.
+    """The real time with an offset.
 
     Attributes:
         ahead: seconds.

@@ -60,7 +60,7 @@ async def proxied(
 
 @dataclass
 class Application:
-    """An application's end: asks, and keeps what it is told."""
+    """An application's end: sends requests, and keeps what it receives."""
 
     session: RpcSession
     told: asyncio.Queue[tuple[str, dict[str, Any]]] = field(default_factory=asyncio.Queue)
@@ -70,7 +70,7 @@ class Application:
         return answer
 
     def taking(self, method: str) -> NotificationHandler:
-        """Return what keeps a notification of `method`."""
+        """Return a handler that keeps notifications of `method`."""
         return lambda params: self.told.put_nowait((method, params))
 
     async def next(self, method: str) -> dict[str, Any]:

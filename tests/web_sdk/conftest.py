@@ -20,19 +20,19 @@ Start = Callable[..., AbstractAsyncContextManager["Application"]]
 
 
 class Application:
-    """A program on the SDK: it says what it has seen, one JSON object on each line, and waits to be told to go on."""
+    """A program on the SDK: it prints JSON lines, and waits for a line of input to go on."""
 
     def __init__(self, process: asyncio.subprocess.Process) -> None:
         self._process = process
 
     async def says(self, about: str) -> Any:
-        """Return what it says next, which has to be about that."""
+        """Return what it prints next, which must have this subject."""
         said = await self.says_something()
         assert said[0] == about, said
         return said[1]
 
     async def says_something(self) -> tuple[str, Any]:
-        """Return what it says next, and about what."""
+        """Return subject and value of what it prints next."""
         assert self._process.stdout is not None
         async with asyncio.timeout(PATIENCE):
             line = await self._process.stdout.readline()
@@ -48,7 +48,7 @@ class Application:
         await self._process.stdin.drain()
 
     async def ends(self) -> None:
-        """Wait until it has ended well: nothing of it keeps Node alive."""
+        """Wait until it has exited with 0."""
         async with asyncio.timeout(PATIENCE):
             assert await self._process.wait() == 0, await self._complaint()
 

@@ -8,7 +8,7 @@ while (!(await client.search()).includes(lamp)) await new Promise((resolve) => s
 await client.bind(lamp);
 const unit = (command_type) => ({ component_ref: lamp, command_type, arguments: [] });
 const ids = await client.execute([unit("start"), unit("switch")]);
-const ends = [...ids, "nobody has sent it"].map((id) =>
+const ends = [...ids, "never sent"].map((id) =>
   client.completed(id).then(
     ({ status, reason }) => [status, reason],
     (error) => [error.constructor.name],

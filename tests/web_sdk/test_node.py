@@ -27,7 +27,7 @@ from tests.web_sdk.conftest import Application, Start
 
 @asynccontextmanager
 async def attached(running: Gateway, robot: Robot) -> AsyncIterator[None]:
-    """A robot at a gateway; both have learned of the other when the block begins."""
+    """Attach a robot to a gateway for as long as the block lasts."""
     async with fleet(running.url.replace("http", "ws") + "adapter", robot):
         await until(running.engine, lambda ids: robot.engine_id in ids)
         yield
@@ -43,7 +43,7 @@ def own_websocket(node: Path) -> list[str]:
 
 
 @pytest.mark.parametrize("websocket", ["ws", "own"])
-async def test_a_tour_of_all_operations(start: Start, node: Path, websocket: str) -> None:
+async def test_all_operations_work_in_node(start: Start, node: Path, websocket: str) -> None:
     robot = everything()
     flags = own_websocket(node) if websocket == "own" else []
     async with gateway() as running, attached(running, robot), start("tour.mjs", running.url, *flags) as app:
@@ -52,7 +52,7 @@ async def test_a_tour_of_all_operations(start: Start, node: Path, websocket: str
         assert connected["websocket"] is (websocket == "own") or not own_websocket(node)
         assert await app.says("profile") == [["robot"], 17]
         assert await app.says("found") == [robot.ref("SpeechSynthesis")]
-        assert await app.says("nobody") == "UNSUPPORTED"
+        assert await app.says("absent") == "UNSUPPORTED"
         assert await app.says("unbound") == "OUT_OF_RESOURCES"
         parameters = {"target_positions": ["lobby", "café 'n'"], "time_limit": 60000, "routing_policy": "time"}
         assert await app.says("parameters") == parameters
@@ -78,7 +78,7 @@ async def test_a_tour_of_all_operations(start: Start, node: Path, websocket: str
     assert robot.parts["SpeechSynthesis"].parameters["volume"] == "70"
 
 
-async def test_a_token_is_shown_without_a_page(start: Start, node: Path, tmp_path: Path) -> None:
+async def test_token_is_sent_outside_of_a_page(start: Start, node: Path, tmp_path: Path) -> None:
     async with (
         guarded(tmp_path) as here,
         start("bearer.mjs", here.gateway.url, *own_websocket(node), token=issue(time.time())) as app,
@@ -89,7 +89,7 @@ async def test_a_token_is_shown_without_a_page(start: Start, node: Path, tmp_pat
 
 
 async def comes_back(app: Application) -> list[tuple[str, object]]:
-    """Return all that it says until both its binding and its subscription are there again."""
+    """Return what the application says until its binding and subscription are restored."""
     said: list[tuple[str, object]] = []
     while [about for about, _ in said].count("restored") < 2:
         said.append(await app.says_something())
@@ -98,7 +98,7 @@ async def comes_back(app: Application) -> list[tuple[str, object]]:
     return said
 
 
-async def test_what_is_bound_and_subscribed_comes_back(start: Start) -> None:
+async def test_bindings_and_subscriptions_are_restored(start: Start) -> None:
     robot = everything()
     async with AsyncExitStack() as stack:
         async with gateway() as running:
@@ -107,7 +107,7 @@ async def test_what_is_bound_and_subscribed_comes_back(start: Start) -> None:
                 await app.says("ready")
                 await app.go_on()
                 assert await app.says("reached") == "place 0"
-            # The engine is gone: both are lost, which is told once.
+            # The engine is gone: both are lost, which is reported once.
             lost = [await app.says("lost"), await app.says("lost")]
             assert sorted(lost) == [["binding", "UNSUPPORTED"], ["subscription", "UNSUPPORTED"]]
             async with attached(running, robot):
@@ -116,7 +116,7 @@ async def test_what_is_bound_and_subscribed_comes_back(start: Start) -> None:
                 assert await app.says("reached") == "place 1"
             await app.says("lost")
             await app.says("lost")
-        # The gateway is gone, too; nobody answers.
+        # The gateway is gone, too.
         await app.says("waiting")
         await app.says("waiting")
         # The robot's name for its component is all that this gateway has in common with the one before.

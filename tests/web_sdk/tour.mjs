@@ -17,9 +17,9 @@ say(
   ),
 );
 say(
-  "nobody",
+  "absent",
   await client
-    .find(sdk.Navigation, sdk.where({ component_ref: "no'body" }))
+    .find(sdk.Navigation, sdk.where({ component_ref: "no'where" }))
     .catch((error) => error.returnCode),
 );
 

@@ -1,4 +1,4 @@
-/** The page: wires the SDK to what a person sees. */
+/** The page: connects the SDK with panels and models. */
 
 import { Client } from "../sdk/index.ts";
 import { MediaReceiver, SAME_CLOCK, decodableCodecs, isLoopback, measureOffset } from "../sdk/media/index.ts";
@@ -50,7 +50,7 @@ const codecs = canStream ? decodableCodecs("video") : [];
 
 const token = new PageToken(sessionStorage);
 // Before anything reads the address.
-token.takeFrom(location, history);
+token.readFrom(location, history);
 let unwelcome: Unwelcome | null = null;
 /** The token with which the page was let in last. */
 let welcomed: string | undefined;
@@ -71,17 +71,17 @@ const overlay = new Overlay(readings);
 const say = new SayLine(client, (cut) => void window.openrois.audio?.hush(cut));
 const reactions = new Reactions(client);
 const gaze = new Gaze(client, stage.element);
-const body = new BodyControl(client, standingChanged);
-// With tokens, only who has control may send sound and pictures.
+const body = new BodyControl(client, controlChanged);
+// With tokens, only the visitor in control may send sound and pictures.
 const operator = new OperatorCard(client, receiver, () =>
-  token.counts ? body.take() : Promise.resolve(() => undefined),
+  token.counts ? body.takeControl() : Promise.resolve(() => undefined),
 );
 const map = new MapCard(client);
 const control = new Control(client, receiver, body, stage.video);
 const handover = new Handover(body, (giveBack) => control.drive(giveBack));
 const stopButton = new StopButton(client, () => say.stop());
 body.onLost = (why) => {
-  control.lost(why);
+  control.controlLost(why);
   if (token.counts) operator.off(why);
 };
 operator.onChange = () => {
@@ -104,7 +104,7 @@ function takeToken(text: string): boolean {
   return true;
 }
 
-/** Where the gateway does not want this page, it is not asked again before there is another token. */
+/** Finds out why there is no connection; a gateway that refuses the page is asked again with another token only. */
 async function askWhy({ state } = client): Promise<void> {
   if (state.name === "connected") {
     unwelcome = null;
@@ -124,7 +124,7 @@ async function askWhy({ state } = client): Promise<void> {
   render();
 }
 
-/** A token may be left from when the gateway asked for one. */
+/** Finds out whether the token counts: it may be left from when the gateway asked for one. */
 async function askWhetherItCounts(shown: string): Promise<void> {
   const asked = await asksForTokens(shown);
   if (token.asked === asked) return;
@@ -132,7 +132,7 @@ async function askWhetherItCounts(shown: string): Promise<void> {
   avatarChanged();
 }
 
-/** The profile was read, another avatar was chosen, or the gateway came or went. */
+/** Updates all panels: the profile was read, another avatar was chosen, or the connection has changed. */
 function avatarChanged(): void {
   const avatar = directory.chosen;
   if (avatar && avatar.engineId !== shown?.engineId) show(avatar);
@@ -150,7 +150,7 @@ function avatarChanged(): void {
     ...(present?.speech ? [present.speech] : []),
     ...(moving ?? []),
   ]);
-  standingChanged();
+  controlChanged();
   if (present) {
     void readClock(present);
     void operator.watch(present).then((streams) => Object.assign(window.openrois, streams));
@@ -159,22 +159,22 @@ function avatarChanged(): void {
   render();
 }
 
-/** Another visitor has control, or none any more: what cannot be used now says why. */
-function standingChanged(): void {
+/** Updates what may be used, after a change of control; disabled controls say why. */
+function controlChanged(): void {
   const present = directory.present && client.state.name === "connected" ? directory.chosen : null;
   const watching = token.mayOperate ? "" : WATCHING;
   const why = (ref: string | null): string => {
-    const holder = body.takenBy(ref);
+    const holder = body.holderOf(ref);
     return watching || (holder && `${holder} has control`);
   };
-  const seat = present && (bodyOf(present)[0] ?? null);
+  const operated = present && (bodyOf(present)[0] ?? null);
   for (const part of [say, stopButton]) part.barred = watching;
-  control.barred = why(seat);
+  control.barred = why(operated);
   reactions.barred = why(present?.reaction ?? null);
-  operator.barred = present === null ? AWAY : token.counts ? why(seat) : watching;
+  operator.barred = present === null ? AWAY : token.counts ? why(operated) : watching;
   for (const card of [videoCard, audioCard]) card.present = present !== null;
-  gaze.setComponent(why(seat) === "" ? (present?.gaze ?? null) : null);
-  map.viewBarred = why(seat);
+  gaze.setComponent(why(operated) === "" ? (present?.gaze ?? null) : null);
+  map.viewBarred = why(operated);
   map.barred = why(present?.navigation ?? null);
   handover.watching = watching !== "";
   handover.shown = present !== null;
@@ -207,7 +207,7 @@ function show(avatar: Avatar): void {
   if (audio) begin(audio, past?.audio);
 }
 
-/** What stood still or was off when the page was left does so when it is back. */
+/** Brings a stream into the state that it had when the page was left. */
 function begin(stream: RemoteStream, desire: Desire = "running"): void {
   if (desire === "suspended") void stream.suspend();
   else if (desire === "running") void stream.connect();
@@ -244,7 +244,7 @@ function render(): void {
       frameAge: frameAge(),
     },
   });
-  // What is wrong with the avatar is of no concern to users of the inspector.
+  // Trouble of the avatar does not concern users of the inspector.
   const concerns =
     views.current === "avatar" || trouble?.kind === "no-gateway" || trouble?.kind === "no-token";
   banner.render(concerns ? trouble : null);
@@ -291,7 +291,7 @@ client.on("state", avatarChanged);
 client.on("state", () => void askWhy());
 globalThis.addEventListener("hashchange", () => {
   const former = token.value;
-  token.takeFrom(location, history);
+  token.readFrom(location, history);
   if (token.value !== former) client.retryNow();
 });
 globalThis.addEventListener("online", () => {

@@ -15,13 +15,23 @@ export { and, escapeLike, like, onlyComponent, quote, where } from "./rois/condi
 export type { ConnectionOptions, ConnectionState } from "./rois/connection.ts";
 export { componentType, componentUrn, componentsByEngine, engineOf } from "./rois/discovery.ts";
 export { CommandFailed, InvalidMessage, RoISError, ValueError } from "./rois/errors.ts";
-export type { Call, ClientEvents, ClientOptions, Ended, Params, ResultOf, RoISEvent } from "./rois/link.ts";
+export type {
+  Call,
+  CallName,
+  ClientEvents,
+  ClientOptions,
+  Ended,
+  Params,
+  ResultOf,
+  RoISEvent,
+} from "./rois/link.ts";
 export { decode, encode, resultValue } from "./rois/payload.ts";
 export type { Types } from "./rois/payload.ts";
 export type { Subscription } from "./rois/subscriptions.ts";
 export { decodeValue, encodeValue } from "./rois/values.ts";
 export type { Value, Writable } from "./rois/values.ts";
 export * from "./rois/generated/components.ts";
+export type * from "./rois/extension_methods.ts";
 export type * from "./rois/generated/methods.ts";
 export * from "./rois/generated/types.ts";
 export { ConnectionLost, RequestTimeout, RpcError } from "./jsonrpc/session.ts";

@@ -1,4 +1,4 @@
-# Somebody who strolls through the room, stays a while here and there, and waves when the figure is near.
+# A visitor that strolls through the room, stays a while here and there, and waves when the figure is near.
 extends Node
 
 const PLACES := [[2.4, 0.9], [2.5, 3.2], [0.2, 3.2], [-0.5, 1.6], [0.3, 3.0], [2.5, 3.3]]

@@ -1,1 +1,1 @@
-"""`openrois avatar check`: whether a game engine does what the engine link asks of it."""
+"""`openrois avatar check`: checks a game engine against the specification of the engine link."""

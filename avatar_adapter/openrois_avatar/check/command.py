@@ -1,4 +1,4 @@
-"""`openrois avatar check`: whether a game engine of your own does what the engine link asks; ends with 0 if it does."""
+"""`openrois avatar check`: check a game engine of your own against the engine link; exits with 0 if it passes."""
 
 import asyncio
 import secrets
@@ -6,13 +6,13 @@ import sys
 from collections.abc import Sequence
 
 from openrois.cli.command_line import CommandLine
-from openrois_avatar.check.acting import Patience
+from openrois_avatar.check.command_checks import Patience
 from openrois_avatar.check.finding import Finding, Outcome, as_json, as_text, summary
-from openrois_avatar.check.visit import CannotStart, visiting
+from openrois_avatar.check.session import CannotStart, check_session
 from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
 from openrois_avatar.link.messages import LinkError
-from openrois_avatar.link_options import add_link_options, link_secret
-from openrois_avatar.settings import DEFAULT_LINK
+from openrois_avatar.options.link_options import add_link_options, link_secret
+from openrois_avatar.options.settings import DEFAULT_LINK
 
 __all__ = ["check", "main"]
 
@@ -21,8 +21,9 @@ def main(arguments: Sequence[str]) -> int:
     """Run the command and return its exit status: 0 if all checks passed, 1 if not, 2 for wrong usage."""
     parser = CommandLine(
         "openrois avatar check",
-        description="Whether a game engine does what docs/engine-link.md asks of it. Start it while this waits, or let"
-        f" this run its COMMAND, which finds the address in {ADDRESS_VARIABLE} and the secret in {SECRET_VARIABLE}.",
+        description="Whether a game engine does what docs/reference/engine-link.md asks of it. Start it while this"
+        f" waits, or let this run its COMMAND, which finds the address in {ADDRESS_VARIABLE} and the secret in"
+        f" {SECRET_VARIABLE}.",
     )
     add_link_options(parser, otherwise=f"{DEFAULT_LINK}, with COMMAND a free port")
     parser.add_argument(
@@ -37,7 +38,7 @@ def main(arguments: Sequence[str]) -> int:
         parser.error(str(error))
     if chosen.command and not secret:
         secret = secrets.token_urlsafe(16)
-    # Every engine can do TCP.
+    # Every engine supports TCP.
     address = chosen.link or ("tcp:127.0.0.1:0" if chosen.command else DEFAULT_LINK)
     try:
         return asyncio.run(check(address, secret, chosen.command, Patience(connect=chosen.wait), json=chosen.json))
@@ -49,21 +50,21 @@ def main(arguments: Sequence[str]) -> int:
 
 
 async def check(address: str, secret: str, command: Sequence[str], patience: Patience, *, json: bool) -> int:
-    """Check the engine that comes to an address, or is started; prints what was found and returns the exit status.
+    """Check the engine that connects to an address, or is started; print the findings and return the exit status.
 
     Raises:
-        LinkError: one cannot listen at the address.
+        LinkError: the address cannot be listened on.
         CannotStart: the command cannot be run.
     """
     found: list[Finding] = []
-    async with visiting(address, secret, command, patience) as visit:
+    async with check_session(address, secret, command, patience) as session:
         if not json and not command:
-            print(f"waiting for an engine at {visit.address}", flush=True)
-        async for finding in visit.findings():
+            print(f"waiting for an engine at {session.address}", flush=True)
+        async for finding in session.findings():
             found.append(finding)
             if not json:
                 print(as_text(finding), flush=True)
-        told = None if visit.hello is None else visit.hello.to_json()
+        told = None if session.hello is None else session.hello.to_json()
     if told is not None:
         del told["secret"]
     print(as_json(found, told) if json else f"\n{summary(found)}")

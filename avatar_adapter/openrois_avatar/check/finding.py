@@ -1,4 +1,4 @@
-"""What a check of an engine has found: one line for a person, one object for a program."""
+"""Findings of the checks: one line for a person, one object for a program."""
 
 import json
 from collections.abc import Iterable, Sequence
@@ -10,7 +10,7 @@ __all__ = ["Finding", "Outcome", "as_json", "as_text", "failed", "judged", "not_
 
 
 class Outcome(Enum):
-    """What came of a check."""
+    """The outcome of a check."""
 
     PASSED = "passed"
     FAILED = "failed"
@@ -18,12 +18,12 @@ class Outcome(Enum):
 
 
 _MARKS: Final = {Outcome.PASSED: "ok    ", Outcome.FAILED: "FAILED", Outcome.NOT_TRIED: "-     "}
-_PAGE: Final = "docs/engine-link.md"
+_PAGE: Final = "docs/reference/engine-link.md"
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """The outcome of one check, what was seen, and the section of `docs/engine-link.md` that it is about."""
+    """The outcome of one check, what was seen, and the section of `docs/reference/engine-link.md` that it is about."""
 
     outcome: Outcome
     check: str
@@ -32,33 +32,33 @@ class Finding:
 
 
 def passed(check: str, seen: str, section: str) -> Finding:
-    """All is as described."""
+    """Return a finding of a passed check."""
     return Finding(Outcome.PASSED, check, seen, section)
 
 
 def failed(check: str, seen: str, section: str) -> Finding:
-    """It is not; `seen` says what is wrong."""
+    """Return a finding of a failed check; `seen` says what is wrong."""
     return Finding(Outcome.FAILED, check, seen, section)
 
 
 def not_tried(check: str, why: str, section: str) -> Finding:
-    """There was nothing to check."""
+    """Return a finding of a check without anything to check."""
     return Finding(Outcome.NOT_TRIED, check, why, section)
 
 
 def judged(check: str, faults: Sequence[str], seen: str, section: str) -> Finding:
-    """Failed with all `faults`, or passed with what was `seen` if there are none."""
+    """Return a failed finding with all `faults`, or without any a passed one with `seen`."""
     return failed(check, "; ".join(faults), section) if faults else passed(check, seen, section)
 
 
 def as_text(finding: Finding) -> str:
-    """One line; of what failed, with the section to read."""
+    """Return one line; for a failed check with the section to read."""
     where = f" ({_PAGE}, {finding.section})" if finding.outcome is Outcome.FAILED else ""
     return f"{_MARKS[finding.outcome]} {finding.check:<16} {finding.seen}{where}"
 
 
 def summary(findings: Iterable[Finding]) -> str:
-    """One line about all of them."""
+    """Return one line about all findings."""
     outcomes = [finding.outcome for finding in findings]
     numbers = {outcome: outcomes.count(outcome) for outcome in Outcome}
     verdict = "does not follow" if numbers[Outcome.FAILED] else "follows"
@@ -67,7 +67,7 @@ def summary(findings: Iterable[Finding]) -> str:
 
 
 def as_json(findings: Iterable[Finding], told: dict[str, object] | None) -> str:
-    """One object: what the engine said of itself, None if it said nothing, and every finding."""
+    """Return one JSON object: the engine's HELLO, None without one, and every finding."""
     listed = [{**asdict(finding), "outcome": finding.outcome.value} for finding in findings]
     right = not any(each["outcome"] == Outcome.FAILED.value for each in listed)
     return json.dumps({"passed": right, "engine": told, "findings": listed}, indent=1)

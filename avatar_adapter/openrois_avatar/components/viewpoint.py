@@ -1,20 +1,21 @@
-"""Viewpoint: from where the pictures show the avatar. A component of our own; the standard has none."""
+"""Viewpoint: the camera position of the pictures. A component of OpenRoIS; the standard has none."""
 
 from collections.abc import Callable
 
+from openrois_body.body import Body
+
 from openrois.adapter import BadParameter, Component, ComponentStatus, Unsupported, command, event, query
-from openrois_avatar.body import Body
 
 __all__ = ["Viewpoint"]
 
 
 class Viewpoint(Component, authority="OpenRoIS", function="function"):
-    """Chooses the game engine's camera, for all viewers together: they share its pictures. Of class function, as Gaze.
+    """Chooses the game engine's camera for all viewers, which share its pictures. Of class function, as Gaze.
 
     Args:
         body: the figure whose engine has the cameras.
-        viewpoints: the names that the game engine offers now; the first is the one that it begins with.
-        engine_status: tells whether the game engine works now.
+        viewpoints: returns the names that the game engine offers now; it begins with the first.
+        engine_status: returns the status of the game engine.
     """
 
     def __init__(
@@ -26,7 +27,7 @@ class Viewpoint(Component, authority="OpenRoIS", function="function"):
         self._engine_status = engine_status
 
     def condition(self) -> ComponentStatus:
-        """Follow the game engine."""
+        """Return the status of the game engine."""
         return self._engine_status()
 
     @query
@@ -36,7 +37,7 @@ class Viewpoint(Component, authority="OpenRoIS", function="function"):
 
     @query
     async def viewpoint(self) -> str:
-        """Return the name of the viewpoint that the pictures have now."""
+        """Return the name of the current viewpoint."""
         return self._current()
 
     @command
@@ -49,7 +50,7 @@ class Viewpoint(Component, authority="OpenRoIS", function="function"):
         """
         offered = self._viewpoints()
         if not offered:
-            raise Unsupported("the game engine offers no viewpoints to choose from")
+            raise Unsupported("the game engine offers no viewpoints; its HELLO has to name them")
         if viewpoint not in offered:
             raise BadParameter(f"there is no viewpoint {viewpoint!r}; available_viewpoints: {', '.join(offered)}")
         if viewpoint != self._current():

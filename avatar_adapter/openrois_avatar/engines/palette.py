@@ -1,4 +1,4 @@
-"""The avatar's colours, shared by every renderer so that it stays the same person."""
+"""The avatar's colours, shared by all renderers."""
 
 SKIN = "#f6cdb8"
 BLUSH = "#e98f7f"

@@ -1,10 +1,10 @@
-"""The loop every embedded game engine runs in: paced pictures and sound out, commands in.
+"""The loop of every embedded game engine: paced pictures and sound out, commands in.
 
 Pictures belong to deadlines on CLOCK_MONOTONIC: the picture of a deadline shows the body at that moment and carries it
-as its timestamp. A loop that is late skips to the newest deadline; nothing is queued. Sound leaves ahead of its
-time, so that it is there when its moment comes, however long a picture takes; a reaction begins, and is stopped, at the
-first moment of which the sound has not left yet, both to be seen and to be heard. While no pictures are wanted none is
-drawn, and no silence is sent: body and room go on unseen, and the next picture is drawn as soon as it is wanted.
+as its timestamp. A loop that is late skips to the newest deadline; nothing is queued. Sound is sent ahead of its time,
+so that it is there when its moment comes, however long a picture takes; a reaction begins, and is stopped, at the first
+moment for which the sound was not sent yet, in picture and sound alike. Without demand no picture is drawn, and no
+silence is sent: body and room go on unseen, and the next picture is drawn as soon as there is demand.
 """
 
 import argparse
@@ -22,11 +22,11 @@ import numpy as np
 
 from openrois.version import __version__
 from openrois_avatar.engines.animation.animator import Animator
-from openrois_avatar.engines.animation.heard import loudness
 from openrois_avatar.engines.animation.idle import blink
 from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.animation.reactions import REACTIONS
 from openrois_avatar.engines.animation.visemes import SHAPES, Track
+from openrois_avatar.engines.animation.voice_mouth import loudness
 from openrois_avatar.engines.room.life import Life
 from openrois_avatar.engines.room.plan import HOME
 from openrois_avatar.engines.room.scene import AT_HOME, Scene
@@ -60,17 +60,17 @@ from openrois_avatar.link.messages import (
     Walk,
 )
 from openrois_avatar.link.protocol import PixelFormat
-from openrois_avatar.picture_size import AUTOMATIC, SIZE_HELP, picture_size
+from openrois_avatar.options.picture_size import AUTOMATIC, SIZE_HELP, picture_size
 
 UNAVAILABLE: Final = 3
-"""Exit status of an engine that cannot run on this machine; the sentence that says why is on stderr."""
+"""Exit status of an engine that cannot run on this machine; stderr has the reason."""
 LINK_LOST: Final = 4
-"""Exit status when the adapter could not be reached or refused the engine."""
+"""Exit status when the adapter could not be reached, or refused the engine."""
 _STILL_SEED: Final = 1
 AHEAD: Final = 0.06
-"""Seconds by which sound leaves ahead of its time: more than a picture takes, and less than a person notices."""
+"""Seconds by which sound is sent ahead of its time: more than a picture takes, and less than a person notices."""
 _REPORT: Final = 10.0
-"""Seconds between two reports of what was dropped."""
+"""Seconds between two reports of skipped pictures and blocks."""
 _SIGN: Final = 0.5
 """Seconds between two signs of life while nothing is drawn."""
 _UNSEEN: Final = 0.1
@@ -78,13 +78,13 @@ _UNSEEN: Final = 0.1
 
 
 def main(name: str, available: Available, factory: Factory, viewpoints: Sequence[str], arguments: Sequence[str]) -> int:
-    """Run an engine until its link ends, or draw one still; the exit status.
+    """Run an engine until its link ends, or draw one still; return the exit status.
 
     Args:
         name: of the engine.
-        available: tells whether it runs here.
-        factory: makes what draws its pictures.
-        viewpoints: from where it can show the room, of `openrois_avatar.engines.room.shot.VIEWPOINTS`.
+        available: returns whether it runs here.
+        factory: makes its renderer.
+        viewpoints: those that it offers, of `openrois_avatar.engines.room.shot.VIEWPOINTS`.
         arguments: of the command line.
     """
     options = _options(name, arguments)
@@ -118,7 +118,7 @@ def main(name: str, available: Available, factory: Factory, viewpoints: Sequence
 
 
 def _made(factory: Factory, options: argparse.Namespace) -> tuple[Renderer, Picture]:
-    """Make the renderer, for pictures of the size that is asked for, or else of the one that this machine carries."""
+    """Make the renderer, for pictures of the given size, or else of the size that this machine carries."""
     width, height = options.size or LARGE
     picture = Picture(width, height, options.fps)
     renderer = factory(picture)
@@ -153,7 +153,7 @@ def _place(text: str) -> Place:
     try:
         x, y, th = (float(part) for part in text.split(","))
     except ValueError as error:
-        raise argparse.ArgumentTypeError("metres, metres and radians, as 1,0.5,-1.57") from error
+        raise argparse.ArgumentTypeError(f"must be metres, metres and radians, as 1,0.5,-1.57, not {text!r}") from error
     return Place(x, y, th)
 
 
@@ -168,7 +168,7 @@ def _still(renderer: Renderer, options: argparse.Namespace) -> int:
 
 
 def still_pose(reaction: str | None = None, viseme: str | None = None, at: float = 0.0) -> Pose:
-    """The body `at` seconds into a reaction, with the mouth in the shape of a viseme; without either, at rest.
+    """Return the pose `at` seconds into a reaction, with the mouth in the shape of a viseme; without either, at rest.
 
     It is a moment between two blinks.
     """
@@ -182,17 +182,17 @@ def still_pose(reaction: str | None = None, viseme: str | None = None, at: float
 
 
 class Link(Protocol):
-    """What the runner needs of a `LinkClient`."""
+    """The part of `LinkClient` that the runner uses."""
 
     @property
     def connected(self) -> bool:
-        """False once the adapter is gone."""
+        """False once the link has ended."""
 
     def poll_commands(self, timeout: float = 0.0) -> list[Command]:
-        """The commands that have arrived; waits up to `timeout` seconds for a first one."""
+        """Return the commands that have arrived; wait up to `timeout` seconds for a first one."""
 
     def poll_audio(self) -> Sequence[Samples]:
-        """The operator's sound that has arrived."""
+        """Return the operator's sound that has arrived."""
 
     def draw_video(
         self, draw: Callable[[Pixels], None], width: int, height: int, format: PixelFormat, timestamp_ns: int
@@ -208,7 +208,7 @@ class Link(Protocol):
 
 @dataclass(slots=True)
 class _Skips:
-    """What was left out since the last report."""
+    """Pictures and blocks of sound that were skipped since the last report."""
 
     pictures: int = 0
     blocks: int = 0
@@ -232,25 +232,25 @@ class Runner:
         self._skips = _Skips()
         self._waiting: list[Command] = []
         self._coming: deque[tuple[float, React | Stop]] = deque()
-        """What is to be seen from a moment on."""
+        """Commands that take effect from a moment on."""
         self._sent = clock()
-        """The moment up to which sound has left."""
+        """The moment up to which sound was sent."""
         self._pictures = _Ticks(clock(), 1 / picture.fps)
         self._wanted = True
-        """Whether pictures are."""
+        """Whether there is demand for pictures."""
         self._signed = clock()
-        """When it gave its last sign of life."""
+        """When the last sign of life was sent."""
         self._quit = False
 
     def run(self) -> None:
-        """Send pictures and sound on time until the adapter is gone or says `Quit`."""
+        """Send pictures and sound on time until the link ends, or until `Quit`."""
         start = self._clock()
         self._pictures, blocks = _Ticks(start, 1 / self._picture.fps), _Ticks(start, PERIOD)
         reports = _Ticks(start + _REPORT, _REPORT)
         while self._link.connected and not self._quit:
             now = self._clock()
             if reports.due <= now:
-                reports.take()
+                reports.next_tick()
                 self._report()
             resting = self._is_resting()
             if resting:
@@ -258,22 +258,22 @@ class Runner:
                 self._sent = blocks.due
             if not resting and blocks.due - AHEAD <= now:
                 self._skips.blocks += blocks.catch_up(now)
-                self._send_sound(blocks.take())
+                self._send_sound(blocks.next_tick())
             elif self._pictures.due <= now:
                 left_out = self._pictures.catch_up(now)
                 self._skips.pictures += left_out if self._wanted else 0
                 self._listen(0.0)
-                self._live(self._pictures.take())
+                self._live(self._pictures.next_tick())
             else:
                 due = self._pictures.due if resting else min(blocks.due - AHEAD, self._pictures.due)
                 self._listen(due - now)
 
     def _is_resting(self) -> bool:
-        """Whether there is nothing to be seen, and nothing to be heard."""
+        """Return whether there is neither demand for pictures nor sound."""
         return not self._wanted and self._sound.is_silent and self._life.radio == 0.0
 
     def _listen(self, seconds: float) -> None:
-        """Take commands for so long at most."""
+        """Receive commands, for `seconds` at most."""
         commands = self._link.poll_commands(seconds)
         for command in commands:
             if isinstance(command, Demand):
@@ -282,11 +282,11 @@ class Runner:
                 self._waiting.append(command)
             self._quit = self._quit or isinstance(command, Quit)
         if commands and not self._wanted:
-            # It obeys at once, not at its next deadline, which may be far.
+            # Commands are obeyed at once, not at the next deadline, which may be far.
             self._pictures = _Ticks(self._clock(), _UNSEEN)
 
     def _heed(self, demand: Demand) -> None:
-        """Draw from now on, or do not: the first picture that is wanted again is due at once."""
+        """Start or stop drawing: the first picture of a new demand is due at once."""
         wanted = demand.consumers > 0
         if wanted and not self._wanted:
             self._pictures = _Ticks(self._clock(), 1 / self._picture.fps)
@@ -297,13 +297,13 @@ class Runner:
         self._sent = due + PERIOD
 
     def _live(self, due: float) -> None:
-        """Go on until `due`, and show it if that is wanted."""
+        """Advance body and room to `due`, and draw the picture if there is demand."""
         for command in self._waiting:
             self._obey(command, due)
         self._waiting = []
         self._begin(due)
         if heard := self._link.poll_audio():
-            self._animator.hear(due, loudness(heard))
+            self._animator.follow_voice(due, loudness(heard))
         scene = self._life.advance(due, self._animator.is_expressive(due))
         if self._wanted:
             self._send_picture(self._renderer.draw(self._animator.pose(due, self._life.walking), scene), due)
@@ -332,7 +332,7 @@ class Runner:
                 self._animator.silence(now)
                 self._stay_unless_expressive(now)
             case Look():
-                self._animator.look(now, command.x, command.y)
+                self._animator.turn_eyes(now, command.x, command.y)
             case Stop():
                 self._sound.hush()
                 self._coming.append((self._sent, command))
@@ -341,12 +341,12 @@ class Runner:
             case Viewpoint():
                 self._life.show_from(command.name)
             case Quit() | Demand() | Input() | KeyFrame() | Bitrate():
-                pass  # the first two are heeded as they come; it asked for no input, and encodes nothing
+                pass  # the first two are handled on arrival; HELLO asks for no input, and nothing is encoded
             case _:
                 assert_never(command)
 
     def _begin(self, now: float) -> None:
-        """Show what has been heard to begin."""
+        """Apply the commands whose moment has come."""
         while self._coming and self._coming[0][0] <= now:
             moment, command = self._coming.popleft()
             if isinstance(command, React):
@@ -356,7 +356,7 @@ class Runner:
                 self._stay_unless_expressive(now)
 
     def _stay_unless_expressive(self, now: float) -> None:
-        """After something was broken off: it turns to the viewer only for what it still says with face or hands."""
+        """After an interruption, turn to the viewer only for speech or a reaction that goes on."""
         if not self._animator.is_expressive(now):
             self._life.stay()
 
@@ -369,7 +369,7 @@ class Runner:
 
 
 class _Ticks:
-    """Deadlines that repeat with a period and are never made up for."""
+    """Periodic deadlines; missed ones are skipped."""
 
     def __init__(self, start: float, period: float) -> None:
         self._start, self._period, self._number = start, period, 0
@@ -379,14 +379,14 @@ class _Ticks:
         """The next deadline."""
         return self._start + self._number * self._period
 
-    def take(self) -> float:
-        """The next deadline, which is dealt with now."""
+    def next_tick(self) -> float:
+        """Return the next deadline, and go on to the one after it."""
         due = self.due
         self._number += 1
         return due
 
     def catch_up(self, now: float) -> int:
-        """Go on to the newest deadline that is not after `now`; how many were left out."""
+        """Go on to the newest deadline that is not after `now`; return how many were skipped."""
         newest = int((now - self._start) / self._period)
         left_out = max(0, newest - self._number)
         self._number += left_out
@@ -394,7 +394,7 @@ class _Ticks:
 
 
 def i420(pixels: Pixels) -> Pixels:
-    """BGRA as the planes Y, U, V, one below the other."""
+    """Convert BGRA to the planes Y, U, V, one below the other."""
     height, width = pixels.shape[:2]
     planes = np.empty((height * 3 // 2, width), np.uint8)
     write_i420(pixels, planes)

@@ -1,4 +1,4 @@
-"""What the runner and the renderers agree on."""
+"""The interface between the runner and the renderers."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ Pixels = npt.NDArray[np.uint8]
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """Size in pixels, both even, and pictures per second."""
+    """The size of pictures in pixels, both even, and their rate."""
 
     width: int = 640
     height: int = 360
@@ -24,17 +24,17 @@ class Picture:
 
 LARGE: Final = (1280, 720)
 SMALL: Final = (640, 360)
-"""Width and height that an engine chooses from where it is not told."""
+"""Width and height that an engine chooses from without `--size`."""
 
 
 class Renderer(Protocol):
     """Draws poses in scenes."""
 
     def draw(self, pose: Pose, scene: Scene = AT_HOME) -> Pixels:
-        """The avatar in this pose as BGRA, (height, width, 4), top row first; the next call may reuse the array."""
+        """Return the figure in this pose as BGRA, (height, width, 4), top row first; the next call may reuse it."""
 
     def resize(self, picture: Picture) -> None:
-        """Draw pictures of another size from now on, which is not above that of the first."""
+        """Draw pictures of another size from now on, which is not larger than the first one."""
 
 
 Available = Callable[[], tuple[bool, str]]

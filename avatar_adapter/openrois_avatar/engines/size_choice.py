@@ -1,4 +1,4 @@
-"""The choice of the picture size: large pictures where drawing and encoding them leaves the machine room for more."""
+"""The choice of the picture size: large pictures where drawing and encoding them leaves the machine enough time."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -12,7 +12,7 @@ from openrois_streaming.source.source import RawVideo
 from openrois_avatar.engines.animation.animator import Animator
 from openrois_avatar.engines.animation.visemes import Track
 from openrois_avatar.engines.settings import LARGE, SMALL, Picture, Pixels, Renderer
-from openrois_avatar.picture_size import size_text
+from openrois_avatar.options.picture_size import size_text
 
 PICTURES: Final = 12
 """Pictures that are drawn and encoded for the choice; the first ones warm up and do not count."""
@@ -61,7 +61,7 @@ def choose_size(
 def _costs(
     renderer: Renderer, fps: int, encode: Callable[[Pixels, int], object], spent: Clock, now: Clock
 ) -> list[float]:
-    """Seconds for each picture of one who talks, but for the first ones."""
+    """Return the seconds for each picture of a talking figure, except for the first ones."""
     animator, costs, end = Animator(), list[float](), now() + LONGEST
     animator.speak(0.0, Track(0.0, [(n * 0.12, shape, 1.0) for n, shape in enumerate(_SHAPES)], 10.0))
     for number in range(PICTURES):
@@ -74,7 +74,7 @@ def _costs(
 
 
 def encoding(fps: int, convert: Callable[[Pixels], Pixels]) -> Callable[[Pixels, int], Sequence[Chunk]]:
-    """Return what encodes large pictures as the adapter does.
+    """Return a function that encodes large pictures as the adapter does.
 
     Args:
         fps: pictures a second.

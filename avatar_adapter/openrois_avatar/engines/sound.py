@@ -14,7 +14,7 @@ _LEVEL: Final = 0.1
 """Peak of a cue: -20 dBFS."""
 _MAX_CUES: Final = 4
 _RADIO_LEVEL: Final = 0.05
-"""Peak of the radio where one stands beside it: -26 dBFS."""
+"""Peak of the radio directly beside it: -26 dBFS."""
 _NOTE: Final = 0.6
 """Seconds of a note of its tune."""
 _TUNE: Final = (392.0, 523.3, 659.3, 523.3, 440.0, 523.3, 698.5, 523.3)
@@ -33,7 +33,7 @@ class Sound:
         self._radio, self._near = _tune(), 0.0
 
     def cue(self, reaction: str, time: float) -> None:
-        """Let the sound of a reaction start at a time; a reaction without one stays silent."""
+        """Start the sound of a reaction at a time; a reaction without one stays silent."""
         make = _CUES.get(reaction)
         if make is None:
             return
@@ -48,11 +48,11 @@ class Sound:
 
     @property
     def is_silent(self) -> bool:
-        """Whether the next block is silence as long as no radio is near."""
+        """Whether the next block is silent as long as no radio is near."""
         return not self._cues and not self._near
 
     def block(self, time: float, radio: float = 0.0) -> Samples:
-        """The 20 ms of sound, (BLOCK, 1), that begin at a time; `radio` is how near that is, 0 (not heard) to 1."""
+        """Return the 20 ms of sound, (BLOCK, 1), that begin at a time; `radio` is its nearness, 0 (not heard) to 1."""
         if self.is_silent and not radio:
             return self._silence
         mixed = self._heard(time, radio)
@@ -65,7 +65,7 @@ class Sound:
         return np.round(np.clip(mixed, -1, 1) * 32767).astype(np.int16)[:, None]
 
     def _heard(self, time: float, radio: float) -> _Wave:
-        """What the radio plays in a block; it comes nearer and goes away without a step."""
+        """Return the radio's sound in a block; its loudness changes without a step."""
         first = round(time * RATE)
         played = self._radio[np.arange(first, first + BLOCK) % len(self._radio)]
         loudness = np.linspace(self._near, radio, BLOCK) * _RADIO_LEVEL
@@ -78,7 +78,7 @@ def _axis(seconds: float) -> _Wave:
 
 
 def _chime(*notes: tuple[float, float], seconds: float = 1.0) -> _Wave:
-    """Soft bells: (start in seconds, frequency in Hz)."""
+    """Return soft bells: (start in seconds, frequency in Hz)."""
     wave = np.zeros(int(seconds * RATE))
     for start, frequency in notes:
         time = _axis(seconds - start)
@@ -91,7 +91,7 @@ def _chime(*notes: tuple[float, float], seconds: float = 1.0) -> _Wave:
 
 
 def _whoosh(seconds: float) -> _Wave:
-    """Air that is moved: noise that opens and closes."""
+    """Return the noise of moved air."""
     noise = np.random.default_rng(5).normal(size=int(seconds * RATE))
     soft = np.convolve(noise, np.hanning(160), mode="same")
     return _faded(soft * np.sin(np.pi * _axis(seconds) / seconds) ** 2)
@@ -109,7 +109,7 @@ def _claps(*starts: float) -> _Wave:
 
 
 def _faded(wave: _Wave) -> _Wave:
-    """The wave with 20 ms of fading at its end, so that nothing clicks."""
+    """Return the wave with a fade-out of 20 ms, so that nothing clicks."""
     tail = int(0.02 * RATE)
     wave[-tail:] *= np.linspace(1, 0, tail)
     return wave
@@ -129,7 +129,7 @@ _CUES: Final[Mapping[str, Callable[[], _Wave]]] = {
 
 
 def _tune() -> _Wave:
-    """What the radio plays, over and over: a few soft plucked notes, peak 1."""
+    """Return the tune of the radio, which repeats: a few soft plucked notes, peak 1."""
     time = np.arange(round(_NOTE * RATE)) / RATE
     # Each note has died away when the next one begins.
     shape = np.minimum(1, time / 0.01) * np.exp(-5 * time) * (1 - time / _NOTE)

@@ -1,4 +1,4 @@
-"""One peer connection between a game engine and an application: what both say about it passes through here. Pure."""
+"""The signaling of one peer connection between a game engine and an application. Pure."""
 
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
@@ -8,6 +8,7 @@ from typing import Final
 from openrois_signaling.messages import (
     CANDIDATES_LIMIT,
     REASON_LIMIT,
+    SDP_LIMIT,
     Answer,
     Bye,
     Candidate,
@@ -42,7 +43,7 @@ _UNSETTLED: Final = frozenset({State.PREPARING, State.OFFERED, State.APPLYING})
 
 @dataclass(frozen=True, slots=True)
 class Carried:
-    """A stream that a player is to carry."""
+    """A stream that a player has to carry."""
 
     stream_id: str
     component_ref: str
@@ -52,16 +53,16 @@ class Carried:
 class Player:
     """A player of a game engine, and the peer connection that an application knows it by.
 
-    What is wrong with what the game engine says ends the player; what is wrong with what the application says is
-    raised, and ends it where it cannot be taken back.
+    A faulty message of the game engine ends the player; a faulty message of the application is raised, and ends the
+    player where it cannot be undone.
 
     Args:
-        player_id: what the game engine calls it.
-        negotiation: what the application calls it, and where its offers stand.
+        player_id: its id at the game engine.
+        negotiation: its peer id at the application, and the state of its offers.
         streamer: the game engine.
         send: sends the application a message.
-        permits: tells whether a candidate of the application may be used, and raises InvalidCandidate for one that
-            cannot be read.
+        permits: returns whether a candidate of the application may be used; raises InvalidCandidate for a malformed
+            one.
     """
 
     def __init__(
@@ -78,25 +79,25 @@ class Player:
         self._send = send
         self._permits = permits
         self._told: tuple[Section, ...] = ()
-        """The sections of the offer that the application has."""
+        """The sections of the last offer to the application."""
         self._later: tuple[str, tuple[Section, ...]] | None = None
-        """An offer that came while the one before was not answered."""
+        """An offer that came while the last one was not answered."""
         self._early: list[Candidate] = []
-        """The game engine's candidates from before its first offer."""
+        """The game engine's candidates before its first offer."""
         self._found = 0
         self._carried: Mapping[str, Carried] = {}
-        """What the last offer carries, by the names of its sections."""
+        """The streams of the last offer, by the mids of its sections."""
         self.answered_at: float | None = None
-        """When the first answer was handed to the game engine."""
+        """When the first answer was sent to the game engine."""
 
     @property
     def peer_id(self) -> str:
-        """What the application knows it by."""
+        """The peer id at the application."""
         return self._negotiation.peer_id
 
     @property
     def is_settled(self) -> bool:
-        """Whether neither side waits for the other."""
+        """Whether no offer is being negotiated."""
         return self._negotiation.state not in _UNSETTLED
 
     @property
@@ -105,15 +106,15 @@ class Player:
         return tuple(self._carried.values())
 
     def begin(self, now: float) -> None:
-        """The game engine was asked for an offer."""
+        """Note that the game engine was asked for an offer."""
         self._negotiation.change(now)
 
     def offered(self, sdp: str, wanted: Iterable[Carried], now: float) -> None:
-        """The game engine offers; the application gets it as soon as its last answer is there.
+        """Handle an offer of the game engine; the application gets it as soon as its last answer is there.
 
         Args:
             sdp: the description.
-            wanted: what the player is to carry, as far as it is offered.
+            wanted: the streams that the player has to carry, as far as they are offered.
             now: seconds.
 
         Raises:
@@ -121,7 +122,9 @@ class Player:
         """
         sections = sections_of(sdp)
         if any(section.kind == "application" for section in sections):
-            raise UnusableDescription("the game engine offers a data channel, which is not passed on")
+            raise UnusableDescription(
+                "the game engine offers a data channel, which is not supported; offer audio and video only"
+            )
         if self._negotiation.state is State.PREPARING or self._negotiation.change(now):
             self._offer(sdp, sections, wanted, now)
         else:
@@ -132,7 +135,7 @@ class Player:
         self._told = sections
         self._carried = {section.mid: each for section, each in found if section is not None}
         if not self._carried:
-            raise UnusableDescription("the game engine offers nothing of what was connected")
+            raise UnusableDescription("the game engine offers none of the connected streams")
         self._negotiation.describe()
         streams = tuple(
             StreamSection(
@@ -147,14 +150,14 @@ class Player:
         try:
             offer = self._negotiation.made(sdp, streams, now)
         except ValidationError as error:
-            raise UnusableDescription("the description is too long") from error
+            raise UnusableDescription(f"the description has more than {SDP_LIMIT} bytes, which is the limit") from error
         self._send(offer)
         early, self._early = self._early, []
         for candidate in early:
             self._send(candidate.model_copy(update={"generation": offer.generation}))
 
     def found(self, found: Found) -> None:
-        """The game engine has found a candidate; what cannot be one is dropped."""
+        """Handle a candidate of the game engine; a malformed one is dropped."""
         self._found += 1
         if self._found > CANDIDATES_LIMIT:
             return
@@ -173,22 +176,22 @@ class Player:
         else:
             self._early.append(candidate)
 
-    def answer(self, answer: Answer, now: float) -> None:
-        """The application answers.
+    def apply_answer(self, answer: Answer, now: float) -> None:
+        """Apply an answer of the application.
 
         Raises:
             UnexpectedAnswer: no offer waits for it.
-            InvalidDescription: it does not answer the offer, or takes what was not connected; the player has to end.
-            UnusableDescription: what the game engine offered meanwhile cannot be passed on; the player has to end.
+            InvalidDescription: it does not match the offer and the connected streams; the player has to end.
+            UnusableDescription: a later offer of the game engine cannot be passed on; the player has to end.
         """
-        if self._negotiation.answer(answer, now) is not Verdict.APPLY:
+        if self._negotiation.receive_answer(answer, now) is not Verdict.APPLY:
             raise UnexpectedAnswer(self._negotiation.why_stale(answer))
         try:
             check_answer(answer.sdp, self._told, self._carried.keys())
             sdp, candidates = split_candidates(answer.sdp)
         except UnusableDescription as error:
             raise InvalidDescription(str(error)) from error
-        self._streamer.answer(self.player_id, sdp)
+        self._streamer.send_answer(self.player_id, sdp)
         if self.answered_at is None:
             self.answered_at = now
         for line in candidates[:CANDIDATES_LIMIT]:
@@ -202,32 +205,32 @@ class Player:
             self._negotiation.change(now)
             self._offer(sdp, sections, self.carried, now)
 
-    def candidate(self, candidate: Candidate) -> None:
-        """The application has found a candidate.
+    def add_candidate(self, candidate: Candidate) -> None:
+        """Handle a candidate of the application.
 
         Raises:
-            StaleGeneration: it belongs to no offer that counts.
-            TooManyCandidates: the application has sent as many as it may.
-            InvalidCandidate: it cannot be read.
+            StaleGeneration: it belongs to an earlier offer.
+            TooManyCandidates: the application has sent the most allowed already.
+            InvalidCandidate: it is malformed.
         """
         verdict = self._negotiation.candidate(candidate)
         if verdict is Verdict.FULL:
-            raise TooManyCandidates(f"a peer may send {CANDIDATES_LIMIT} candidates")
+            raise TooManyCandidates(f"a peer may send at most {CANDIDATES_LIMIT} candidates")
         if verdict in {Verdict.STALE, Verdict.ENDED}:
             raise StaleGeneration("the candidate belongs to another offer")
         if verdict is Verdict.APPLY:
             self._pass_on(candidate.candidate, candidate.sdp_mid, candidate.sdp_m_line_index)
 
     def expire(self, now: float) -> bool:
-        """Whether what is awaited has not come in time; then the player has ended."""
+        """Return whether an awaited message has not come in time, which ends the player."""
         return self._tell_end(self._negotiation.expire(now))
 
-    def end(self, reason: str) -> None:
-        """It is over for both; `reason` is a sentence for a person."""
-        self._tell_end(self._negotiation.end(reason[:REASON_LIMIT]))
+    def close(self, reason: str) -> None:
+        """End the player for both sides; `reason` is a sentence for a person."""
+        self._tell_end(self._negotiation.end_negotiation(reason[:REASON_LIMIT]))
 
     def leave(self) -> None:
-        """It is over for the game engine; the application keeps its end."""
+        """End the player for the game engine; the application keeps its peer connection."""
         self._streamer.dismiss(self.player_id)
 
     def _tell_end(self, bye: Bye | None) -> bool:
@@ -238,9 +241,9 @@ class Player:
         return True
 
     def _pass_on(self, candidate: str | None, mid: str | None, index: int | None) -> None:
-        """Hand the game engine a candidate; that there are no more is not told, for it need not know.
+        """Send the game engine a candidate; the end of candidates is not sent, as it is not needed.
 
-        An application names its section in one way or the other, and game engines want to hear both.
+        An application names the section by mid or by index, and game engines need both.
         """
         if not candidate or not self._permits(candidate):
             return
@@ -249,4 +252,4 @@ class Player:
             index = mids.index(mid)
         elif mid is None and index is not None and index < len(mids):
             mid = mids[index]
-        self._streamer.find(Found(self.player_id, candidate, mid, index))
+        self._streamer.send_candidate(Found(self.player_id, candidate, mid, index))

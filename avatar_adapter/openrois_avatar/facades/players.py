@@ -1,4 +1,4 @@
-"""The players behind one application: the present one, the one that it replaces, and what is left of one. Pure."""
+"""The players of one application: the present one, the one that it replaces, and a parked peer connection. Pure."""
 
 from collections.abc import Callable, Collection, Iterator
 
@@ -11,12 +11,12 @@ __all__ = ["Players"]
 
 
 class Players:
-    """At most two players, of which one takes the place of the other.
+    """At most two players, of which one replaces the other.
 
     Attributes:
-        present: the one that offers are made to; None while nothing is to be sent.
-        replaced: the one before it, until that has had time to show something.
-        parked: the peer connection that the application keeps while no player is behind it; empty for none.
+        present: the player that carries the streams; None while none is to play.
+        replaced: the one before it, until the present one has had time to show a picture.
+        parked: the peer connection that the application keeps without a player; empty for none.
 
     Args:
         send: sends the application a message.
@@ -29,7 +29,7 @@ class Players:
         self.parked = ""
 
     def __iter__(self) -> Iterator[Player]:
-        """Those that have not ended, the present one first."""
+        """Return the players that have not ended, the present one first."""
         return iter([player for player in (self.present, self.replaced) if player is not None])
 
     @property
@@ -39,43 +39,43 @@ class Players:
 
     @property
     def answered(self) -> frozenset[Carried]:
-        """What is carried by those that both ends have agreed on."""
+        """The streams of the players that were answered."""
         return frozenset(each for player in self if player.answered_at is not None for each in player.carried)
 
     def find(self, peer_id: str) -> Player:
-        """The player that the application knows by this id. Raises UnknownPeer."""
+        """Return the player with this peer id. Raises UnknownPeer."""
         for player in self:
             if player.peer_id == peer_id:
                 return player
-        raise UnknownPeer("there is no such peer connection")
+        raise UnknownPeer("the peer connection does not exist, or has ended")
 
     def add(self, player: Player) -> None:
-        """A new one takes the place of the present one."""
+        """Replace the present player by a new one."""
         self.present, self.replaced = player, self.present
         self.parked = ""
 
     def remove(self, player: Player) -> None:
-        """One has ended; the one that it was to replace goes on."""
+        """Remove a player that has ended; the one that it should replace goes on."""
         if player is self.present:
             self.present = self.replaced
         self.replaced = None
 
     def drop_replaced(self, suspended: Collection[Carried]) -> None:
-        """Let the one go that was replaced.
+        """End the replaced player.
 
-        Where it carried what is suspended now, the application keeps its end, and with it the last picture: to say bye
-        would be to say that these streams are over.
+        Where it carried streams that are suspended now, the application keeps its peer connection, and with it the last
+        picture: a bye would mean that these streams have ended.
         """
         player, self.replaced = self.replaced, None
         if player is None:
             return
         if set(suspended).isdisjoint(player.carried):
-            player.end("it was replaced")
+            player.close("it was replaced")
         else:
             player.leave()
 
     def park(self, suspended: Collection[Carried]) -> None:
-        """Nothing is to be sent: the game engine lets its players go, and the application keeps its end."""
+        """End all players for the game engine; the application keeps its peer connection."""
         self.drop_replaced(suspended)
         if self.present is not None:
             self.parked = self.present.peer_id
@@ -83,9 +83,9 @@ class Players:
             self.present = None
 
     def close(self, reason: str) -> None:
-        """End them all."""
+        """End all players."""
         for player in self:
-            player.end(reason)
+            player.close(reason)
         if self.parked:
             self._send(Bye(peer_id=self.parked, reason=reason))
         self.present = self.replaced = None

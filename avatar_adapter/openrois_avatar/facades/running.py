@@ -1,4 +1,4 @@
-"""An adapter whose game engine does WebRTC itself: streams by the engine's own peer connections, commands beside it."""
+"""An adapter for a game engine that does WebRTC itself: streams by the engine, commands by its engine link."""
 
 import asyncio
 import logging
@@ -10,6 +10,14 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
+from openrois_body.components.speech_synthesis import SpeechSynthesis
+from openrois_body.components.system_information import SystemInformation
+from openrois_body.components.teleoperation import Teleoperation
+from openrois_body.metrics import body_figures
+from openrois_media.components import AudioStreaming, VideoStreaming
+from openrois_media.health import Health, Observed
+from openrois_media.metrics.figures import Process, Snapshot, Source
+from openrois_media.supervision import Supervised, supervise
 from openrois_signaling.messages import MediaKind
 from openrois_streaming.clock import SystemClock
 
@@ -18,20 +26,14 @@ from openrois.aio.tasks import TaskScope
 from openrois.session.session import EngineHost
 from openrois.types.codes import ComponentStatus
 from openrois.types.references import reference
-from openrois_avatar.components.speech_synthesis import SpeechSynthesis
-from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
-from openrois_avatar.components.system_information import SystemInformation
-from openrois_avatar.components.teleoperation import Teleoperation
-from openrois_avatar.facades.server import StreamerServer, facade_address
+from openrois_avatar.facades.server import StreamerServer
 from openrois_avatar.facades.streamer import StreamerFactory
 from openrois_avatar.facades.streams import FacadeStreams
 from openrois_avatar.facades.unity import UnitySender
 from openrois_avatar.facades.unreal import UnrealStreamer
-from openrois_avatar.health import Health, Observed
-from openrois_avatar.metrics.figures import Process, Snapshot, Source
+from openrois_avatar.options.link_options import facade_address
+from openrois_avatar.options.settings import AvatarSettings
 from openrois_avatar.scene import external_scene
-from openrois_avatar.settings import AvatarSettings
-from openrois_avatar.supervision import Supervised, supervise
 
 __all__ = ["FACADES", "FacadeAvatar", "run_facade"]
 
@@ -41,18 +43,18 @@ FACADES: Final[dict[str, StreamerFactory]] = {
     "unreal": UnrealStreamer,
     "unity-render-streaming": partial(UnitySender, epoch=time.time),
 }
-"""Whose signaling server the adapter can be, by the name of the engine."""
+"""The signaling servers that the adapter can be, by the name of the engine."""
 
 _DIRECTIONS: Final = ("recvonly",)
 
 
 @dataclass(frozen=True, slots=True)
 class FacadeAvatar:
-    """An adapter that runs: what it serves to a gateway, where its game engine is awaited, and what can be measured."""
+    """A running adapter: the host for its gateway, the URL for its game engine, and its metrics."""
 
     host: EngineHost
     url: str
-    look: Callable[[], Awaitable[Snapshot]]
+    collect_figures: Callable[[], Awaitable[Snapshot]]
 
 
 @asynccontextmanager
@@ -60,9 +62,9 @@ async def run_facade(settings: AvatarSettings) -> AsyncIterator[FacadeAvatar]:
     """Run an adapter for a game engine that does WebRTC itself, for as long as the block does.
 
     Raises:
-        FacadeUnavailable: the game engine cannot be awaited where it should be.
-        LinkError: one cannot listen for its engine link.
-        ValueError: the address of the facade is none.
+        FacadeUnavailable: the address of the facade cannot be listened on.
+        LinkError: the address of the engine link cannot be listened on.
+        ValueError: the address of the facade is malformed.
     """
     clock = SystemClock()
     host, port = facade_address(settings.facade)
@@ -75,23 +77,27 @@ async def run_facade(settings: AvatarSettings) -> AsyncIterator[FacadeAvatar]:
     def lost(reason: str) -> None:
         nonlocal last_words
         last_words = f"the game engine is gone: {reason}"
-        streams.lost()
+        streams.engine_lost()
 
     def observe() -> Observed:
-        # Its pictures cannot be seen from here: being there is all that can be told of it.
+        # Its pictures do not pass through the adapter: only its connection can be observed.
         return Observed(None, wanted=False, failure="" if server.streamer is not None else last_words)
 
     def status() -> ComponentStatus:
         return ComponentStatus.READY if server.streamer is not None else ComponentStatus.ERROR
 
     server = StreamerServer(
-        FACADES[settings.engine], lambda heard: streams.hear(heard), lost, settings.link_secret, clock.now
+        FACADES[settings.engine],
+        lambda heard: streams.handle_engine_message(heard),
+        lost,
+        settings.link_secret,
+        clock.now,
     )
     streams = FacadeStreams(
         settings.engine_id, kinds, lambda: server.streamer, lambda: last_words, clock, settings.network
     )
     engine = Health("the game engine", clock.now())
-    # A voice would have no way to whom it is for, and neither have the hands of who operates.
+    # The voice could not reach the viewers, and input could not reach the adapter.
     async with external_scene(settings.engine_id, settings.link, settings.link_secret, clock) as scene:
         acting = tuple(each for each in scene.components if not isinstance(each, SpeechSynthesis | Teleoperation))
         showing = (VideoStreaming((), _DIRECTIONS, status), AudioStreaming((), _DIRECTIONS, status))
@@ -109,10 +115,10 @@ async def run_facade(settings: AvatarSettings) -> AsyncIterator[FacadeAvatar]:
             async def look() -> Snapshot:
                 process = Process(
                     len(streams),
-                    settings.network.places.applications,
+                    settings.network.sessions.applications,
                     len(asyncio.all_tasks()),
                     threading.active_count(),
                 )
-                return Snapshot(process, (Source("engine", engine.status, 0, None),), (), ())
+                return Snapshot(process, (Source("engine", engine.status, 0, None),), (), (), more=body_figures())
 
             yield FacadeAvatar(engine_host, url, look)

@@ -1,7 +1,7 @@
-"""The m-sections of descriptions that pass between game engine and application, as far as they must be known. Pure.
+"""The m-sections of descriptions that pass between game engine and application. Pure.
 
-The text of a description is never changed, but for the candidates of an answer, which are taken out and checked one by
-one. An application may take exactly what it has connected, and send nothing.
+The text of a description is never changed, except for the candidates of an answer, which are removed and checked one by
+one. An application may receive exactly the streams that it has connected, and send none.
 """
 
 import re
@@ -22,7 +22,7 @@ __all__ = [
 ]
 
 Way: TypeAlias = Literal["sendrecv", "sendonly", "recvonly", "inactive"]
-"""Seen from whoever wrote the description."""
+"""The direction of a section, seen from the author of the description."""
 
 _WAYS: Final[tuple[Way, ...]] = ("sendrecv", "sendonly", "recvonly", "inactive")
 _MEDIA: Final = re.compile(r"m=([a-z]{1,16}) (\d{1,5})(?:/\d{1,5})? \S{1,32}(?: \S{1,64}){1,64}")
@@ -30,12 +30,12 @@ _LINE: Final = re.compile(r"[a-z]=[^\x00-\x1f]*")
 
 
 class UnusableDescription(Exception):
-    """A description cannot be used; the text is a sentence for a person and holds nothing of it."""
+    """A description that cannot be used; the text is a sentence for a person without parts of the description."""
 
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """An m-section. `way` is seen from whoever wrote it; one that was `rejected` is not used."""
+    """An m-section. `way` is seen from the author; a `rejected` section is not used."""
 
     kind: str
     mid: str
@@ -44,13 +44,13 @@ class Section:
 
     @property
     def gives(self) -> bool:
-        """Whether whoever wrote it sends in it."""
+        """Whether the author sends in it."""
         return not self.rejected and self.way in {"sendrecv", "sendonly"}
 
 
 @dataclass(frozen=True, slots=True)
 class CandidateLine:
-    """A candidate-attribute that stood in the section with this mid and number."""
+    """A candidate attribute of the section with this mid and index."""
 
     candidate: str
     mid: str
@@ -58,36 +58,36 @@ class CandidateLine:
 
 
 def sections_of(sdp: str) -> tuple[Section, ...]:
-    """The sections of a description, in their order.
+    """Return the sections of a description, in order.
 
     Raises:
-        UnusableDescription: it is no SDP, or has no sections, too many, or two of one name.
+        UnusableDescription: it is no SDP, or has no sections, too many, or two with one mid.
     """
     session, blocks = _blocks(sdp)
     usual = _way(session, "sendrecv")
     found = tuple(_section(lines, usual) for lines in blocks)
     if not 0 < len(found) <= SECTIONS_LIMIT:
-        raise UnusableDescription(f"the description has {len(found)} sections where 1 to {SECTIONS_LIMIT} are possible")
+        raise UnusableDescription(f"the description must have 1 to {SECTIONS_LIMIT} sections, not {len(found)}")
     if len({section.mid for section in found}) < len(found):
-        raise UnusableDescription("the description has two sections of one name")
+        raise UnusableDescription("the description has two sections with one mid")
     return found
 
 
 def section_for(kind: str, offered: Sequence[Section]) -> Section | None:
-    """The section in which a game engine sends its picture or sound; None if it sends none."""
+    """Return the section in which a game engine sends its picture or sound; None if it sends none."""
     return next((section for section in offered if section.kind == kind and section.gives), None)
 
 
 def check_answer(answer: str, offered: Sequence[Section], connected: Collection[str]) -> None:
-    """Check that an answer takes what was connected, and nothing else, and that it sends nothing.
+    """Check that an answer receives exactly the connected streams, and sends none.
 
     Args:
         answer: the application's description.
         offered: the sections of the game engine's offer.
-        connected: the mids of those that carry streams of the application.
+        connected: the mids of the sections with streams of the application.
 
     Raises:
-        UnusableDescription: it does not answer that offer, or takes or sends something else.
+        UnusableDescription: it does not match the offer, or receives or sends other streams.
     """
     answered = sections_of(answer)
     if [(each.kind, each.mid) for each in answered] != [(each.kind, each.mid) for each in offered]:
@@ -97,11 +97,11 @@ def check_answer(answer: str, offered: Sequence[Section], connected: Collection[
             if not section.rejected and section.way != "inactive":
                 raise UnusableDescription(f"section {section.mid} was not connected: it must be answered inactive")
         elif section.rejected or section.way != "recvonly":
-            raise UnusableDescription(f"section {section.mid} is to be received, and nothing sent in it")
+            raise UnusableDescription(f"section {section.mid} is connected: it must be answered recvonly")
 
 
 def split_candidates(sdp: str) -> tuple[str, tuple[CandidateLine, ...]]:
-    """A description without its candidates, and these."""
+    """Return a description without its candidates, and the candidates."""
     kept: list[str] = []
     found: list[CandidateLine] = []
     sections = sections_of(sdp)
@@ -131,7 +131,7 @@ def _section(lines: Sequence[str], usual: Way) -> Section:
     line = _MEDIA.fullmatch(lines[0])
     mids = [each.removeprefix("a=mid:").strip() for each in lines if each.startswith("a=mid:")]
     if line is None or len(mids) != 1 or not 0 < len(mids[0]) <= MID_LIMIT:
-        raise UnusableDescription("the description has a section without a kind or name")
+        raise UnusableDescription("the description has a section without a media type or mid")
     bundled = "a=bundle-only" in lines
     return Section(line[1], mids[0], _way(lines, usual), rejected=int(line[2]) == 0 and not bundled)
 

@@ -1,4 +1,4 @@
-"""The WebSocket server to which a game engine that does WebRTC itself connects: one at a time, on this machine."""
+"""The WebSocket server for a game engine that does WebRTC itself: one at a time, on this machine."""
 
 import asyncio
 import hmac
@@ -17,7 +17,7 @@ from openrois.observability.http_log import HTTP_LOG
 from openrois_avatar.facades.messages.reading import MESSAGE_LIMIT, ProtocolError
 from openrois_avatar.facades.streamer import Heard, Streamer, StreamerFactory
 
-__all__ = ["FacadeUnavailable", "StreamerServer", "facade_address"]
+__all__ = ["FacadeUnavailable", "StreamerServer"]
 
 _log = logging.getLogger(__name__)
 
@@ -28,38 +28,23 @@ _OUTBOX: Final = 512
 """Messages that may wait for the game engine to read them."""
 
 _AT_ONCE, _PER_SECOND = 1024, 256.0
-"""Messages that it may send: 64 candidates and a description for each of many viewers who come together."""
+"""Messages that it may send: 64 candidates and a description for each of many viewers that come at once."""
 
 _SHUTDOWN_TIMEOUT: Final = 0.5
 
 
 class FacadeUnavailable(Exception):
-    """A game engine cannot be awaited where it should be; the text says why."""
-
-
-def facade_address(text: str) -> tuple[str, int]:
-    """Read `HOST:PORT` or `[HOST]:PORT`, where the host is `localhost` or a loopback address.
-
-    Raises:
-        ValueError: it is neither.
-    """
-    host, _, port = text.rpartition(":")
-    host = host.removeprefix("[").removesuffix("]")
-    if not (port.isascii() and port.isdigit() and int(port) < 2**16):
-        raise ValueError(f"{text!r} is no address for a game engine: HOST:PORT")
-    if not is_loopback(host):
-        raise ValueError(f"a game engine is awaited on this machine only: {host!r} is no loopback address")
-    return host, int(port)
+    """The address for a game engine cannot be listened on; the text says why."""
 
 
 class StreamerServer:
-    """Awaits a game engine. Whatever it does wrong ends its connection, and it may come again at any moment.
+    """Awaits a game engine. A violation of the protocol ends its connection, and it may connect again at any moment.
 
     Args:
-        make: makes a `Streamer` of what sends it a message, and of what is told what it says.
-        hear: is told what it says to its players.
-        lost: is told that it is gone, with a sentence that says why.
-        secret: what the path of its address must be, behind the slash; empty: any will do.
+        make: makes a `Streamer` of the functions that send it a message and handle its messages.
+        hear: called with its messages to its players.
+        lost: called with a sentence that says why it has disconnected.
+        secret: that the path of its address must be, behind the slash; empty: any will do.
         clock: monotonic seconds.
     """
 
@@ -81,18 +66,18 @@ class StreamerServer:
 
     @property
     def streamer(self) -> Streamer | None:
-        """The game engine, if it is there and can be sent players."""
+        """The game engine, if it is connected and ready for players."""
         return self._streamer if self._streamer is not None and self._streamer.ready else None
 
     @asynccontextmanager
     async def listening(self, host: str, port: int) -> AsyncIterator[str]:
-        """Listen for as long as the block runs; gives the URL, with the port that was chosen for 0, without the secret.
+        """Listen for as long as the block runs; yield the URL, with the port that was chosen for 0, without the secret.
 
         Raises:
-            FacadeUnavailable: the port is taken, or the address is not this machine's.
+            FacadeUnavailable: the port is in use, or the address is not this machine's.
         """
         app = web.Application()
-        app.router.add_get("/{path:.*}", self._answer)
+        app.router.add_get("/{path:.*}", self._handle_request)
         app.on_shutdown.append(self._close)
         runner = web.AppRunner(
             app, access_log=None, logger=HTTP_LOG, shutdown_timeout=_SHUTDOWN_TIMEOUT, handler_cancellation=True
@@ -102,7 +87,7 @@ class StreamerServer:
             try:
                 await web.TCPSite(runner, host, port).start()
             except OSError as error:
-                text = f"a game engine cannot be awaited at {host}:{port}: {error.strerror or error}"
+                text = f"--facade: cannot listen on {host}:{port}: {error.strerror or error}"
                 raise FacadeUnavailable(text) from error
             chosen = runner.addresses[0][1]
             yield f"ws://{f'[{host}]' if ':' in host else host}:{chosen}/"
@@ -113,11 +98,11 @@ class StreamerServer:
         if self._socket is not None:
             await self._socket.close(code=WSCloseCode.GOING_AWAY)
 
-    async def _answer(self, request: web.Request) -> web.StreamResponse:
+    async def _handle_request(self, request: web.Request) -> web.StreamResponse:
         self._check(request)
         if self._socket is not None:
-            raise web.HTTPServiceUnavailable(text="a game engine is connected already\n")
-        # Some clients want the protocol back that they named, whatever it is.
+            raise web.HTTPServiceUnavailable(text="another game engine is connected; an adapter serves one at a time\n")
+        # Some clients expect the subprotocol back that they named, whatever it is.
         named = [each.strip() for each in request.headers.get("Sec-WebSocket-Protocol", "").split(",")][:1]
         socket = web.WebSocketResponse(
             protocols=named, max_msg_size=MESSAGE_LIMIT, heartbeat=_HEARTBEAT, compress=False, timeout=1.0
@@ -137,22 +122,22 @@ class StreamerServer:
         return socket
 
     def _check(self, request: web.Request) -> None:
-        """Refuse what a page of another web site could send, and who does not know the secret."""
+        """Refuse requests of pages of other web sites, and requests without the secret."""
         origin = request.headers.get("Origin")
         if not _names_loopback(f"//{request.host}") or (origin and not _names_loopback(origin)):
-            raise web.HTTPForbidden(text="programs of this machine only\n")
+            raise web.HTTPForbidden(text="only programs of this machine may connect\n")
         if self._secret and not hmac.compare_digest(unquote(request.raw_path[1:]).encode(), self._secret.encode()):
             raise web.HTTPForbidden(text="the path of the address must be the secret\n")
 
     async def _converse(self, socket: web.WebSocketResponse, request: web.Request) -> str:
-        """Pass messages until the connection ends; why it was ended from here, if it was."""
+        """Pass messages until the connection ends; return why the adapter ended it, if it did."""
         outbox: asyncio.Queue[str] = asyncio.Queue(_OUTBOX)
 
         def send(text: str) -> None:
             try:
                 outbox.put_nowait(text)
             except asyncio.QueueFull:
-                # It does not read: it would not read a farewell either.
+                # It does not read: it would not read a close frame either.
                 if request.transport is not None:
                     request.transport.abort()
 
@@ -173,11 +158,11 @@ class StreamerServer:
         rate = RateLimit(_AT_ONCE, _PER_SECOND, self._clock)
         async for message in socket:
             if message.type is not WSMsgType.TEXT:
-                return "messages are texts"
+                return "messages must be texts"
             if not rate.admits():
-                return "too many messages"
+                return f"too many messages: at most {_PER_SECOND:g} a second"
             try:
-                streamer.take(message.data)
+                streamer.handle_message(message.data)
             except ProtocolError as error:
                 return str(error)
         return ""

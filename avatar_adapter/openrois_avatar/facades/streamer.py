@@ -1,4 +1,4 @@
-"""A game engine that does WebRTC itself, as its signaling server sees it, whichever protocol it speaks. Pure."""
+"""The interface of a game engine that does WebRTC itself to its signaling server, for any protocol. Pure."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ class NoRoom(Exception):
 
 
 class NotOffered(Exception):
-    """The game engine does not send that; the text is a sentence for a person."""
+    """The game engine does not offer such streams; the text is a sentence for a person."""
 
 
 @dataclass(frozen=True, slots=True)
 class Offered:
-    """The game engine offers a player its pictures and sound."""
+    """An offer of the game engine to a player."""
 
     player_id: str
     sdp: str
@@ -27,7 +27,7 @@ class Offered:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A candidate of the game engine or of a player; an empty one says that there are no more."""
+    """A candidate of the game engine or of a player; an empty one is the end of candidates."""
 
     player_id: str
     candidate: str
@@ -37,25 +37,25 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class Left:
-    """The game engine has ended what it had with a player; `reason` is a sentence for a person."""
+    """The game engine has ended a player; `reason` is a sentence for a person."""
 
     player_id: str
     reason: str
 
 
 Heard: TypeAlias = Offered | Found | Left
-"""What a game engine says to or about a player."""
+"""A message of a game engine to or about a player."""
 
 
 class Streamer(Protocol):
-    """One connection of a game engine. It is used in the event loop; nothing here waits.
+    """One connection of a game engine. It is used in the event loop; no method waits.
 
-    A player is one peer connection between the game engine and an application. Its id is known to these two alone.
+    A player is one peer connection between the game engine and an application. Only adapter and engine know its id.
     """
 
     @property
     def ready(self) -> bool:
-        """Whether it has said who it is and can be sent players."""
+        """Whether it has identified itself and is ready for players."""
         ...
 
     @property
@@ -65,41 +65,41 @@ class Streamer(Protocol):
 
     @property
     def name(self) -> str:
-        """What it calls itself."""
+        """Its own name."""
         ...
 
     def begin(self) -> None:
-        """It is there: greet it."""
+        """Send the greeting."""
         ...
 
-    def take(self, text: str) -> None:
-        """Take one message.
+    def handle_message(self, text: str) -> None:
+        """Handle one message.
 
         Raises:
-            ProtocolError: it cannot be understood.
+            ProtocolError: it is malformed.
         """
         ...
 
     def invite(self, player_id: str, ice_servers: Sequence[IceServer]) -> None:
-        """Let it make an offer to a new player.
+        """Ask for an offer to a new player.
 
         Raises:
             NoRoom: it takes no further player now.
         """
         ...
 
-    def answer(self, player_id: str, sdp: str) -> None:
-        """Hand it a player's answer."""
+    def send_answer(self, player_id: str, sdp: str) -> None:
+        """Send a player's answer."""
         ...
 
-    def find(self, found: Found) -> None:
-        """Hand it a player's candidate."""
+    def send_candidate(self, found: Found) -> None:
+        """Send a player's candidate."""
         ...
 
     def dismiss(self, player_id: str) -> None:
-        """Tell it that a player is gone."""
+        """Report that a player has left."""
         ...
 
 
 StreamerFactory: TypeAlias = Callable[[Callable[[str], None], Callable[[Heard], None]], Streamer]
-"""Makes one of what sends it a message, and of what is told what it says."""
+"""Makes a streamer of the functions that send it a message and handle its messages."""

@@ -1,7 +1,7 @@
 """The signaling server of a Unity Render Streaming sender in private mode, without input or output. Pure.
 
-A sender asks for connections by ids of its own and offers as soon as it is told that a connection is there. So it is
-told when somebody wants to see, and not before: each connection that it has asked for is a place for one player.
+A sender asks for connections by ids of its own, and offers as soon as the server confirms a connection. So a connection
+is confirmed only when a viewer comes: each requested connection is a place for one player.
 """
 
 from collections.abc import Callable, Sequence
@@ -27,7 +27,7 @@ from openrois_avatar.facades.streamer import Found, Heard, Left, NoRoom, Offered
 __all__ = ["CONNECTIONS_LIMIT", "UnitySender"]
 
 CONNECTIONS_LIMIT: Final = 64
-"""Connections that a sender may have asked for."""
+"""Most connections that a sender may ask for."""
 
 
 class UnitySender:
@@ -35,18 +35,20 @@ class UnitySender:
 
     Args:
         send: sends it a message.
-        tell: is told what it says to or about a player.
+        on_message: called with what it says to or about a player.
         epoch: the time, in seconds since the epoch.
     """
 
     name = "Unity"
 
-    def __init__(self, send: Callable[[str], None], tell: Callable[[Heard], None], epoch: Callable[[], float]) -> None:
+    def __init__(
+        self, send: Callable[[str], None], on_message: Callable[[Heard], None], epoch: Callable[[], float]
+    ) -> None:
         self._send = send
-        self._tell = tell
+        self._on_message = on_message
         self._epoch = epoch
         self._places: dict[str, str] = {}
-        """Who has which connection: a player id, or nobody yet."""
+        """The player id of each connection; empty while it is free."""
 
     @property
     def ready(self) -> bool:
@@ -59,13 +61,13 @@ class UnitySender:
         return "" in self._places.values()
 
     def begin(self) -> None:
-        """Wait for what it says: the protocol has no greeting."""
+        """Send nothing: the protocol has no greeting."""
 
-    def take(self, text: str) -> None:
-        """Take one message; what is said of connections that are gone is dropped, and so is what is not known.
+    def handle_message(self, text: str) -> None:
+        """Handle one message; messages about closed connections and unknown messages are dropped.
 
         Raises:
-            ProtocolError: it cannot be understood, or it is an offer's answer, which nobody here has asked for.
+            ProtocolError: it is malformed, or it is an answer, without an offer of this side.
         """
         message = SENDER_SAYS.read(text)
         match message:
@@ -73,18 +75,18 @@ class UnitySender:
                 self._reserve(connection_id)
             case Disconnect(connection_id=connection_id):
                 player_id = self._places.pop(connection_id, "")
-                self._say(Disconnect(connection_id=connection_id))
+                self._send_message(Disconnect(connection_id=connection_id))
                 if player_id:
-                    self._tell(Left(player_id, "the game engine has ended it"))
+                    self._on_message(Left(player_id, "the game engine has ended the connection"))
             case Offer(data=description) if player_id := self._places.get(message.connection_id, ""):
-                self._tell(Offered(player_id, description.sdp))
+                self._on_message(Offered(player_id, description.sdp))
             case Candidate(data=found) if player_id := self._places.get(message.connection_id, ""):
-                self._tell(Found(player_id, found.candidate, found.sdp_mid or None, found.sdp_m_line_index))
+                self._on_message(Found(player_id, found.candidate, found.sdp_mid or None, found.sdp_m_line_index))
             case Answer():
-                raise ProtocolError("answer: nothing was offered")
+                raise ProtocolError("answer: the server has made no offer")
 
     def invite(self, player_id: str, ice_servers: Sequence[IceServer]) -> None:
-        """Let it make an offer to a new player; its STUN and TURN servers are set in Unity, not here.
+        """Ask for an offer to a new player; its STUN and TURN servers are set in Unity, not here.
 
         Raises:
             NoRoom: all connections that it has asked for are in use.
@@ -93,16 +95,16 @@ class UnitySender:
         if connection_id is None:
             raise NoRoom("all connections of the game engine are in use; each takes one viewer")
         self._places[connection_id] = player_id
-        # Nothing is ever offered from this side, so it does not matter who gives way.
-        self._say(Connected(connection_id=connection_id, polite=True))
+        # This side never offers, so politeness does not matter.
+        self._send_message(Connected(connection_id=connection_id, polite=True))
 
-    def answer(self, player_id: str, sdp: str) -> None:
-        """Hand it a player's answer."""
+    def send_answer(self, player_id: str, sdp: str) -> None:
+        """Send a player's answer."""
         for connection_id in self._of(player_id):
-            self._say(Answer(from_=connection_id, data=Description(sdp=sdp, datetime=self._milliseconds())))
+            self._send_message(Answer(from_=connection_id, data=Description(sdp=sdp, datetime=self._milliseconds())))
 
-    def find(self, found: Found) -> None:
-        """Hand it a player's candidate."""
+    def send_candidate(self, found: Found) -> None:
+        """Send a player's candidate."""
         data = FoundData(
             candidate=found.candidate,
             sdp_mid=found.sdp_mid,
@@ -110,21 +112,21 @@ class UnitySender:
             datetime=self._milliseconds(),
         )
         for connection_id in self._of(found.player_id):
-            self._say(Candidate(from_=connection_id, data=data))
+            self._send_message(Candidate(from_=connection_id, data=data))
 
     def dismiss(self, player_id: str) -> None:
-        """Tell it that a player is gone, if it does not know that; it may ask for the connection again."""
+        """Report that a player has left, unless the sender knows that; it may ask for the connection again."""
         for connection_id in self._of(player_id):
             del self._places[connection_id]
-            self._say(Disconnect(connection_id=connection_id))
+            self._send_message(Disconnect(connection_id=connection_id))
 
     def _reserve(self, connection_id: str) -> None:
         if self._places.get(connection_id) == "":
-            return  # it waits already, and may ask as often as it likes
+            return  # it waits already; asking again is allowed
         if connection_id in self._places:
-            self._say(Failure(message=f"{connection_id}: this connection is there already"))
+            self._send_message(Failure(message=f"{connection_id}: this connection is in use already"))
         elif len(self._places) >= CONNECTIONS_LIMIT:
-            self._say(Failure(message=f"{CONNECTIONS_LIMIT} connections are there already"))
+            self._send_message(Failure(message=f"{CONNECTIONS_LIMIT} connections exist already, which is the limit"))
         else:
             self._places[connection_id] = ""
 
@@ -134,5 +136,5 @@ class UnitySender:
     def _milliseconds(self) -> int:
         return round(self._epoch() * 1000)
 
-    def _say(self, message: Said) -> None:
+    def _send_message(self, message: Said) -> None:
         self._send(message.text())

@@ -32,84 +32,84 @@ _PROTOCOL_VERSION: Final = "1.3.0"
 
 
 class UnrealStreamer:
-    """One streamer; a `Streamer`. It is asked for offers without data channels: see docs/facades.md.
+    """One streamer; a `Streamer`. It is asked for offers without data channels: see docs/how-to/facades.md.
 
     Args:
         send: sends it a message.
-        tell: is told what it says to or about a player.
+        on_message: called with what it says to or about a player.
     """
 
-    def __init__(self, send: Callable[[str], None], tell: Callable[[Heard], None]) -> None:
+    def __init__(self, send: Callable[[str], None], on_message: Callable[[Heard], None]) -> None:
         self._send = send
-        self._tell = tell
+        self._on_message = on_message
         self._ice_servers: tuple[IceServer, ...] = ()
         self._players: set[str] = set()
         self.name = ""
 
     @property
     def ready(self) -> bool:
-        """Whether it has said who it is."""
+        """Whether it has sent its id."""
         return bool(self.name)
 
     @property
     def has_room(self) -> bool:
-        """Whether it takes a further player now: how many it can serve is its own business."""
+        """Whether it takes a further player now: it limits their number by itself."""
         return self.ready
 
     def begin(self) -> None:
-        """Greet it."""
+        """Send the greeting."""
         self._configure()
-        self._say(Identify())
+        self._send_message(Identify())
 
-    def take(self, text: str) -> None:
-        """Take one message; what is said of players that are gone is dropped, and so is what is not known.
+    def handle_message(self, text: str) -> None:
+        """Handle one message; messages about players that have left and unknown messages are dropped.
 
         Raises:
-            ProtocolError: it cannot be understood.
+            ProtocolError: it is malformed.
         """
         message = STREAMER_SAYS.read(text)
         match message:
             case EndpointId(id=name):
                 self.name = name
-                self._say(EndpointIdConfirm(committed_id=name))
+                self._send_message(EndpointIdConfirm(committed_id=name))
             case Ping(time=time):
-                self._say(Pong(time=time))
+                self._send_message(Pong(time=time))
             case Offer(player_id=player_id, sdp=sdp) if player_id in self._players:
-                self._tell(Offered(player_id, sdp))
+                self._on_message(Offered(player_id, sdp))
             case IceCandidate(player_id=player_id, candidate=found) if player_id in self._players:
-                self._tell(Found(player_id, found.candidate, found.sdp_mid or None, found.sdp_m_line_index))
+                self._on_message(Found(player_id, found.candidate, found.sdp_mid or None, found.sdp_m_line_index))
             case DisconnectPlayer(player_id=player_id, reason=reason) if player_id in self._players:
                 self._players.discard(player_id)
-                self._tell(Left(player_id, reason or "the game engine has ended it"))
+                self._on_message(Left(player_id, reason or "the game engine has ended the connection"))
 
     def invite(self, player_id: str, ice_servers: Sequence[IceServer]) -> None:
-        """Let it make an offer to a new player, over these STUN and TURN servers."""
+        """Ask for an offer to a new player, with these STUN and TURN servers."""
         if tuple(ice_servers) != self._ice_servers:
             self._ice_servers = tuple(ice_servers)
             self._configure()
         self._players.add(player_id)
-        self._say(PlayerConnected(player_id=player_id, data_channel=False))
+        self._send_message(PlayerConnected(player_id=player_id, data_channel=False))
 
-    def answer(self, player_id: str, sdp: str) -> None:
-        """Hand it a player's answer."""
-        self._say(Answer(player_id=player_id, sdp=sdp))
+    def send_answer(self, player_id: str, sdp: str) -> None:
+        """Send a player's answer."""
+        self._send_message(Answer(player_id=player_id, sdp=sdp))
 
-    def find(self, found: Found) -> None:
-        """Hand it a player's candidate."""
+    def send_candidate(self, found: Found) -> None:
+        """Send a player's candidate."""
         candidate = RtcCandidate(
             candidate=found.candidate, sdp_mid=found.sdp_mid, sdp_m_line_index=found.sdp_m_line_index
         )
-        self._say(IceCandidate(player_id=found.player_id, candidate=candidate))
+        self._send_message(IceCandidate(player_id=found.player_id, candidate=candidate))
 
     def dismiss(self, player_id: str) -> None:
-        """Tell it that a player is gone, if it does not know that."""
+        """Report that a player has left, unless the streamer knows that."""
         if player_id in self._players:
             self._players.discard(player_id)
-            self._say(PlayerDisconnected(player_id=player_id))
+            self._send_message(PlayerDisconnected(player_id=player_id))
 
     def _configure(self) -> None:
         options = PeerConnectionOptions(ice_servers=self._ice_servers)
-        self._say(Config(peer_connection_options=options, protocol_version=_PROTOCOL_VERSION))
+        self._send_message(Config(peer_connection_options=options, protocol_version=_PROTOCOL_VERSION))
 
-    def _say(self, message: Said) -> None:
+    def _send_message(self, message: Said) -> None:
         self._send(message.text())

@@ -1,5 +1,5 @@
 """The engine link: frames, sound, commands and events between a game engine and the avatar adapter.
 
 `protocol` and `messages` do no input or output. `client` is the game engine's side (standard library and NumPy only),
-`server` and `embedded` are the adapter's side (asyncio).
+`server`, `embedded` and `external` are the adapter's side (asyncio).
 """

@@ -1,4 +1,4 @@
-"""Where the engine link is: `unix:/path` or `tcp:host:port`, and the environment variables that say so to a child."""
+"""Addresses of the engine link, `unix:/path` or `tcp:host:port`, and the environment variables that hold them."""
 
 from __future__ import annotations
 
@@ -48,14 +48,14 @@ def parse_address(text: str) -> Address:
     host, _, port = rest.rpartition(":")
     if carrier == "tcp" and host and port.isascii() and port.isdigit() and int(port[:6]) < 65_536:
         return TcpAddress(host.removeprefix("[").removesuffix("]"), int(port))
-    raise LinkError("address: expected unix:/path or tcp:host:port")
+    raise LinkError(f"address: expected unix:/path or tcp:host:port, not {text[:100]!r}")
 
 
 def connect_socket(address: Address, timeout: float) -> socket.socket:
-    """A connected blocking socket; every later operation on it is bounded by `timeout` seconds as well.
+    """Return a connected blocking socket; every later operation on it is bounded by `timeout` seconds as well.
 
     Raises:
-        LinkError: nobody answers there.
+        LinkError: the connection failed; the text has address and reason.
     """
     try:
         if isinstance(address, TcpAddress):
@@ -64,11 +64,15 @@ def connect_socket(address: Address, timeout: float) -> socket.socket:
             return stream
         stream = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     except OSError as error:
-        raise LinkError(f"cannot connect to {address}: {error}") from error
+        raise _unreachable(address, error) from error
     try:
         stream.settimeout(timeout)
         stream.connect(address.path)
     except OSError as error:
         stream.close()
-        raise LinkError(f"cannot connect to {address}: {error}") from error
+        raise _unreachable(address, error) from error
     return stream
+
+
+def _unreachable(address: Address, error: OSError) -> LinkError:
+    return LinkError(f"cannot connect to {address}: {error}; check that the adapter runs, and its --link")

@@ -37,9 +37,9 @@ from openrois_avatar.link.ring_writer import RingWriter
 from openrois_avatar.link.writer import Writer, send
 
 STALL_TIMEOUT: Final = 10.0
-"""Seconds after which an adapter that reads nothing counts as gone."""
+"""Seconds after which an adapter that reads nothing counts as disconnected."""
 FAREWELL_TIMEOUT: Final = 0.5
-"""Seconds that `close` gives the writer to send what is queued, above all the last events."""
+"""Seconds that `close` gives the writer to send its queue, above all the last events."""
 _READ_SIZE: Final = 64 * 1024
 
 
@@ -47,7 +47,7 @@ class LinkClient:
     """A connection to the adapter, used by one thread; `connected` tells a render loop when to stop."""
 
     def __init__(self, stream: socket.socket) -> None:
-        """Use `connect`; `stream` is connected and nothing has been said on it."""
+        """Use `connect`; `stream` is connected, and no message has been sent on it."""
         self._stream = stream
         self._parser = Parser(Sender.ADAPTER)
         self._commands: deque[Command] = deque()
@@ -63,10 +63,10 @@ class LinkClient:
 
     @classmethod
     def connect(cls, address: str, hello: Hello, timeout: float = 5.0) -> Self:
-        """Connect, greet, and wait for the adapter's welcome; `timeout` seconds at most for all of it.
+        """Connect, send HELLO, and wait for WELCOME; `timeout` seconds at most for all of it.
 
         Raises:
-            LinkError: nobody answers, the adapter refuses (the text has its reason), or it breaks the protocol.
+            LinkError: no adapter answers, it refuses (the text has its reason), or it breaks the protocol.
         """
         deadline = time.monotonic() + timeout
         stream = connect_socket(parse_address(address), timeout)
@@ -76,6 +76,11 @@ class LinkClient:
         client = cls(stream)
         try:
             client._greet(hello, deadline)
+        except TimeoutError as error:
+            client._release()
+            raise LinkError(
+                f"{address} has not answered HELLO within {timeout:g} s; check that an adapter listens there"
+            ) from error
         except (OSError, LinkError) as error:
             client._release()
             raise LinkError(str(error)) from error
@@ -91,22 +96,22 @@ class LinkClient:
 
     @property
     def connected(self) -> bool:
-        """False once `poll_commands` has found the adapter gone, or its goodbye; `reason` then says why."""
+        """False once `poll_commands` has found the connection closed, or BYE; `reason` then says why."""
         return self._reason is None
 
     @property
     def reason(self) -> str | None:
-        """Why the link is over, None while it is not."""
+        """The reason for which the link has ended; None while it has not."""
         return self._reason
 
     @property
     def dropped_video(self) -> int:
-        """Pictures replaced by a newer one before they could be sent."""
+        """Number of pictures that a newer one replaced before they could be sent."""
         return self._outbox.dropped_video
 
     @property
     def dropped_audio(self) -> int:
-        """Blocks of sound dropped, oldest first, because the adapter read too slowly."""
+        """Number of blocks of sound dropped, oldest first, because the adapter read too slowly."""
         return self._outbox.dropped_audio
 
     def send_video(
@@ -124,8 +129,8 @@ class LinkClient:
         If HELLO asked for a ring and the adapter has given one, the pixels go there, but for pictures that are larger
         than its slots.
 
-        `pixels` is any C-contiguous buffer. What the socket has no room for now is copied, if it is not `bytes`, so
-        that the caller may draw the next picture into the same buffer at once.
+        `pixels` is any C-contiguous buffer. Unless it is `bytes`, the part that the socket has no room for is copied,
+        so that the caller may draw the next picture into the same buffer at once.
 
         Raises:
             LinkError: the numbers do not describe the pixels.
@@ -150,12 +155,12 @@ class LinkClient:
     ) -> None:
         """Send a picture as `send_video` does, which `draw` writes straight into the ring: it is copied once less.
 
-        `draw` gets a flat array for the bytes of the picture, without padding, that holds anything; it writes all of
-        them, and touches them no more when it has returned. Without a ring the array is memory of this process. What
-        `draw` raises is raised here, and no picture is sent.
+        `draw` gets a flat array for the bytes of the picture, without padding and with any content; it writes all of
+        them, and touches them no more when it has returned. Without a ring the array is memory of this process. An
+        exception of `draw` is raised here, and no picture is sent.
 
         Raises:
-            LinkError: there can be no such picture.
+            LinkError: size or format are not allowed.
         """
         stride = width * (4 if format is PixelFormat.BGRA else 1)
         size = picture_size(width, height, stride, format)
@@ -173,19 +178,19 @@ class LinkClient:
             self._writer.show(Doorbell(*shape, slot))
 
     def send_encoded(self, data: bytes, width: int, height: int, timestamp_ns: int, *, keyframe: bool) -> bool:
-        """Send a picture that was encoded here: an H.264 access unit in Annex B form, constrained baseline.
+        """Send a picture that the engine has encoded: an H.264 access unit in Annex B form, constrained baseline.
 
-        Key frames are IDR pictures with SPS and PPS before them. Pictures are sent in order and all of them, as long
-        as the adapter reads: False says that some were lost, and that the next one has to be a key frame.
+        Key frames are IDR pictures with SPS and PPS before them. All pictures are sent in order, as long as the adapter
+        reads: False says that some were lost, and that the next one has to be a key frame.
 
         Raises:
-            LinkError: there can be no such picture.
+            LinkError: size or length are not allowed.
         """
         picture = Encoded(next(self._numbers), timestamp_ns, width, height, keyframe, data)
         return self._outbox.put_encoded(picture)
 
     def send_audio(self, samples: NDArray[np.int16], timestamp_ns: int) -> None:
-        """Send a block of 48 kHz sound, shape (n, channels), whose first sample was made at `timestamp_ns`.
+        """Send a block of 48 kHz sound, shape (n, channels), with the timestamp of its first sample.
 
         Raises:
             LinkError: more than 64 KiB, or neither one nor two channels.
@@ -196,26 +201,26 @@ class LinkClient:
     def send_event(self, event: Event) -> None:
         """Send an event. Events are never dropped: a link on which 256 of them wait is closed instead."""
         if not self._outbox.put_event(event):
-            self._fail("the adapter does not read: too many events wait")
+            self._fail("the adapter reads too slowly: 256 events wait; send fewer, and connect again")
 
     def poll_commands(self, timeout: float = 0.0) -> list[Command]:
-        """The commands that arrived since the last call, in order; waits up to `timeout` seconds for a first one.
+        """Return the commands since the last call, in order; wait up to `timeout` seconds for a first one.
 
-        Never raises: when the link is over the list is empty and `connected` is False.
+        Never raises: when the link has ended the list is empty and `connected` is False.
         """
         deadline = time.monotonic() + timeout
         try:
             while self.connected and self._selector.select(self._patience(deadline)):
                 for message in self._read():
-                    self._take(message)
+                    self._handle_message(message)
         except (OSError, LinkError) as error:
-            self._end(self._failure or str(error))
+            self._end_link(self._failure or str(error))
         commands = list(self._commands)
         self._commands.clear()
         return commands
 
     def poll_audio(self) -> list[NDArray[np.int16]]:
-        """The operator's sound since the last call, in order: blocks of shape (n, channels), 48 kHz.
+        """Return the operator's sound since the last call, in order: blocks of shape (n, channels), 48 kHz.
 
         They arrive while `poll_commands` is called, and only if HELLO said that the engine hears. Of more than 25
         blocks the oldest are lost.
@@ -225,10 +230,10 @@ class LinkClient:
         return blocks
 
     def close(self, reason: str = "the engine ends") -> None:
-        """Send the events that wait and a goodbye, and release everything; half a second at most. May be repeated."""
+        """Send the events that wait and BYE, and release everything; half a second at most. May be repeated."""
         self._outbox.finish(Bye(reason))
         self._writer.thread.join(FAREWELL_TIMEOUT)
-        self._end(reason)
+        self._end_link(reason)
         self._writer.thread.join()  # returns at once: the socket is shut down and the outbox aborted
         self._release()
 
@@ -236,7 +241,9 @@ class LinkClient:
         return 0.0 if self._commands else max(0.0, deadline - time.monotonic())
 
     def _greet(self, hello: Hello, deadline: float) -> None:
-        with contextlib.suppress(OSError):  # an adapter that has hung up already has said why: that is read below
+        with contextlib.suppress(
+            OSError
+        ):  # an adapter that has closed already has sent its reason, which is read below
             send(self._stream, hello)
         messages: list[Message] = []
         while not messages:
@@ -247,7 +254,7 @@ class LinkClient:
             raise LinkError(f"refused: {first.reason}" if isinstance(first, Bye) else "refused")
         self._open_ring(first.ring)
         for message in later:
-            self._take(message)
+            self._handle_message(message)
 
     def _open_ring(self, place: RingPlace | None) -> None:
         if place is not None:
@@ -259,26 +266,26 @@ class LinkClient:
     def _read(self) -> list[Message]:
         data = self._stream.recv(_READ_SIZE)
         if not data:
-            raise LinkError("the adapter closed the connection")
+            raise LinkError("the adapter closed the connection; connect again")
         return self._parser.feed(data)
 
-    def _take(self, message: Message) -> None:
+    def _handle_message(self, message: Message) -> None:
         if isinstance(message, Bye):
-            self._end(message.reason)
+            self._end_link(message.reason)
         elif isinstance(message, Audio):
             self._heard.append(message)
         else:
-            assert isinstance(message, Command), "the parser lets an adapter say nothing else"
+            assert isinstance(message, Command), "the parser accepts nothing else of an adapter"
             self._commands.append(message)
 
     def _fail(self, failure: str) -> None:
-        """Hang up from either thread. The adapter's goodbye may still be there to be read: it says more."""
+        """Shut the socket down, from either thread. A BYE of the adapter may still be unread, and says more."""
         self._failure = self._failure or failure
         self._outbox.abort()
         with contextlib.suppress(OSError):  # it may be down already
             self._stream.shutdown(socket.SHUT_RDWR)
 
-    def _end(self, reason: str) -> None:
+    def _end_link(self, reason: str) -> None:
         self._reason = self._reason or reason
         self._fail(reason)
 
@@ -290,12 +297,14 @@ class LinkClient:
 def connect_from_environment(
     hello: Hello, timeout: float = 10.0, environ: Mapping[str, str] = os.environ
 ) -> LinkClient:
-    """Connect to the adapter that the environment names; `hello` goes out with the secret that is there, if any is.
+    """Connect to the adapter that the environment names, with `hello` and the secret of the environment.
 
     Raises:
-        LinkError: as `LinkClient.connect`, or there is no address in the environment.
+        LinkError: as `LinkClient.connect`, or the environment has no address.
     """
     address = environ.get(ADDRESS_VARIABLE)
     if address is None:
-        raise LinkError(f"{ADDRESS_VARIABLE} is not set: start the engine from the adapter, or say where that listens")
+        raise LinkError(
+            f"{ADDRESS_VARIABLE} is not set; start the engine from the adapter, or set it to the adapter's --link"
+        )
     return LinkClient.connect(address, replace(hello, secret=environ.get(SECRET_VARIABLE, "")), timeout)

@@ -1,10 +1,11 @@
-"""One connection of the engine link as the adapter sees it, from the greeting to the farewell."""
+"""The adapter's side of one connection of the engine link, from HELLO to BYE."""
 
 from __future__ import annotations
 
 import asyncio
 import hmac
 import logging
+from collections import deque
 from collections.abc import Callable
 from typing import Final, Protocol, cast
 
@@ -13,14 +14,15 @@ from openrois_streaming.source.source import RawAudio
 from openrois_avatar.link.messages import Bye, Command, Event, Hello, LinkError, Welcome
 from openrois_avatar.link.protocol import Audio, Bytes, Doorbell, Encoded, Message, Parser, Sender, Video, encode
 from openrois_avatar.link.receivers import Arrivals, Receivers
-from openrois_avatar.link.unheard import Unheard
 
 FAREWELL_TIMEOUT: Final = 0.5
-"""Seconds that a peer has to take our goodbye and to close, before its connection is aborted."""
+"""Seconds that an engine has to read BYE and to close, before its connection is aborted."""
 MAX_UNREAD: Final = 256 * 1024
-"""Bytes of commands that an engine may leave unread before it is cut off."""
+"""Bytes of commands that an engine may leave unread before its connection is aborted."""
+MAX_QUEUED_SOUND: Final = 25
+"""Blocks of the operator's sound that wait for an engine which reads slowly."""
 _CONGESTED: Final = 16 * 1024
-"""Bytes that the engine has not read yet above which sound waits: 90 ms of it."""
+"""Unread bytes above which sound waits: 90 ms of sound."""
 _LINGER: Final = 64 * 1024
 _NAME: Final = "openrois-avatar"
 
@@ -28,40 +30,74 @@ _log = logging.getLogger(__name__)
 
 
 class Host(Protocol):
-    """What a connection asks of the server it belongs to."""
+    """The server of a connection."""
 
     def opened(self, connection: EngineConnection) -> str | None:
-        """A connection was made; a text says why it cannot stay."""
+        """Note a new connection; a returned text refuses it."""
         ...
 
     def greeted(self, connection: EngineConnection) -> str | None:
-        """An engine that knows the secret is there; a text says why it cannot stay."""
+        """Note an engine that has sent the secret; a returned text refuses it."""
         ...
 
     def ended(self, connection: EngineConnection) -> None:
-        """The connection has ended, or lasts until our goodbye has been read; called once for each that was opened."""
+        """Note that the connection has ended, or lasts only until BYE is read; called once for each opened one."""
         ...
 
     def gone(self, connection: EngineConnection) -> None:
-        """The connection is gone; called once for each that was opened, after `ended`."""
+        """Note that the connection is closed; called once for each opened one, after `ended`."""
         ...
 
 
-class EngineConnection(asyncio.BufferedProtocol):
-    """A connected engine. Its pictures are received straight into the memory they stay in."""
+class SoundQueue:
+    """The operator's sound on its way to an engine, in mono and numbered; a slow engine loses the oldest blocks.
 
-    _transport: asyncio.Transport  # there from `connection_made` on, before anybody else sees the connection
+    Args:
+        send: sends a block to the engine.
+    """
+
+    def __init__(self, send: Callable[[Audio], None]) -> None:
+        self._send = send
+        self._congested = False
+        self._blocks: deque[Audio] = deque(maxlen=MAX_QUEUED_SOUND)
+        self._number = 0
+
+    def add(self, sound: RawAudio) -> None:
+        """Queue a block."""
+        mono = sound.samples.mean(axis=1).astype("<i2")
+        self._blocks.append(Audio(self._number, round(max(0.0, sound.captured_at) * 1e9), 1, mono.tobytes()))
+        self._number += 1
+        self._send_waiting()
+
+    def pause(self) -> None:
+        """Hold the blocks back: the socket is congested."""
+        self._congested = True
+
+    def resume(self) -> None:
+        """Send what waits: the socket has room again."""
+        self._congested = False
+        self._send_waiting()
+
+    def _send_waiting(self) -> None:
+        while self._blocks and not self._congested:
+            self._send(self._blocks.popleft())
+
+
+class EngineConnection(asyncio.BufferedProtocol):
+    """The connection to an engine. Its pictures are received straight into the memory they stay in."""
+
+    _transport: asyncio.Transport  # set by `connection_made`, before the server gets the connection
 
     def __init__(self, host: Host, secret: str, receivers: Receivers, greeting_timeout: float) -> None:
         self._host = host
         self._secret = secret
         self._clock = receivers.clock
         self._arrivals = Arrivals(receivers)
-        self._parser = Parser(Sender.ENGINE, receivers.video.memory.take)
+        self._parser = Parser(Sender.ENGINE, receivers.video.memory.allocate)
         self._hello: Hello | None = None
         self._reason: str | None = None
         self._linger: memoryview | None = None
-        self._unheard = Unheard(lambda block: self._send(encode(block)))
+        self._sound = SoundQueue(lambda block: self._send(encode(block)))
         self._greeting_timeout = greeting_timeout
         loop = asyncio.get_running_loop()
         self._timer: asyncio.TimerHandle | None = None
@@ -70,13 +106,13 @@ class EngineConnection(asyncio.BufferedProtocol):
 
     @property
     def hello(self) -> Hello:
-        """What the engine said of itself.
+        """The engine's HELLO.
 
         Raises:
-            LinkError: it has not been welcomed.
+            LinkError: the engine has not been welcomed.
         """
         if self._hello is None:
-            raise LinkError("the engine has not been welcomed")
+            raise LinkError("the engine has not been welcomed; wait for `LinkServer.accept`")
         return self._hello
 
     @property
@@ -85,103 +121,105 @@ class EngineConnection(asyncio.BufferedProtocol):
         return self._reason is None
 
     async def closed(self) -> str:
-        """Wait for the end of the connection and give its reason; any number of tasks may wait."""
+        """Wait for the end of the connection and return its reason; any number of tasks may wait."""
         return await asyncio.shield(self._closed)
 
     async def gone(self) -> None:
-        """Wait until nothing is left of the connection, `FAREWELL_TIMEOUT` seconds after its end at the latest."""
+        """Wait until the connection is closed, `FAREWELL_TIMEOUT` seconds after its end at the latest."""
         await asyncio.shield(self._gone)
 
     def send_command(self, command: Command) -> None:
-        """Send a command; never waits. An engine that leaves 256 KiB of them unread is cut off.
+        """Send a command; never waits. An engine that leaves 256 KiB of them unread is disconnected.
 
         Raises:
-            LinkError: the engine is gone, or the command is longer than the link allows.
+            LinkError: the engine is disconnected, or the command is longer than the link allows.
         """
         if not self.connected:
-            raise LinkError(f"the engine is gone: {self._reason}")
+            raise LinkError(f"the engine is disconnected: {self._reason}; try again when one is connected")
         self._send(encode(command))
         if self._transport.get_write_buffer_size() > MAX_UNREAD:
-            self.abort("the engine does not read its commands")
+            self.abort("the engine does not read its commands; read them with every picture")
 
     def send_audio(self, sound: RawAudio) -> None:
-        """Let the engine hear a block of sound, in mono, if it wants to; never waits, and never raises.
+        """Send a block of the operator's sound, in mono, if the engine takes sound; never waits, and never raises.
 
-        An engine that reads too slowly misses the oldest of `MAX_UNHEARD` blocks.
+        An engine that reads too slowly loses the oldest of `MAX_QUEUED_SOUND` blocks.
         """
         if self.connected and self._hello is not None and self._hello.hears:
-            self._unheard.add(sound)
+            self._sound.add(sound)
 
     def close(self, reason: str) -> None:
-        """Say goodbye and end the connection, `FAREWELL_TIMEOUT` seconds from now at the latest."""
+        """Send BYE and end the connection, `FAREWELL_TIMEOUT` seconds from now at the latest."""
         if self._reason is None:
             self._reason = reason
             self._send(encode(Bye(reason)))
-            # A socket that is closed while something comes in takes back what the other side has not read of it.
+            # A socket that is closed while data arrives drops the data that the other side has not read.
             self._linger = memoryview(bytearray(_LINGER))
             self._transport.write_eof()
             self._allow(FAREWELL_TIMEOUT, self._transport.abort)
-            asyncio.get_running_loop().call_soon(self._end)
+            asyncio.get_running_loop().call_soon(self._report_end)
 
     def abort(self, reason: str) -> None:
-        """End the connection at once, without a goodbye."""
+        """End the connection at once, without BYE."""
         self._reason = self._reason or reason
         self._transport.abort()
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Called by the event loop."""
+        """Implement the asyncio protocol."""
         self._transport = cast(asyncio.Transport, transport)
         self._transport.set_write_buffer_limits(high=_CONGESTED)
-        self._allow(self._greeting_timeout, lambda: self.close("no HELLO in time"))
+        self._allow(
+            self._greeting_timeout, lambda: self.close("no HELLO in time; send it as soon as the connection is open")
+        )
         refusal = self._host.opened(self)
         if refusal is not None:
             self.close(refusal)
 
     def get_buffer(self, sizehint: int) -> memoryview:
-        """Called by the event loop."""
+        """Implement the asyncio protocol."""
         return self._parser.get_buffer() if self._linger is None else self._linger
 
     def buffer_updated(self, nbytes: int) -> None:
-        """Called by the event loop."""
+        """Implement the asyncio protocol."""
         if self._linger is not None:
-            return  # after our goodbye nothing counts
+            return  # after BYE nothing counts
         try:
-            self._parser.buffer_updated(nbytes, self._take)
+            self._parser.buffer_updated(nbytes, self._handle_message)
         except LinkError as error:
             _log.warning("engine link: closed: %s", error)
             self.close(str(error))
 
     def pause_writing(self) -> None:
-        """Called by the event loop."""
-        self._unheard.pause()
+        """Implement the asyncio protocol."""
+        self._sound.pause()
 
     def resume_writing(self) -> None:
-        """Called by the event loop."""
+        """Implement the asyncio protocol."""
         if self.connected:
-            self._unheard.go_on()
+            self._sound.resume()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Called by the event loop."""
+        """Implement the asyncio protocol."""
         self._stop_waiting()
         if self._reason is None:
             self._reason = f"the connection broke: {exc}" if exc else "the engine closed the connection"
-        self._end()
+        self._report_end()
         self._host.gone(self)
         self._gone.set_result(None)
 
-    def _end(self) -> None:
+    def _report_end(self) -> None:
         if not self._closed.done():
             assert self._reason is not None
             self._closed.set_result(self._reason)
             self._host.ended(self)
-            self._arrivals.end(self._reason)
+            self._arrivals.close(self._reason)
 
-    def _take(self, message: Message) -> None:
+    def _handle_message(self, message: Message) -> None:
         if self._reason is not None:
-            return  # after its goodbye nothing counts
+            return  # after the engine's BYE nothing counts
         match message:
             case Video() | Encoded() | Doorbell() | Audio():
-                self._arrivals.take(message)
+                self._arrivals.handle_message(message)
             case Hello():
                 self._greet(message)
             case Bye():
@@ -189,18 +227,18 @@ class EngineConnection(asyncio.BufferedProtocol):
                 self._transport.close()
                 self._allow(FAREWELL_TIMEOUT, self._transport.abort)
             case _:
-                assert isinstance(message, Event), "the parser lets an engine say nothing else"
-                self._arrivals.take(message)
+                assert isinstance(message, Event), "the parser accepts nothing else of an engine"
+                self._arrivals.handle_message(message)
 
     def _greet(self, hello: Hello) -> None:
         if self._secret and not hmac.compare_digest(hello.secret.encode(), self._secret.encode()):
-            raise LinkError("wrong secret")
+            raise LinkError("wrong secret: HELLO must have the adapter's secret")
         refusal = self._host.greeted(self)
         if refusal is not None:
             raise LinkError(refusal)
         self._hello = hello
         self._stop_waiting()
-        ring, now_ns = self._arrivals.begin(hello), round(self._clock.now() * 1e9)
+        ring, now_ns = self._arrivals.open(hello), round(self._clock.now() * 1e9)
         self._send(encode(Welcome(_NAME, ring, now_ns)))
         _log.info("engine link: %s %s is connected", hello.name, hello.version)
         self._arrivals.announce(hello, self.send_command)
@@ -209,7 +247,7 @@ class EngineConnection(asyncio.BufferedProtocol):
         self._transport.write(b"".join(parts))
 
     def _allow(self, seconds: float, then: Callable[[], None]) -> None:
-        """Allow `seconds` for the one thing that is waited for now, the greeting or the end."""
+        """Set the timer of the present wait, for HELLO or for the end."""
         self._stop_waiting()
         self._timer = asyncio.get_running_loop().call_later(seconds, then)
 

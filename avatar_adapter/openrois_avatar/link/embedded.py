@@ -1,4 +1,4 @@
-"""A game engine of our own as a child process: started, greeted, started again when it dies, ended with the adapter."""
+"""An embedded game engine: a child process that is restarted when it dies, and ended with the adapter."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from collections.abc import Callable, Coroutine
 from contextlib import AsyncExitStack, suppress
 from typing import Any, Final, NoReturn, Self
 
+from openrois_body.processes.child import Output, child_process, ended_within
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source.source import RawAudio
 
 from openrois.transport.backoff import Backoff
-from openrois_avatar.child import Output, child_process, ended_within
 from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
 from openrois_avatar.link.connection import EngineConnection
-from openrois_avatar.link.linked import LinkedEngine
+from openrois_avatar.link.linked_engine import LinkedEngine
 from openrois_avatar.link.messages import Event, Hello, LinkError, Quit
-from openrois_avatar.link.receivers import tell
+from openrois_avatar.link.receivers import notify
 
 START_TIMEOUT: Final = 20.0
 """Seconds from the start of the process to its HELLO; Panda3D on a cold disk needs a few."""
 QUIT_TIMEOUT: Final = 0.8
-"""Seconds that an engine has to end itself after `Quit`; then come SIGTERM and, 0.5 s later, SIGKILL."""
+"""Seconds that an engine has to exit after `Quit`; then come SIGTERM and, 0.5 s later, SIGKILL."""
 FIRST_DELAY: Final = 0.5
 LONGEST_DELAY: Final = 10.0
 """Seconds before a new start; the delay doubles from the first to the longest."""
@@ -34,8 +34,8 @@ _log = logging.getLogger(__name__)
 class EmbeddedEngine(LinkedEngine):
     """`python -m module` as a game engine on the engine link, for as long as the context lasts.
 
-    When it dies or hangs it is started again, and its pictures and sound go on where they went before; `on_lost` and
-    `on_back` tell. Entering waits for the first HELLO; leaving takes 1.3 s at most.
+    When it dies or hangs it is started again, and its pictures and sound go on; `on_lost` and `on_back` report that.
+    Entering waits for the first HELLO; leaving takes 1.3 s at most.
 
     Args:
         module: the engine's module.
@@ -43,13 +43,13 @@ class EmbeddedEngine(LinkedEngine):
         address: where it is listened for, as `LinkServer.listen` has it; a private Unix socket if not given.
         on_audio: gets its blocks of sound.
         on_event: gets its events.
-        on_lost: called with the reason when the engine has gone.
-        on_back: called with its HELLO when it is there again.
+        on_lost: called with the reason when the engine is disconnected.
+        on_back: called with its HELLO when it is connected again.
         clock: the media clock; the machine's if not given.
         start_timeout: seconds that it has for its HELLO.
 
     Raises:
-        LinkError: on entering, if the engine ended, or did not greet in time; the text has what it printed last.
+        LinkError: on entering: the engine ended, or sent no HELLO in time; the text has its last output.
     """
 
     def __init__(
@@ -97,20 +97,21 @@ class EmbeddedEngine(LinkedEngine):
             await self._clock.sleep_until(self._clock.now() + delay)
 
     async def _live(self) -> NoReturn:
-        """One life of the engine: always ends with a `LinkError` that says how."""
+        """Run the engine's process once; always ends with a `LinkError` that says how."""
         output = Output(self._module, self._clock)
         environment = {ADDRESS_VARIABLE: self._server.address, SECRET_VARIABLE: self._server.secret}
         running = child_process(self._module, *self._arguments, output=output, environment=environment)
-        end = "did not greet"
+        end = "sent no HELLO"
         async with running as process:
             connection = await self._greeting(process)
             if connection is not None:
                 await self._serve(connection, process)
-                end = "is gone"
-        raise LinkError(f"{self._module} {end} (status {process.returncode}): {output.last_words}")
+                end = "has ended"
+        words = output.last_words or "it printed nothing"
+        raise LinkError(f"{self._module} {end} (status {process.returncode}): {words}; the log has its output")
 
     async def _greeting(self, process: Process) -> EngineConnection | None:
-        """The engine's connection, None if it does not come in time or ends before."""
+        """Return the engine's connection; None if it does not come in time, or the process ends before."""
         arrival = asyncio.create_task(self._server.accept(self._start_timeout))
         try:
             await _first(arrival, process.wait())
@@ -122,13 +123,13 @@ class EmbeddedEngine(LinkedEngine):
 
     async def _serve(self, connection: EngineConnection, process: Process) -> None:
         if self._ready.is_set():
-            tell(self._on_back, connection.hello)
+            notify(self._on_back, connection.hello)
         self._ready.set()
         try:
             await _first(connection.closed(), process.wait(), self._hang())
         finally:
             await _farewell(connection, process)
-        tell(self._on_lost, await connection.closed())
+        notify(self._on_lost, await connection.closed())
 
     async def _hang(self) -> None:
         await self._stall(self._start_timeout)
@@ -136,7 +137,7 @@ class EmbeddedEngine(LinkedEngine):
 
 
 async def _first(*things: Coroutine[Any, Any, object] | asyncio.Task[Any]) -> None:
-    """Wait until the first of `things` is done or has failed. Coroutines do not outlive this; tasks go on."""
+    """Wait until the first of `things` is done or has failed. Coroutines are cancelled then; tasks go on."""
     tasks = [thing if isinstance(thing, asyncio.Task) else asyncio.create_task(thing) for thing in things]
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -147,7 +148,7 @@ async def _first(*things: Coroutine[Any, Any, object] | asyncio.Task[Any]) -> No
 
 
 async def _farewell(connection: EngineConnection, process: Process) -> None:
-    """Let a live engine end itself, and hear out one that has ended."""
+    """Let a running engine exit, and read the last messages of one that has ended."""
     if connection.connected and process.returncode is None:
         connection.send_command(Quit())
         await ended_within(process, QUIT_TIMEOUT)
@@ -162,5 +163,5 @@ async def _stop(task: asyncio.Task[None]) -> None:
     task.cancel()
     await asyncio.wait({task})
     error = None if task.cancelled() else task.exception()
-    if error is not None and not isinstance(error, LinkError):  # that one was raised on entering
+    if error is not None and not isinstance(error, LinkError):  # a LinkError was raised on entering
         _log.error("%s failed", task.get_name(), exc_info=error)

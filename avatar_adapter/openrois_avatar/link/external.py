@@ -1,4 +1,4 @@
-"""A game engine that somebody else starts: waited for, greeted whenever it comes, and sent away when it hangs."""
+"""External game engines: awaited at an address, and disconnected when they hang."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source.source import RawAudio
 
 from openrois.aio.tasks import TaskScope
-from openrois_avatar.link.linked import LinkedEngine
+from openrois_avatar.link.linked_engine import LinkedEngine
 from openrois_avatar.link.messages import Event, Hello
-from openrois_avatar.link.receivers import tell
+from openrois_avatar.link.receivers import notify
 
 FIRST_PICTURE: Final = 20.0
 """Seconds that an engine has from its greeting to its first picture."""
@@ -24,18 +24,18 @@ _log = logging.getLogger(__name__)
 
 
 class ExternalEngine(LinkedEngine):
-    """Whichever engine connects to an address, one after another, for as long as the context lasts.
+    """The engines that connect to an address, one after another, for as long as the context lasts.
 
-    Entering does not wait for one. `on_back` tells of each that comes, `on_lost` with the reason of each that goes: an
-    engine may come back at any moment, and another one may take its place.
+    Entering does not wait for one. `on_back` reports each connection, `on_lost` the reason of each end: an engine may
+    come back at any moment, and another one may take its place.
 
     Args:
         address: where it listens, see `LinkServer.listen`.
-        secret: what an engine must know; empty: any will do.
+        secret: that an engine has to send; empty: any will do.
         on_audio: gets its blocks of sound.
         on_event: gets its events.
-        on_lost: called with the reason when the engine has gone.
-        on_back: called with its HELLO when it is there.
+        on_lost: called with the reason when the engine is disconnected.
+        on_back: called with its HELLO when it is connected.
         clock: the media clock; the machine's if not given.
 
     Raises:
@@ -68,7 +68,7 @@ class ExternalEngine(LinkedEngine):
         async with AsyncExitStack() as stack:
             self._server = await stack.enter_async_context(self._listening)
             tasks = await stack.enter_async_context(TaskScope())
-            tasks.start(self._send_away_who_hangs())
+            tasks.start(self._disconnect_hung_engines())
             _log.info("no game engine is connected; one is awaited at %s", self._server.address)
             self._stack = stack.pop_all()
         return self
@@ -81,13 +81,13 @@ class ExternalEngine(LinkedEngine):
 
     @property
     def address(self) -> str:
-        """Where engines are awaited, with the port that the system chose."""
+        """The address at which engines are awaited, with the port that the system chose."""
         return self._server.address
 
     def _went(self, reason: str) -> None:
-        tell(self._on_lost, reason)
+        notify(self._on_lost, reason)
 
-    async def _send_away_who_hangs(self) -> None:
+    async def _disconnect_hung_engines(self) -> None:
         while True:
             connection = await self._server.accept()
             hanging = asyncio.create_task(self._stall(FIRST_PICTURE), name="watch the game engine")
@@ -95,7 +95,7 @@ class ExternalEngine(LinkedEngine):
             try:
                 await asyncio.wait({hanging, ending}, return_when=asyncio.FIRST_COMPLETED)
                 if not ending.done():
-                    connection.close("no picture has come for a while")
+                    connection.close("no picture has come for a while; send pictures, `pause` or `idle`")
                 await ending
             finally:
                 hanging.cancel()

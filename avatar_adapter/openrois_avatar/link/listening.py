@@ -1,4 +1,4 @@
-"""A socket that listens for engines: on this machine alone, and gone with the context, or with who is killed."""
+"""A socket that listens for engines, on this machine alone; it is removed with its context, or its process."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from typing import Final
 from openrois.auth.loopback import is_loopback
 from openrois_avatar.link.address import Address, TcpAddress, UnixAddress, parse_address
 from openrois_avatar.link.messages import LinkError
-from openrois_avatar.link.private import clear, private_path
+from openrois_avatar.link.private_path import clear, private_path
 
 BACKLOG: Final = 8
 
 
 @contextmanager
 def listening(address: str | None = None) -> Iterator[tuple[socket.socket, str]]:
-    """Listen for as long as the context lasts; gives a socket that does not block, and its address.
+    """Listen for as long as the context lasts; yield a non-blocking socket, and its address.
 
     Args:
         address: `unix:/path` or `tcp:host:port` on a loopback address (port 0: a free one); without it a Unix socket in
@@ -52,18 +52,18 @@ def _listen(place: Address) -> socket.socket:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(name)
         if isinstance(place, UnixAddress):
-            # Nobody gets in before it listens.
+            # No client can connect before it listens.
             Path(place.path).chmod(0o600)
         listener.listen(BACKLOG)
         listener.setblocking(False)
     except OSError as error:
         listener.close()
-        raise LinkError(f"cannot listen on {place}: {error}") from error
+        raise LinkError(f"cannot listen on {place}: {error}; free it, or choose another address") from error
     return listener
 
 
 def _address_of(place: Address, listener: socket.socket) -> str:
-    """Where `listener` is, with the port that the system chose."""
+    """Return the address of `listener`, with the port that the system chose."""
     if isinstance(place, UnixAddress):
         return str(place)
     return str(TcpAddress(place.host, listener.getsockname()[1]))
@@ -71,4 +71,4 @@ def _address_of(place: Address, listener: socket.socket) -> str:
 
 def _check_loopback(host: str) -> None:
     if not is_loopback(host):
-        raise LinkError(f"the engine link stays on this machine: {host} is not a loopback address")
+        raise LinkError(f"the engine link stays on this machine, and {host} is no loopback address; use 127.0.0.1")

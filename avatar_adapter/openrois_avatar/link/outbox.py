@@ -1,4 +1,4 @@
-"""What an engine still has to send: the newest picture, a little sound, every event. Used by `client` only."""
+"""The outgoing queue of an engine: the newest picture, a little sound, every event. Used by `client` only."""
 
 from __future__ import annotations
 
@@ -36,22 +36,22 @@ class Outbox:
         self._open = True
         self._aborted = False
         self._begun = b""
-        """What is left of a picture whose beginning has been sent."""
+        """The rest of a picture that is sent in part."""
         self._writing = False
-        """Whether somebody is at the socket: the writer with what it took, or who has claimed it."""
+        """Whether the socket is in use: by the writer with its message, or by a claim."""
 
     @property
     def dropped_video(self) -> int:
-        """Pictures that a newer one replaced."""
+        """Number of pictures that a newer one replaced."""
         return self._dropped_video
 
     @property
     def dropped_audio(self) -> int:
-        """Blocks of sound that newer ones pushed out."""
+        """Number of blocks of sound that newer ones pushed out."""
         return self._audio.dropped
 
     def put_event(self, event: Event) -> bool:
-        """Queue an event; False if there is no room."""
+        """Queue an event; return False if there is no room."""
         with self._changed:
             if len(self._events) >= MAX_EVENTS:
                 return False
@@ -73,7 +73,7 @@ class Outbox:
             self._changed.notify()
 
     def put_encoded(self, picture: Encoded) -> bool:
-        """Queue an encoded picture; False if it, or those before it, were lost: only a key frame helps then."""
+        """Queue an encoded picture; return False if it, or those before it, were lost, until the next key frame."""
         with self._changed:
             if len(self._encoded) >= MAX_ENCODED:
                 self._dropped_video += len(self._encoded)
@@ -87,8 +87,8 @@ class Outbox:
             self._changed.notify()
             return True
 
-    def take(self) -> Message | bytes | None:
-        """The next message, or what is left of one, as soon as there is one; None when there will be none any more."""
+    def next_message(self) -> Message | bytes | None:
+        """Wait for the next message, or the rest of one, and return it; None after the last one."""
         with self._changed:
             self._writing = False
             while True:
@@ -99,7 +99,7 @@ class Outbox:
                 self._changed.wait()
 
     def claim(self) -> bool:
-        """Have the socket, if nothing waits and nobody else has it; `unclaim` gives it back."""
+        """Claim the socket if nothing waits and it is not in use; return whether it is claimed, until `unclaim`."""
         with self._changed:
             if self._writing or self._waits() or not self._open:
                 return False
@@ -107,7 +107,7 @@ class Outbox:
             return True
 
     def unclaim(self, rest: bytes = b"") -> None:
-        """Give the socket back; what is left of a message that has begun goes before everything else."""
+        """Give the socket back; the rest of a message that has begun is sent first."""
         with self._changed:
             self._writing = False
             self._begun = rest
@@ -126,14 +126,14 @@ class Outbox:
             self._changed.notify()
 
     def abort(self) -> None:
-        """End now; what waits is lost."""
+        """End now; queued messages are lost."""
         with self._changed:
             self._open = False
             self._aborted = True
             self._changed.notify()
 
     def _waits(self) -> bool:
-        """Whether there is anything to be sent."""
+        """Return whether there is anything to send."""
         return bool(self._begun or self._events or self._audio.queue or self._video or self._encoded)
 
     def _next(self) -> Message | bytes | None:
@@ -151,7 +151,7 @@ class Outbox:
 
 
 class _Lossy(Generic[_Item]):
-    """A queue that numbers what is put in and drops the oldest."""
+    """A queue that numbers its items and drops the oldest."""
 
     def __init__(self, size: int) -> None:
         self.queue: deque[_Item] = deque()
@@ -160,7 +160,7 @@ class _Lossy(Generic[_Item]):
         self._sequence = 0
 
     def put(self, make: Callable[[int], _Item]) -> None:
-        """Append what `make` makes of the next sequence number."""
+        """Append the item that `make` makes of the next sequence number."""
         if len(self.queue) >= self._size:
             self.queue.popleft()
             self.dropped += 1

@@ -87,7 +87,7 @@ class MessageType(IntEnum):
 
 
 class Sender(Enum):
-    """Who sends: decides which types a parser accepts, and which one must come first."""
+    """The sender of messages: decides which types a parser accepts, and which one must come first."""
 
     ENGINE = "engine"
     ADAPTER = "adapter"
@@ -95,8 +95,12 @@ class Sender(Enum):
 
 Message: TypeAlias = Hello | Welcome | Video | Encoded | Doorbell | Audio | Command | Event | Bye
 
+_BAD_MAGIC: Final = (
+    f"bad magic: this is not the engine link, or its framing is lost; begin each message with {MAGIC.decode()}, "
+    "and send as many bytes as its header says"
+)
 _SMALL: Final = 4096
-"""Bytes of a message that are received without knowing yet what it is."""
+"""Bytes of a message that are received before its type is known."""
 _KINDS: Final = {int(kind): kind for kind in MessageType}
 _LIMITS: Final[Mapping[MessageType, int]] = {
     **dict.fromkeys(MessageType, MAX_JSON),
@@ -116,6 +120,10 @@ _LATER: Final[Mapping[Sender, frozenset[MessageType]]] = {
 }
 
 
+def _too_long(kind: MessageType, length: int) -> LinkError:
+    return LinkError(f"{kind.name} of {length} bytes is over the limit of {_LIMITS[kind]}; send less in one message")
+
+
 def _refuse_constant(name: str) -> None:
     raise ValueError(name)
 
@@ -124,9 +132,9 @@ def _json_object(payload: memoryview) -> Mapping[str, Any]:
     try:
         body = json.loads(str(payload, "utf-8"), parse_constant=_refuse_constant)
     except (ValueError, RecursionError) as error:
-        raise LinkError("the payload is not JSON") from error
+        raise LinkError("the payload is not JSON: send one object in UTF-8, without NaN and Infinity") from error
     if not isinstance(body, dict):
-        raise LinkError("the payload is not a JSON object")
+        raise LinkError("the payload is not a JSON object: send one, with the members of the message")
     return body
 
 
@@ -143,11 +151,11 @@ _READERS: Final[Mapping[MessageType, Callable[[memoryview], Message]]] = {
 
 
 class Parser:
-    """Turns the bytes of one sender into messages; after a `LinkError` the connection is beyond repair.
+    """Converts the bytes of one sender into messages; after a `LinkError` the connection has to be closed.
 
-    Two ways in, which may be mixed. `feed` takes what was received; payloads that lie whole in it are not copied, so
-    it must not change as long as a `Video` or `Audio` of it is in use. `get_buffer` and `buffer_updated` let a socket
-    write: what is small to one place, several messages at once, and what is not straight to where it stays.
+    Two ways in, which may be mixed. `feed` takes received data; payloads that lie whole in it are not copied, so it
+    must not change as long as a `Video` or `Audio` of it is in use. `get_buffer` and `buffer_updated` let a socket
+    write: small messages to one place, several at once, and large ones straight to where they stay.
     """
 
     def __init__(self, sender: Sender, allocate: Callable[[int], Any] = bytearray) -> None:
@@ -162,14 +170,14 @@ class Parser:
         self._filled = 0
 
     def get_buffer(self) -> memoryview:
-        """Where the next bytes belong; never empty."""
+        """Return the buffer for the next bytes; never empty."""
         return self._target[self._filled :]
 
     def buffer_updated(self, count: int, take: Callable[[Message], None]) -> None:
-        """Note that `count` bytes were written to `get_buffer()`, and let `take` have the messages that they complete.
+        """Note that `count` bytes were written to `get_buffer()`, and call `take` with the messages that they complete.
 
         Raises:
-            LinkError: the bytes break the protocol; what was complete before the fault has been taken.
+            LinkError: the bytes break the protocol; `take` has got the messages before the fault.
         """
         self._filled += count
         if self._type is None:
@@ -180,7 +188,7 @@ class Parser:
             take(self._complete(kind, payload))
 
     def feed(self, data: Bytes) -> list[Message]:
-        """The messages that `data` completes, in order.
+        """Return the messages that `data` completes, in order.
 
         Raises:
             LinkError: the bytes break the protocol; messages completed before the fault are not given.
@@ -193,14 +201,14 @@ class Parser:
         return messages
 
     def _begun(self, take: Callable[[Message], None]) -> None:
-        """Take the messages that are whole in `_small`; what follows moves to its beginning, or to where it stays."""
+        """Read the messages that are whole in `_small`; the rest moves to its beginning, or to where it stays."""
         start, end = 0, self._filled
         while end - start >= HEADER.size:
             kind, length = self._read_header(self._small[start:])
             payload = start + HEADER.size
             if payload + length <= end:
                 start = payload + length
-                # A copy: what comes next is written over it.
+                # A copy: the next bytes are written over it.
                 take(self._complete(kind, memoryview(self._small[payload:start].tobytes())))
             elif length > _SMALL - HEADER.size:
                 self._type, self._filled = kind, end - payload
@@ -214,7 +222,7 @@ class Parser:
             self._small[: self._filled] = self._small[start:end].tobytes()
 
     def _whole(self, data: memoryview, messages: list[Message]) -> int:
-        """Take the message at the start of `data` without a copy, if it begins and ends there; gives its length."""
+        """Read the message at the start of `data` without a copy, if it is whole; return its length, else 0."""
         if self._filled or self._type is not None or len(data) < HEADER.size:
             return 0
         kind, length = self._read_header(data)
@@ -225,7 +233,7 @@ class Parser:
         return end
 
     def _copy(self, data: memoryview, messages: list[Message]) -> int:
-        """Copy what the message that has begun still lacks, as far as `data` has it; gives how much that was."""
+        """Copy the missing bytes of the message that has begun, as far as `data` has them; return their number."""
         lacking = len(self._target) - self._filled
         if self._type is None:
             lacking = HEADER.size - self._filled
@@ -239,18 +247,19 @@ class Parser:
     def _read_header(self, data: memoryview) -> tuple[MessageType, int]:
         magic, number, version, flags, length, reserved = HEADER.unpack_from(data)
         if magic != MAGIC:
-            raise LinkError("bad magic: this is not the engine link, or its framing is lost")
+            raise LinkError(_BAD_MAGIC)
         if version != VERSION:
-            raise LinkError(f"version {version} is not spoken here, only {VERSION}")
+            raise LinkError(f"version {version} is not spoken here, only {VERSION}; send {VERSION}")
         if flags or reserved:
-            raise LinkError("unknown flags in the header")
+            raise LinkError("unknown flags in the header; send 0 for flags and reserved")
         kind = _KINDS.get(number)
         if kind is None:
-            raise LinkError(f"unknown message type {number}")
+            raise LinkError(f"unknown message type {number}; send one from {min(_KINDS)} to {max(_KINDS)}")
         if kind not in self._allowed:
-            raise LinkError(f"{kind.name} is not expected here")
+            expected = ", ".join(sorted(each.name for each in self._allowed))
+            raise LinkError(f"{kind.name} is not expected here; send one of {expected}")
         if length > _LIMITS[kind]:
-            raise LinkError(f"{kind.name} of {length} bytes is over the limit of {_LIMITS[kind]}")
+            raise _too_long(kind, length)
         return kind, length
 
     def _complete(self, kind: MessageType, payload: memoryview) -> Message:
@@ -275,7 +284,7 @@ def _kind(message: Hello | Welcome | Command | Event | Bye) -> MessageType:
 
 
 def encode(message: Message) -> tuple[Bytes, ...]:
-    """The buffers to send one after the other; the pixels and samples are passed through, not copied.
+    """Return the buffers to send one after the other; the pixels and samples are passed through, not copied.
 
     Raises:
         LinkError: the message is too long for the link, or a number does not fit its field.
@@ -294,7 +303,7 @@ def encode(message: Message) -> tuple[Bytes, ...]:
             kind, payload = _kind(message), memoryview(_json_bytes(message.to_json()))
     length = len(head) + len(payload)
     if length > _LIMITS[kind]:
-        raise LinkError(f"{kind.name} of {length} bytes is over the limit of {_LIMITS[kind]}")
+        raise _too_long(kind, length)
     return HEADER.pack(MAGIC, kind, VERSION, 0, length, 0) + head, payload
 
 
@@ -302,4 +311,4 @@ def _json_bytes(body: Mapping[str, Any]) -> bytes:
     try:
         return json.dumps(body, separators=(",", ":"), allow_nan=False).encode()
     except ValueError as error:
-        raise LinkError(str(error)) from error
+        raise LinkError(f"the message cannot be sent: {error}; use finite numbers") from error

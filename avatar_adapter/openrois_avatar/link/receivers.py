@@ -1,4 +1,4 @@
-"""Where what a connected engine sends goes: its pictures, whichever way they come, its sound, and its events."""
+"""The receivers of a connected engine's messages: pictures, sound, and events."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import numpy as np
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source.source import RawAudio
 
-from openrois_avatar.link.demand import PictureDemand
-from openrois_avatar.link.encoded_inlet import EngineEncoded
-from openrois_avatar.link.inlet import MAX_AHEAD, EngineVideo, believed
+from openrois_avatar.link.encoded_source import EngineEncoded, unannounced
 from openrois_avatar.link.media import Audio, Doorbell, Encoded, Video
 from openrois_avatar.link.messages import Command, Event, Hello, LinkError, RingPlace
+from openrois_avatar.link.picture_demand import PictureDemand
+from openrois_avatar.link.picture_source import MAX_AHEAD, EngineVideo, believed
 from openrois_avatar.link.ring import Ring
 
 _Item = TypeVar("_Item")
@@ -25,7 +25,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Receivers:
-    """Where what an engine sends goes. The callbacks are called on the event loop and must not block."""
+    """The receivers of an engine's messages. The callbacks are called on the event loop and must not block."""
 
     clock: MediaClock
     video: EngineVideo
@@ -34,13 +34,13 @@ class Receivers:
     on_audio: Callable[[RawAudio], None] | None = None
     on_event: Callable[[Event], None] | None = None
     on_hello: Callable[[Hello], None] | None = None
-    """Called with the greeting of an engine that is welcome, before anything else that it sends."""
+    """Called with the HELLO of a welcome engine, before anything else that it sends."""
     on_gone: Callable[[str], None] | None = None
-    """Called with the reason when such an engine's connection is over, before anything that another one sends."""
+    """Called with the reason when such an engine's connection has ended, before anything of another one."""
 
 
 class Arrivals:
-    """What arrives from one engine, from its greeting on; `end` it with the connection."""
+    """Passes the messages of one engine to the receivers, from `open` to `close`."""
 
     def __init__(self, receivers: Receivers) -> None:
         self._receivers = receivers
@@ -48,10 +48,10 @@ class Arrivals:
         self._hello: Hello | None = None
         self._encodes = False
 
-    def begin(self, hello: Hello) -> RingPlace | None:
-        """The engine is welcome; gives the ring that it gets, if it wants one and there is one to be had."""
+    def open(self, hello: Hello) -> RingPlace | None:
+        """Accept the engine; return its ring, if it asked for one and this machine provides one."""
         self._hello, self._encodes = hello, hello.encodes
-        self._receivers.video.begin()
+        self._receivers.video.engine_arrived()
         if hello.ring:
             try:
                 self._ring = Ring(hello.video)
@@ -60,58 +60,58 @@ class Arrivals:
         return None if self._ring is None else self._ring.place
 
     def announce(self, hello: Hello, ask: Callable[[Command], None]) -> None:
-        """The engine has been welcomed: `ask` sends it a command."""
+        """Connect the receivers after WELCOME; `ask` sends the engine a command."""
         if hello.demand:
-            self._receivers.demand.begin(ask)
-        self._receivers.encoded.begin(hello.video if hello.encodes else None, ask)
-        tell(self._receivers.on_hello, hello)
+            self._receivers.demand.engine_arrived(ask)
+        self._receivers.encoded.engine_arrived(hello.video if hello.encodes else None, ask)
+        notify(self._receivers.on_hello, hello)
 
-    def end(self, reason: str) -> None:
-        """Nothing more arrives, for this reason."""
+    def close(self, reason: str) -> None:
+        """Disconnect the receivers, for this reason."""
         if self._hello is not None:
-            self._receivers.video.end()
-            self._receivers.encoded.end()
-            self._receivers.demand.end()
-            tell(self._receivers.on_gone, reason)
+            self._receivers.video.engine_gone()
+            self._receivers.encoded.engine_gone()
+            self._receivers.demand.engine_gone()
+            notify(self._receivers.on_gone, reason)
         if self._ring is not None:
             self._ring.release()
 
-    def take(self, message: Video | Encoded | Doorbell | Audio | Event) -> None:
-        """Hand on what has arrived.
+    def handle_message(self, message: Video | Encoded | Doorbell | Audio | Event) -> None:
+        """Pass a message to its receiver.
 
         Raises:
-            LinkError: a doorbell is not true, a picture is of a kind that was not announced, or cannot be passed on.
+            LinkError: a wrong doorbell, or a picture that was not announced so, or cannot be passed on.
         """
         match message:
             case Doorbell() if not self._encodes:
-                self._take_from_ring(message)
+                self._handle_doorbell(message)
             case Video() if not self._encodes:
                 self._receivers.video.put(message)
             case Encoded() if self._encodes:
                 self._receivers.encoded.put(message)
-                self._receivers.video.passed_by()
+                self._receivers.video.count_received()
             case Video() | Encoded() | Doorbell():
-                raise LinkError(f"VIDEO: HELLO announced {'h264' if self._encodes else 'no h264'}")
+                raise unannounced(self._encodes)
             case Audio():
                 samples = np.frombuffer(message.samples, dtype="<i2").reshape(-1, message.channels)
                 moment = believed(message.timestamp_ns, self._receivers.clock.now(), MAX_AHEAD)
-                tell(self._receivers.on_audio, RawAudio(samples, moment))
+                notify(self._receivers.on_audio, RawAudio(samples, moment))
             case _:
-                tell(self._receivers.on_event, message)
+                notify(self._receivers.on_event, message)
 
-    def _take_from_ring(self, bell: Doorbell) -> None:
+    def _handle_doorbell(self, bell: Doorbell) -> None:
         ring = self._ring
         if ring is None:
-            raise LinkError("RING: no ring was given")
+            raise LinkError("RING: no ring was given; send VIDEO, or HELLO with `ring`")
         video = ring.picture(bell)
         if video is None:
-            self._receivers.video.lost()
+            self._receivers.video.count_lost()
         else:
             self._receivers.video.put(video, lambda: ring.is_whole(bell))
 
 
-def tell(callback: Callable[[_Item], None] | None, item: _Item) -> None:
-    """Call a receiver if there is one; if it fails that is logged, and whoever told it goes on."""
+def notify(callback: Callable[[_Item], None] | None, item: _Item) -> None:
+    """Call a receiver if there is one; an exception is logged, and goes no further."""
     if callback is None:
         return
     try:

@@ -1,4 +1,4 @@
-"""An engine that outlives its adapter: it connects again and again, for as long as its program wants to."""
+"""Reconnection of an engine that outlives its adapter."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from openrois_avatar.link.messages import LinkError
 
 FIRST_DELAY: Final = 0.5
 LONGEST_DELAY: Final = 5.0
-"""Seconds between two attempts; the delay doubles from the first to the longest, and starts over after a welcome."""
+"""Seconds between two attempts; the delay doubles from the first to the longest, and starts over after WELCOME."""
 
 
 def connections(
@@ -19,7 +19,7 @@ def connections(
     failed: Callable[[str], None] = lambda _reason: None,
     sleep: Callable[[float], None] = time.sleep,
 ) -> Iterator[LinkClient]:
-    """Give one connection after another, each as soon as the adapter is there; never ends by itself.
+    """Yield one connection after another, each as soon as the adapter answers; never ends by itself.
 
         for link in connections(lambda: LinkClient.connect(address, hello)):
             with link:
@@ -28,7 +28,7 @@ def connections(
 
     Args:
         connect: makes a connection.
-        failed: called with the reason when one cannot be made; an adapter that refuses may think better of it.
+        failed: called with the reason when an attempt fails; an adapter that refuses may accept later.
         sleep: waits for so many seconds.
     """
     delay = FIRST_DELAY

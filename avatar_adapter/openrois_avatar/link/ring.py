@@ -1,4 +1,4 @@
-"""The ring of an engine's pictures as the adapter has it: sealed memory with a few slots, gone with this process."""
+"""The adapter's side of the ring: sealed shared memory with a few slots for pictures, freed with this process."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from openrois_avatar.link.media import MAX_VIDEO, Doorbell, PixelFormat, Video, 
 from openrois_avatar.link.messages import SLOT_HEAD, LinkError, RingPlace, VideoShape
 
 SLOTS: Final = 4
-"""One is read, one is written, and two are between: so many pictures may come while the adapter is busy."""
+"""One slot is read, one is written, and two may fill while the adapter is busy."""
 _ROW: Final = 256
-"""Bytes to a multiple of which the rows of a picture may be padded, as they come from graphics cards."""
+"""Multiple of bytes to which the rows of a picture may be padded, as by graphics cards."""
 _PAGE: Final = 4096
 _UINT64: Final = 2**64 - 1
 _LATER: Final = 2**63
@@ -25,22 +25,22 @@ class Ring:
     """Memory that one engine writes its pictures into and this process reads; `release` it with the connection.
 
     It is a memory file without a name, which the engine opens through this process's folder in /proc; so it cannot be
-    left behind, and none but this user gets at it. Its size is sealed: no engine can pull it away under a reader.
+    left behind, and only this user can open it. Its size is sealed: no engine can shrink it under a reader.
     """
 
     def __init__(self, shape: VideoShape) -> None:
-        """Make one for pictures of this shape.
+        """Allocate a ring for pictures of this shape.
 
         Raises:
-            LinkError: there is none to be had on this system, or not for such pictures.
+            LinkError: this system, or this shape, does not allow one.
         """
         slot_bytes = _slot_bytes(shape)
         if sys.platform != "linux":
-            raise LinkError("a ring needs Linux")
+            raise LinkError("a ring needs Linux; on this system pictures go through the socket")
         try:
             self._file = os.memfd_create("openrois-ring", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
         except OSError as error:
-            raise LinkError(f"there is no memory for a ring: {error}") from error
+            raise _no_memory(error) from error
         try:
             os.fchmod(self._file, 0o600)
             os.ftruncate(self._file, SLOTS * slot_bytes)
@@ -48,32 +48,34 @@ class Ring:
             self._memory = memoryview(mmap.mmap(self._file, SLOTS * slot_bytes, access=mmap.ACCESS_READ))
         except OSError as error:
             os.close(self._file)
-            raise LinkError(f"there is no memory for a ring: {error}") from error
+            raise _no_memory(error) from error
         self._locks = self._memory.cast("Q")
         self._barrier = threading.Lock()
         self.place = RingPlace(f"/proc/{os.getpid()}/fd/{self._file}", SLOTS, slot_bytes)
 
     def release(self) -> None:
-        """Let the engine no longer open it; the memory goes when the last picture in it does."""
+        """Close the file, so that the engine cannot open it any more; the last picture in it frees the memory."""
         if self._file >= 0:
             os.close(self._file)
             self._file = -1
 
     def picture(self, bell: Doorbell) -> Video | None:
-        """What the doorbell is about, its pixels still in the ring; None if a later picture is there already.
+        """Return the picture of a doorbell, its pixels still in the ring; None if a later picture has overwritten it.
 
         Raises:
-            LinkError: there is no such slot, the picture is larger than one, or it has never been written there.
+            LinkError: there is no such slot, the picture is larger than one, or it has not been written there.
         """
         if bell.slot >= self.place.slots:
-            raise LinkError(f"RING: slot {bell.slot} of {self.place.slots}")
+            raise LinkError(f"RING: slot {bell.slot} of {self.place.slots}; count them from 0")
         if bell.size > self.place.slot_bytes - SLOT_HEAD:
-            raise LinkError(f"RING: {bell.size} bytes of pixels do not fit a slot of {self.place.slot_bytes}")
+            raise LinkError(
+                f"RING: {bell.size} bytes of pixels do not fit a slot of {self.place.slot_bytes}; send them as VIDEO"
+            )
         lead = (self._lock(bell) - _written(bell)) & _UINT64
         if lead >= _LATER:
             raise LinkError(
                 f"RING: picture {bell.sequence} is not in slot {bell.slot}: its lock word is {self._lock(bell)} "
-                f"and should be {_written(bell)}"
+                f"and should be {_written(bell)}; write the pixels and then the lock word before RING is sent"
             )
         if lead:
             return None
@@ -82,8 +84,8 @@ class Ring:
         return Video(*shape, self._memory[start : start + bell.size], bell.bottom_up)
 
     def is_whole(self, bell: Doorbell) -> bool:
-        """Whether what was read of the picture until now was all of it, and of no other."""
-        # A round through a lock is the only barrier that Python has: what was read before is not read after it.
+        """Return whether the bytes that were read until now are all of this picture."""
+        # Taking a lock is the only memory barrier that Python has: earlier reads are not moved behind it.
         with self._barrier:
             pass
         return self._lock(bell) == _written(bell)
@@ -93,15 +95,19 @@ class Ring:
         return self._locks[bell.slot * self.place.slot_bytes // 8]
 
 
+def _no_memory(error: OSError) -> LinkError:
+    return LinkError(f"there is no memory for a ring: {error}; pictures go through the socket")
+
+
 def _written(bell: Doorbell) -> int:
-    """The lock word of a slot that holds the picture of this doorbell."""
+    """Return the lock word of a slot that holds the picture of this doorbell."""
     return (2 * bell.sequence + 2) & _UINT64
 
 
 def _slot_bytes(shape: VideoShape) -> int:
     pixel_format = PixelFormat.__members__.get(shape.format.upper())
     if pixel_format is None:
-        raise LinkError("pictures that come encoded go through the socket")
+        raise LinkError("encoded pictures need no ring: they go through the socket")
     row = shape.width * (4 if pixel_format is PixelFormat.BGRA else 1)
     size = picture_size(shape.width, shape.height, _up(row, _ROW), pixel_format)
     return min(_up(SLOT_HEAD + size, _PAGE), MAX_VIDEO)

@@ -20,20 +20,20 @@ from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source.source import RawAudio
 
 from openrois_avatar.link.connection import FAREWELL_TIMEOUT, EngineConnection
-from openrois_avatar.link.demand import PictureDemand
-from openrois_avatar.link.encoded_inlet import EngineEncoded
-from openrois_avatar.link.inlet import EngineVideo
+from openrois_avatar.link.encoded_source import EngineEncoded
 from openrois_avatar.link.listening import BACKLOG, listening
 from openrois_avatar.link.messages import Event, Hello
+from openrois_avatar.link.picture_demand import PictureDemand
+from openrois_avatar.link.picture_source import EngineVideo
 from openrois_avatar.link.receivers import Receivers
 
 GREETING_TIMEOUT: Final = 5.0
 """Seconds from the connection to its HELLO."""
 MAX_STRANGERS: Final = BACKLOG
-"""Connections that have not greeted yet; one more is sent away."""
+"""Connections without HELLO; one more is refused."""
 
 ACCEPT_PAUSE: Final = 1.0
-"""Seconds until the next attempt when connections cannot be accepted, as for want of file descriptors."""
+"""Seconds until the next attempt when connections cannot be accepted, as without free file descriptors."""
 
 _log = logging.getLogger(__name__)
 
@@ -41,9 +41,8 @@ _log = logging.getLogger(__name__)
 class LinkServer:
     """Listens for engines; made by `listen`.
 
-    `address` and `secret` are what an engine must be given. `video` (a `MediaSource`), and `encoded` (an
-    `EncodingSource`) for engines that encode their pictures themselves, outlive the engines that come and go, and so
-    does `demand`: what wants pictures.
+    An engine needs `address` and `secret`. The sources `video` (a `MediaSource`) and `encoded` (an `EncodingSource`,
+    for engines that encode their pictures themselves) outlive the engines, and so does `demand`.
     """
 
     def __init__(self, secret: str, receivers: Receivers, greeting_timeout: float) -> None:
@@ -72,16 +71,16 @@ class LinkServer:
         clock: MediaClock | None = None,
         greeting_timeout: float = GREETING_TIMEOUT,
     ) -> AsyncIterator[LinkServer]:
-        """Listen for as long as the context lasts; leaving it says goodbye to the engine and takes half a second.
+        """Listen for as long as the context lasts; leaving it sends BYE to the engine and takes half a second.
 
         Args:
             address: `unix:/path` or `tcp:host:port` on a loopback address (port 0: a free one); without it a Unix
                 socket in a directory of its own that only this user may enter.
-            secret: what an engine must know; empty: any will do; without it a random one.
+            secret: that an engine has to send; empty: any will do; None: a random one.
             on_audio: gets the engine's blocks of sound.
             on_event: gets the engine's events.
-            on_hello: gets the greeting of each engine that is welcome, before anything else of it.
-            on_gone: gets the reason when it is gone, before anything of another one.
+            on_hello: gets the HELLO of each welcome engine, before anything else of it.
+            on_gone: gets the reason when it is disconnected, before anything of another one.
             clock: the media clock; the machine's if not given.
             greeting_timeout: seconds that an engine has for its HELLO.
 
@@ -108,7 +107,7 @@ class LinkServer:
         return self._engine
 
     async def accept(self, timeout: float | None = None) -> EngineConnection:
-        """Wait for the next engine. One that came and went in the meantime is not given.
+        """Wait for the next engine. One that has disconnected meanwhile is skipped.
 
         Raises:
             TimeoutError: none came within `timeout` seconds.
@@ -117,35 +116,35 @@ class LinkServer:
             return await self._arrived.get()
 
     def opened(self, connection: EngineConnection) -> str | None:
-        """Called by a connection."""
+        """Implement `Host`."""
         self._connections.add(connection)
         strangers = len(self._connections) - (self._engine is not None)
-        return "too many connections wait for their greeting" if strangers > MAX_STRANGERS else None
+        return "too many connections have not sent HELLO; try again later" if strangers > MAX_STRANGERS else None
 
     def greeted(self, connection: EngineConnection) -> str | None:
-        """Called by a connection."""
+        """Implement `Host`."""
         if self._engine is not None:
-            return "another engine is connected"
+            return "another engine is connected; end it, or start a second adapter for this one"
         self._engine = connection
         self._arrived.put_nowait(connection)
         return None
 
     def ended(self, connection: EngineConnection) -> None:
-        """Called by a connection."""
+        """Implement `Host`."""
         if self._engine is connection:
             self._engine = None
             if not self._arrived.empty():
                 self._arrived.get_nowait()
 
     def gone(self, connection: EngineConnection) -> None:
-        """Called by a connection."""
+        """Implement `Host`."""
         self._connections.discard(connection)
 
     async def _accept_all(self, listener: socket.socket) -> None:
         """Serve every connection.
 
-        Neither `loop.create_server` (Python 3.11) nor `loop.sock_accept`: both lose, open, a connection that comes
-        while they are being closed.
+        Neither `loop.create_server` (Python 3.11) nor `loop.sock_accept` is used: both leave a connection open that
+        comes while they are being closed.
         """
         loop, clock = asyncio.get_running_loop(), self._receivers.clock
         while True:
@@ -163,7 +162,7 @@ class LinkServer:
         return EngineConnection(self, self.secret, self._receivers, self._greeting_timeout)
 
     async def _dismiss(self) -> None:
-        """Say goodbye to every connection and wait until all are gone."""
+        """Send BYE to every connection and wait until all are closed."""
         with suppress(TimeoutError):
             async with asyncio.timeout(2 * FAREWELL_TIMEOUT):
                 for connection in list(self._connections):

@@ -1,1 +1,1 @@
-"""The avatar as a streamer of Pixel Streaming: Epic's own page shows it in the browser, and operates it."""
+"""The avatar as a streamer of Pixel Streaming: Epic's own page shows and operates it in the browser."""

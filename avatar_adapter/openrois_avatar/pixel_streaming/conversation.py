@@ -1,4 +1,4 @@
-"""What a streamer and one of its players say to each other over their data channel. Pure: it is told the time."""
+"""The messages between a streamer and one of its players over their data channel. Pure: the clock is an argument."""
 
 import json
 from collections.abc import Callable
@@ -9,7 +9,7 @@ from openrois_streaming.input.messages import Message as InputMessage
 from openrois_streaming.network.guard import Allowance
 
 from openrois_avatar.pixel_streaming import protocol
-from openrois_avatar.pixel_streaming.hands import Hands
+from openrois_avatar.pixel_streaming.player_input import PlayerInput
 from openrois_avatar.pixel_streaming.protocol import Message, MessageError
 
 __all__ = ["AT_ONCE", "MALFORMED_LIMIT", "PER_SECOND", "Conversation", "Figures", "Stage"]
@@ -20,62 +20,62 @@ PER_SECOND: Final = 1500.0
 which is 250 a second and more."""
 
 MALFORMED_LIMIT: Final = 32
-"""Messages that cannot be read, after which nothing more is."""
+"""Malformed messages, after which no more are read."""
 
 _SETTINGS: Final = {
     "PixelStreaming": {"AllowPixelStreamingCommands": False, "DisableLatencyTest": False},
     "Encoder": {},
     "WebRTC": {},
-    # The avatar looks where the pointer is, so that it must not be locked.
+    # The avatar looks where the pointer is, so the pointer must not be locked.
     "ConfigOptions": {"DefaultToHover": True},
 }
 
 
 class Stage(Protocol):
-    """What a player looks at."""
+    """The side of the adapter in a conversation."""
 
     def send(self, message: bytes) -> None:
         """Send the player a message."""
         ...
 
     def show_anew(self) -> None:
-        """The player needs a picture that stands for itself."""
+        """Send a key frame."""
         ...
 
     def play(self, on: bool) -> None:
-        """The player wants to see and hear, or not."""
+        """Play or suspend the streams."""
         ...
 
-    def operate(self, message: InputMessage, hands: Hands) -> None:
-        """The player does something."""
+    def operate(self, message: InputMessage, player_input: PlayerInput) -> None:
+        """Handle input of the player."""
         ...
 
 
 @dataclass(slots=True)
 class Figures:
-    """The messages of one player, by what became of them."""
+    """Counts of the messages of one player, by outcome."""
 
     read: int = 0
     unknown: int = 0
-    """With numbers that are not known here."""
+    """Messages with unknown ids."""
     malformed: int = 0
     excess: int = 0
-    """Faster than they are taken."""
+    """Messages beyond the rate limit."""
     refused: int = 0
-    """What a person did whose turn it was not."""
+    """Input of a player that does not operate."""
 
 
 class Conversation:
-    """The conversation with one player, from the moment when its data channel is open.
+    """The conversation with one player, from the opening of its data channel on.
 
     Args:
-        stage: what it looks at.
+        stage: the side of the adapter.
         clock: seconds, monotonic.
         wall: seconds since the epoch.
     """
 
     def __init__(self, stage: Stage, clock: Callable[[], float], wall: Callable[[], float]) -> None:
-        self.hands = Hands(clock)
+        self.player_input = PlayerInput(clock)
         self.figures = Figures()
         self._stage = stage
         self._wall = wall
@@ -84,20 +84,20 @@ class Conversation:
         self._open = False
 
     def opened(self) -> None:
-        """The data channel is open."""
+        """Send the message tables: the data channel is open."""
         self._open = True
         for table in protocol.tables():
             self._stage.send(table)
-        self._say_who_operates()
+        self._send_ownership()
 
     def own(self, on: bool) -> None:
-        """The player operates the avatar from now on, or does not."""
+        """Report to the player whether it operates the avatar from now on."""
         self._owns = on
         if self._open:
-            self._say_who_operates()
+            self._send_ownership()
 
-    def take(self, data: str | bytes) -> None:
-        """Take a message of the player."""
+    def handle_message(self, data: str | bytes) -> None:
+        """Handle a message of the player."""
         if self.figures.malformed >= MALFORMED_LIMIT:
             return
         if not self._allowance.admits():
@@ -105,7 +105,7 @@ class Conversation:
             return
         try:
             if isinstance(data, str):
-                raise MessageError("a text, where all messages are binary")
+                raise MessageError("the message is a text; all messages are binary")
             message = protocol.read(data)
             if message is None:
                 self.figures.unknown += 1
@@ -123,12 +123,12 @@ class Conversation:
             case Message("StartStreaming" | "StopStreaming"):
                 self._stage.play(message.name == "StartStreaming")
             case Message("RequestQualityControl"):
-                # Each player is sent what its own path carries; there is nothing for one of them to decide.
+                # Each player is sent what its own path carries; no player decides for the others.
                 self._stage.send(protocol.flag("QualityControlOwnership", False))
             case Message("RequestInitialSettings"):
                 self._stage.send(protocol.text("InitialSettings", json.dumps(_SETTINGS)))
             case Message("GamepadConnected"):
-                number = self.hands.add_pad()
+                number = self.player_input.add_pad()
                 if number is not None:
                     self._stage.send(protocol.text("GamepadResponse", json.dumps({"controllerId": number})))
             case _:
@@ -143,8 +143,8 @@ class Conversation:
             case Message("TestEcho"):
                 self._stage.send(protocol.flag("TestEcho", True))
             case _:
-                for each in self.hands.take(message):
-                    self._stage.operate(each, self.hands)
+                for each in self.player_input.read_changes(message):
+                    self._stage.operate(each, self.player_input)
 
-    def _say_who_operates(self) -> None:
+    def _send_ownership(self) -> None:
         self._stage.send(protocol.flag("InputControlOwnership", self._owns))

@@ -1,4 +1,4 @@
-"""The numbers that browsers once gave to keys (`KeyboardEvent.keyCode`), and which keys they are today. Pure.
+"""The deprecated key numbers of browsers (`KeyboardEvent.keyCode`), and their keys (`KeyboardEvent.code`). Pure.
 
 They name what a key means on the layout of its keyboard; the place of the key is that of the US layout. Some numbers
 differ between browsers, and right-hand keys have numbers that Pixel Streaming made up.

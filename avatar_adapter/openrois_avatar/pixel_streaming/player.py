@@ -1,4 +1,4 @@
-"""One player of Pixel Streaming: an application of the avatar's streams that speaks another protocol."""
+"""One player of Pixel Streaming, as an application of the avatar's streams."""
 
 import json
 import logging
@@ -6,6 +6,7 @@ from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, Final, TypeAlias
 
+from openrois_media.streaming_interface import OwnChannels, StreamingInterface
 from openrois_signaling.messages import Answer, Bye, Candidate, IceServer, Offer
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.errors import UnknownStream
@@ -20,9 +21,8 @@ from openrois_avatar.facades.messages import pixel_streaming as wire
 from openrois_avatar.facades.messages.reading import Said
 from openrois_avatar.pixel_streaming.conversation import Conversation
 from openrois_avatar.pixel_streaming.guests import Guests
-from openrois_avatar.pixel_streaming.hands import Hands
+from openrois_avatar.pixel_streaming.player_input import PlayerInput
 from openrois_avatar.pixel_streaming.protocol import MESSAGE_LIMIT
-from openrois_avatar.streams import AvatarStreams, OwnChannels
 
 __all__ = ["Player", "Step"]
 
@@ -34,22 +34,22 @@ Step: TypeAlias = Callable[[], Awaitable[None]]
 
 
 class Player:
-    """One player, from its coming to its leaving; a `Guest`, an `InputSink`, and the `Stage` of its conversation.
+    """One player, from its connection to its end; a `Guest`, an `InputSink`, and the `Stage` of its conversation.
 
     Args:
-        player_id: what the signaling server calls it.
+        player_id: its id at the signaling server.
         streams: of the avatar.
-        components: whose streams it is sent: of the picture, and of the sound.
-        guests: who operates; None: no player does.
+        components: the streaming components that it is sent: of the picture, and of the sound.
+        guests: chooses the player that operates; None: no player does.
         say: sends the signaling server a message.
-        later: has a step done after those of before.
+        later: queues a step after the earlier ones.
         clock: the media clock.
     """
 
     def __init__(
         self,
         player_id: str,
-        streams: AvatarStreams,
+        streams: StreamingInterface,
         components: Sequence[str],
         guests: Guests | None,
         say: Callable[[Said], None],
@@ -64,7 +64,7 @@ class Player:
         self._guests = guests
         self._say = say
         self._later = later
-        self._client = Client(f"player {player_id}", self._told)
+        self._client = Client(f"player {player_id}", self._on_notification)
         self._conversation = Conversation(self, clock.now, clock.wall)
         self._send: Callable[[str | bytes], None] = lambda _message: None
         self._offer: Offer | None = None
@@ -73,13 +73,13 @@ class Player:
         self._wanted = True
 
     async def connect(self, ice_servers: Sequence[IceServer]) -> None:
-        """Offer it picture and sound, and a data channel.
+        """Offer picture, sound, and a data channel.
 
         Raises:
-            RoISError: it cannot be served; the text says why.
+            RoISError: the player cannot be served; the text says why.
         """
         channel = AnnouncedChannel(_LABEL, MESSAGE_LIMIT, self._opened)
-        self._streams.expect(self._client, OwnChannels(channel, self._hear))
+        self._streams.expect(self._client, OwnChannels(channel, self._open_input))
         transport = {"name": "transport_parameters", "data_type_ref": "", "value": json.dumps({"input": True})}
         for component_ref in self._components:
             params = {
@@ -90,15 +90,15 @@ class Player:
             connected = await self._streams.call(STREAM_METHODS["connect_stream"], params, self._client)
             self._stream_ids.append(connected["stream_id"])
 
-    async def answer(self, sdp: str) -> None:
-        """It answers the newest offer. What cannot be used ends it."""
+    async def apply_answer(self, sdp: str) -> None:
+        """Apply its answer to the newest offer. An invalid one ends the player."""
         if self._offer is not None:
-            await self._tell(Answer.method, {**self._newest(self._offer), "sdp": sdp})
+            await self._call_streams(Answer.method, {**self._newest(self._offer), "sdp": sdp})
 
-    async def candidate(self, found: wire.RtcCandidate) -> None:
-        """It has found a candidate. One that cannot be used is dropped."""
+    async def add_candidate(self, found: wire.RtcCandidate) -> None:
+        """Handle its candidate. An invalid one is dropped."""
         if self._offer is not None and found.candidate:
-            await self._tell(
+            await self._call_streams(
                 Candidate.method,
                 {
                     **self._newest(self._offer),
@@ -109,50 +109,50 @@ class Player:
             )
 
     async def follow(self) -> None:
-        """Suspend or resume what it is sent as it wants it now, if its peer connection has not ended."""
+        """Suspend or resume its streams as it wants, if its peer connection has not ended."""
         if self._suspended is self._wanted and not self.over:
             self._suspended = not self._wanted
             method = STREAM_METHODS["suspend_stream" if self._suspended else "resume_stream"]
             for stream_id in self._stream_ids:
-                await self._tell(method, {"stream_id": stream_id})
+                await self._call_streams(method, {"stream_id": stream_id})
 
     async def leave(self) -> None:
-        """End what it has."""
+        """End its streams."""
         self.over = True
         self.input_lost("the player is gone")
-        await self._streams.forget(self._client)
+        await self._streams.forget_client(self._client)
         _log.info("player %s is gone: %s", self.player_id, self._conversation.figures)
 
     def send(self, message: bytes) -> None:
-        """Send it a message over its data channel; lost where that is not open."""
+        """Send a message over its data channel; lost where that is not open."""
         self._send(message)
 
     def show_anew(self) -> None:
-        """It needs a picture that stands for itself."""
+        """Send a key frame."""
         for stream_id in self._stream_ids[:1]:
             with suppress(UnknownStream):
                 self._streams.request_key_frame(self._client, stream_id)
 
     def play(self, on: bool) -> None:
-        """It wants to see and hear, or not."""
+        """Play or suspend its streams."""
         self._wanted = on
         self._later(self.follow)
 
-    def operate(self, message: InputMessage, hands: Hands) -> None:
-        """It does something."""
-        if self._guests is None or not self._guests.operate(self, message, hands):
+    def operate(self, message: InputMessage, player_input: PlayerInput) -> None:
+        """Handle its input."""
+        if self._guests is None or not self._guests.operate(self, message, player_input):
             self._conversation.figures.refused += 1
 
     def own(self, on: bool) -> None:
-        """It operates the avatar from now on, or does not."""
+        """Report whether it operates the avatar from now on."""
         self._conversation.own(on)
 
     def input_came(self, _label: Label, data: str | bytes) -> None:
-        """A message came over its data channel."""
-        self._conversation.take(data)
+        """Handle a message of its data channel."""
+        self._conversation.handle_message(data)
 
     def input_lost(self, reason: str) -> None:
-        """Nothing can come over its data channel any more."""
+        """Note that its data channel is closed."""
         if self._guests is not None:
             self._guests.leave(self, reason)
 
@@ -160,7 +160,7 @@ class Player:
     def _newest(offer: Offer) -> dict[str, Any]:
         return {"peer_id": offer.peer_id, "generation": offer.generation}
 
-    def _hear(self, send: Callable[[str | bytes], None]) -> "Player":
+    def _open_input(self, send: Callable[[str | bytes], None]) -> "Player":
         self._send = send
         return self
 
@@ -169,13 +169,13 @@ class Player:
         if self._guests is not None:
             self._guests.join(self)
 
-    async def _tell(self, method: str, params: Mapping[str, Any]) -> None:
+    async def _call_streams(self, method: str, params: Mapping[str, Any]) -> None:
         try:
             await self._streams.call(method, params, self._client)
         except RoISError as error:
             _log.info("player %s: %s", self.player_id, error)
 
-    def _told(self, method: str, params: Mapping[str, Any]) -> None:
+    def _on_notification(self, method: str, params: Mapping[str, Any]) -> None:
         match method:
             case Offer.method:
                 self._offer = Offer.model_validate(params)
@@ -193,4 +193,4 @@ class Player:
                 reason = Bye.model_validate(params).reason
                 self._say(wire.DisconnectPlayer(player_id=self.player_id, reason=reason))
             case _:
-                pass  # how its streams fare it sees by itself
+                pass  # it observes the status of its streams by itself

@@ -1,6 +1,6 @@
 """The messages of Pixel Streaming's data channel: one byte that names the message, and its packed fields. Pure.
 
-A streamer tells its tables to whoever plays it, and both go by them from then on; these are the usual ones.
+A streamer sends its tables to each player, and both use them from then on; these are the usual ones.
 """
 
 import json
@@ -27,19 +27,19 @@ MESSAGE_LIMIT: Final = 4096
 """Bytes of a message of a player."""
 
 FIELDS_LIMIT: Final = 64
-"""Fields of a message, which only touches can have many of."""
+"""Most fields of a message; only touch messages have many."""
 
 Field: TypeAlias = Literal["uint8", "uint16", "int16", "double", "string"]
 Value: TypeAlias = int | float | str
 
 
 class MessageError(ValueError):
-    """A message of a player cannot be read; the text says what is wrong."""
+    """A malformed message of a player; the text says what is wrong."""
 
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The number of a message, and what it carries."""
+    """The id of a message, and its fields."""
 
     id: int
     structure: tuple[Field, ...] = ()
@@ -89,7 +89,7 @@ TO_STREAMER: Final[Mapping[str, Layout]] = {
     "GamepadConnected": Layout(93),
     "GamepadDisconnected": Layout(94, ("uint8",)),
 }
-"""What a player can say. The first field of a touch message counts its fingers, of which each has the others."""
+"""The messages of a player. The first field of a touch message counts its touches, each of which has the others."""
 
 FROM_STREAMER: Final[Mapping[str, Layout]] = {
     "QualityControlOwnership": Layout(0, ("uint8",)),
@@ -102,7 +102,7 @@ FROM_STREAMER: Final[Mapping[str, Layout]] = {
     "GamepadResponse": Layout(13, ("string",)),
     "Protocol": Layout(255, ("string",)),
 }
-"""What a streamer can say, as far as it is said here. A text fills the rest of a message: it has no length."""
+"""The messages of a streamer that are used here. A text fills the rest of a message: it has no length."""
 
 _NAMES: Final = {layout.id: name for name, layout in TO_STREAMER.items()}
 _PACKED: Final[Mapping[Field, struct.Struct]] = {
@@ -114,13 +114,13 @@ _PACKED: Final[Mapping[Field, struct.Struct]] = {
 
 
 def read(data: bytes) -> Message | None:
-    """Read a message of a player; None if it has a number that is not known here, which is no fault.
+    """Read a message of a player; None if it has an unknown id, which is no fault.
 
     Raises:
-        MessageError: it is too long, too short, or holds something else than it must.
+        MessageError: it is too long, too short, or does not match its layout.
     """
     if not 0 < len(data) <= MESSAGE_LIMIT:
-        raise MessageError(f"a message has 1 to {MESSAGE_LIMIT} bytes, not {len(data)}")
+        raise MessageError(f"a message must have 1 to {MESSAGE_LIMIT} bytes, not {len(data)}")
     name = _NAMES.get(data[0])
     if name is None:
         return None
@@ -132,17 +132,17 @@ def read(data: bytes) -> Message | None:
 
 
 def written(message: Message) -> bytes:
-    """A message as a player sends it; its values must fit.
+    """Return a message as a player sends it; its values must fit.
 
     Raises:
-        MessageError: they are too many or too few.
+        MessageError: too many or too few values.
     """
     layout = TO_STREAMER[message.name]
     structure = layout.structure
     if structure is _TOUCH:
         structure = structure[:1] + structure[1:] * int(message.values[0])
     if len(message.values) != len(structure):
-        raise MessageError(f"{message.name}: {len(structure)} fields, not {len(message.values)}")
+        raise MessageError(f"{message.name}: must have {len(structure)} fields, not {len(message.values)}")
     parts = [bytes([layout.id])]
     for field, value in zip(structure, message.values, strict=True):
         if field == "string":
@@ -154,18 +154,18 @@ def written(message: Message) -> bytes:
 
 
 def flag(name: str, on: bool) -> bytes:
-    """A message of the streamer that says yes or no; one without fields if it has none."""
+    """Return a message of the streamer with a truth value, or without fields if its layout has none."""
     layout = FROM_STREAMER[name]
     return bytes([layout.id, on]) if layout.structure else bytes([layout.id])
 
 
 def text(name: str, value: str) -> bytes:
-    """A message of the streamer that carries a text."""
+    """Return a message of the streamer with a text."""
     return bytes([FROM_STREAMER[name].id]) + value.encode("utf-16-le", "surrogatepass")
 
 
 def tables() -> tuple[bytes, ...]:
-    """The messages that tell a player by which tables both go."""
+    """Return the messages with the tables of both directions."""
     return tuple(
         text("Protocol", json.dumps({"Direction": direction, **{name: _shown(each) for name, each in table.items()}}))
         for direction, table in enumerate((TO_STREAMER, FROM_STREAMER))
@@ -181,7 +181,7 @@ def _fingers(name: str, data: bytes) -> tuple[Field, ...]:
         raise MessageError(f"{name}: it ends within uint8")
     structure = _TOUCH[:1] + _TOUCH[1:] * data[1]
     if len(structure) > FIELDS_LIMIT:
-        raise MessageError(f"{name}: more fingers than a person has")
+        raise MessageError(f"{name}: must have at most {FIELDS_LIMIT} fields, not {len(structure)}")
     return structure
 
 

@@ -1,4 +1,4 @@
-"""The adapter as a streamer at a signaling server of Pixel Streaming: it dials, and serves the players there."""
+"""The adapter as a streamer at a signaling server of Pixel Streaming, and its players there."""
 
 import asyncio
 import logging
@@ -26,29 +26,29 @@ PLAYERS_LIMIT: Final = 32
 UNSENT_LIMIT: Final = 1024
 """Messages that may wait to be sent to the signaling server."""
 UNREAD_LIMIT: Final = 128
-"""Messages of one player that may wait until the ones before are dealt with."""
+"""Messages of one player that may wait until the earlier ones are handled."""
 
 PROTOCOL_VERSION: Final = "1.3.0"
-"""Of the signaling protocol that is spoken here."""
+"""The version of the signaling protocol."""
 
 Say: TypeAlias = Callable[[Said], None]
 MakePlayer: TypeAlias = Callable[[str, Say, Callable[[Step], None]], Player]
-"""Makes a player of its id, of what sends the signaling server a message, and of what has a step done."""
+"""Makes a player of its id and of the functions that send the signaling server a message and queue a step."""
 
 
 class _Attended:
-    """A player, and what is to be done about it, one after the other."""
+    """A player and the queue of its steps."""
 
     def __init__(self, player_id: str, make_player: MakePlayer, say: Say) -> None:
         self.steps: asyncio.Queue[Step] = asyncio.Queue(UNREAD_LIMIT)
         self.player = make_player(player_id, say, self.later)
 
     def later(self, step: Step) -> None:
-        """Have a step done; dropped where too many wait."""
+        """Queue a step; dropped where too many wait."""
         try:
             self.steps.put_nowait(step)
         except asyncio.QueueFull:
-            _log.info("player %s says more than can be dealt with", self.player.player_id)
+            _log.info("player %s sends too fast: a message is dropped", self.player.player_id)
 
 
 class Streamer:
@@ -56,7 +56,7 @@ class Streamer:
 
     Args:
         url: of the signaling server, for streamers.
-        name: what the avatar is called there.
+        name: the avatar's id there.
         make_player: makes a player.
     """
 
@@ -87,10 +87,12 @@ class Streamer:
                     try:
                         await self._serve(stream)
                     except (StreamClosed, ProtocolError) as error:
-                        _log.info("the signaling server is gone: %s", error)
+                        _log.info("the signaling server has disconnected: %s", error)
                     lasted = clock() - connected
             except InvalidHandshake as error:
-                _log.warning("what answers at %s is no signaling server: %s", self._url, error)
+                _log.warning(
+                    "no signaling server for streamers answers at %s, check --pixel-streaming: %s", self._url, error
+                )
             except (OSError, TimeoutError) as error:
                 _log.info("no signaling server at %s: %s", self._url, error)
             await sleep(backoff.after(lasted))
@@ -100,7 +102,7 @@ class Streamer:
 
         Raises:
             StreamClosed: it has ended.
-            ProtocolError: what was said cannot be understood.
+            ProtocolError: a message is malformed.
         """
         unsent: asyncio.Queue[str] = asyncio.Queue(UNSENT_LIMIT)
 
@@ -122,11 +124,11 @@ class Streamer:
             tasks.start(send())
             visit = _Visit(self._name, self._make_player, say, tasks)
             while True:
-                visit.take(await stream.receive())
+                visit.handle_message(await stream.receive())
 
 
 class _Visit:
-    """What is said over one connection to a signaling server."""
+    """The messages of one connection to a signaling server."""
 
     def __init__(self, name: str, make_player: MakePlayer, say: Say, tasks: TaskScope) -> None:
         self._name = name
@@ -136,11 +138,11 @@ class _Visit:
         self._attended: dict[str, _Attended] = {}
         self._ice_servers: tuple[IceServer, ...] = ()
 
-    def take(self, text: str) -> None:
-        """Take one message; what is not known is dropped.
+    def handle_message(self, text: str) -> None:
+        """Handle one message; unknown ones are dropped.
 
         Raises:
-            ProtocolError: it cannot be understood.
+            ProtocolError: it is malformed.
         """
         match wire.SERVER_SAYS.read(text):
             case wire.Config(peer_connection_options=options):
@@ -148,7 +150,7 @@ class _Visit:
             case wire.Identify():
                 self._say(wire.EndpointId(id=self._name, protocol_version=PROTOCOL_VERSION))
             case wire.EndpointIdConfirm(committed_id=name):
-                _log.info("the avatar is called %s there", name)
+                _log.info("the avatar's id at the signaling server is %s", name)
             case wire.Ping(time=asked):
                 self._say(wire.Pong(time=asked))
             case wire.PlayerConnected() as told:
@@ -159,18 +161,18 @@ class _Visit:
                     gone.player.over = True
                     gone.later(gone.player.follow)
             case wire.Answer(player_id=player_id, sdp=sdp):
-                self._pass(player_id, lambda player: player.answer(sdp))
+                self._pass(player_id, lambda player: player.apply_answer(sdp))
             case wire.IceCandidate(player_id=player_id, candidate=found):
-                self._pass(player_id, lambda player: player.candidate(found))
+                self._pass(player_id, lambda player: player.add_candidate(found))
             case _:
                 pass
 
     def _welcome(self, told: wire.PlayerConnected) -> None:
         refusal = ""
         if told.sfu or not told.send_offer:
-            refusal = "the avatar offers, to players alone"
+            refusal = "the avatar makes the offers, and serves players only, no SFU"
         elif len(self._attended) >= PLAYERS_LIMIT:
-            refusal = f"the avatar has {PLAYERS_LIMIT} players already"
+            refusal = f"the avatar has {PLAYERS_LIMIT} players already, which is the limit"
         elif told.player_id in self._attended:
             return
         if refusal:

@@ -1,4 +1,4 @@
-"""What is tried from outside, by area."""
+"""Checks from outside, by area."""
 
 from typing import Final
 

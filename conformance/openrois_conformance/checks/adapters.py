@@ -1,4 +1,4 @@
-"""The leg between gateway and adapter: what an adapter is asked, what it may be, and what it may not do."""
+"""The connection between gateway and adapter: requests to adapters, profiles of adapters, and wrong messages."""
 
 from typing import Any, Final
 
@@ -15,7 +15,7 @@ CHECKS: Final = Checks()
 
 PROFILE: Final = "rois.system.get_profile"
 _OWN: Final = ("connect", "disconnect", "search", "bind", "bind_any", "release")
-"""What a gateway decides by itself and never passes on."""
+"""Methods that a gateway answers itself and never passes on."""
 
 
 @CHECKS("adapter-asked-first", Needs.ADAPTER)
@@ -98,6 +98,9 @@ async def _adapter_never_asked(stage: Stage) -> None:
     await app.granted("rois.command.search")
     await app.granted("rois.command.bind", component_ref=arm)
     await app.granted("rois.command.bind_any", condition=f"component_ref = '{arm}'")
+    unit = {"component_ref": arm, "command_type": "echo", "command_id": "c"}
+    await app.granted(EXECUTE, command_unit_list=[unit])
+    expect("how the command completed", await app.completed("c"), {"c": "OK"})
     await app.granted("rois.command.release", component_ref=arm)
     await app.granted("rois.system.disconnect")
     await stage.settle(app)
@@ -206,7 +209,7 @@ async def _adapter_profile_changed(stage: Stage) -> None:
     second = await stage.attached()
     eye, arm = second.ref("eye"), second.ref("arm")
     second.engine.profiles = {eye: second.engine.profiles[eye]}
-    await second.tell("rois.system.profile_changed")
+    await second.send_notification("rois.system.profile_changed")
     await stage.until_there(arm, there=False)
     await app.granted("rois.query.query", query_type="view", condition=f"component_ref = '{eye}'")
     await app.refused("rois.command.bind", "UNSUPPORTED", component_ref=arm)
@@ -218,21 +221,21 @@ async def _adapter_profile_spoilt(stage: Stage) -> None:
     second = await stage.attached()
     eye = second.ref("eye")
     second.engine.answers[PROFILE] = Answer(profile_result(stage.probe.engine.engine_id, {}))
-    await second.tell("rois.system.profile_changed")
+    await second.send_notification("rois.system.profile_changed")
     expect("the close code", (await second.closed())[0], 1008)
     await stage.until_there(eye, there=False)
 
 
 @CHECKS("adapter-garbage", Needs.ADAPTER)
 async def _adapter_garbage(stage: Stage) -> None:
-    """What an adapter sends that makes no sense is ignored and reaches no application."""
+    """Messages of an adapter that make no sense are ignored and reach no application."""
     app = await stage.application()
     second = await stage.attached()
     for text in (
         "garbage",
         "[]",
         '{"jsonrpc":"2.0","id":99999,"result":{}}',
-        '{"jsonrpc":"2.0","method":"rois.command.completed","params":{"command_id":"nobody\'s","status":"OK"}}',
+        '{"jsonrpc":"2.0","method":"rois.command.completed","params":{"command_id":"unknown","status":"OK"}}',
         '{"jsonrpc":"2.0","method":"rois.command.completed","params":{"command_id":5}}',
         '{"jsonrpc":"2.0","method":"rois.event.notify_event","params":{}}',
         '{"jsonrpc":"2.0","method":"no such thing","params":{}}',
@@ -297,16 +300,16 @@ async def _adapter_completed_twice(stage: Stage) -> None:
     await app.granted(EXECUTE, command_unit_list=[unit])
     await stage.probe.hangs(eye)
     ((method, params),) = stage.probe.engine.finish(eye, "OK")
-    await stage.probe.tell(method, **{**params, "status": "DONE"})
-    await stage.probe.tell(method, **params)
-    await stage.probe.tell(method, **{**params, "status": "ERROR"})
+    await stage.probe.send_notification(method, **{**params, "status": "DONE"})
+    await stage.probe.send_notification(method, **params)
+    await stage.probe.send_notification(method, **{**params, "status": "ERROR"})
     expect("how the command completed", await app.completed("c"), {"c": "OK"})
     await stage.settle(app)
 
 
 @CHECKS("adapter-silent", Needs.ADAPTER)
 async def _adapter_silent(stage: Stage) -> None:
-    """An adapter that does not answer makes a TIMEOUT within 30 s; what it says too late reaches nobody."""
+    """An adapter that does not answer makes a TIMEOUT within 30 s; its late answer reaches no application."""
     app = await stage.application()
     probe: Probe = stage.probe
     probe.engine.answers["rois.event.subscribe"] = SILENCE
@@ -326,13 +329,13 @@ async def _adapter_silent(stage: Stage) -> None:
     await probe.until(
         lambda: {"subscribe_id": late} in probe.params_of("rois.event.unsubscribe"), "end a subscription that came late"
     )
-    # Whoever works with a component that does not answer may be told of that.
+    # Applications that work with a component that does not answer may be notified of that.
     await stage.settle(app, "rois.system.notify_error")
 
 
 @CHECKS("adapter-nested", Needs.ADAPTER)
 async def _adapter_nested(stage: Stage) -> None:
-    """Components of an engine below an adapter are found, asked, told and heard by their own references."""
+    """Components of an engine below an adapter are found, queried, commanded and subscribed to by their references."""
     app = await stage.application()
     deep = stage.ref("deep")
     await app.granted("rois.query.query", query_type="view_of_deep")

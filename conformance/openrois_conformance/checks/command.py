@@ -13,7 +13,7 @@ __all__ = ["CHECKS"]
 
 CHECKS: Final = Checks()
 
-NOBODY: Final = ("conformance-nowhere/arm", "arm", "", "/", "conformance-nowhere/arm/x")
+ABSENT: Final = ("conformance-nowhere/arm", "arm", "", "/", "conformance-nowhere/arm/x")
 BIND: Final = "rois.command.bind"
 RELEASE: Final = "rois.command.release"
 SET: Final = "rois.command.set_parameter"
@@ -119,7 +119,7 @@ async def _condition_linear(stage: Stage) -> None:
 async def _bind_unknown(stage: Stage) -> None:
     """`bind` and release of a component that is not there are answered UNSUPPORTED."""
     app = await stage.application()
-    for ref in NOBODY:
+    for ref in ABSENT:
         await app.refused(BIND, "UNSUPPORTED", component_ref=ref)
         await app.refused(RELEASE, "UNSUPPORTED", component_ref=ref)
 
@@ -148,7 +148,7 @@ async def _bind_idempotent(stage: Stage) -> None:
 
 @CHECKS("bind-actuation-only", Needs.ADAPTER)
 async def _bind_actuation_only(stage: Stage) -> None:
-    """`bind` of a component that is no actuation is OK for everybody and reserves nothing."""
+    """`bind` of a component that is no actuation is OK for every application and reserves nothing."""
     app, other = await stage.application(), await stage.application()
     for name in ("eye", "tool", "thing"):
         await app.granted(BIND, component_ref=stage.ref(name))
@@ -168,7 +168,7 @@ async def _release_of_others(stage: Stage) -> None:
 
 @CHECKS("bind-ends-with-connection", Needs.ADAPTER)
 async def _bind_ends_with_connection(stage: Stage) -> None:
-    """What an application has bound is free again when its connection ends."""
+    """A component that an application has bound is free again when its connection ends."""
     leaving, other = await stage.application(), await stage.application()
     arm = stage.ref("arm")
     await leaving.granted(BIND, component_ref=arm)
@@ -225,7 +225,7 @@ async def _get_parameter(stage: Stage) -> None:
 async def _get_parameter_unknown(stage: Stage) -> None:
     """`get_parameter` and set_parameter of a component that is not there are answered UNSUPPORTED."""
     app = await stage.application()
-    for ref in NOBODY:
+    for ref in ABSENT:
         await app.refused(GET, "UNSUPPORTED", component_ref=ref)
         await app.refused(SET, "UNSUPPORTED", component_ref=ref, parameters=[])
 
@@ -233,8 +233,8 @@ async def _get_parameter_unknown(stage: Stage) -> None:
 async def _set(app: Application, ref: str, *parameters: dict[str, str]) -> tuple[str, str]:
     answer = await app.granted(SET, component_ref=ref, parameters=list(parameters))
     command_id = answer["command_id"]
-    if any(name == "rois.command.completed" and notice["command_id"] == command_id for name, notice in app.told):
-        raise Deviation("the reply of set_parameter before its `completed`", shown(app.told))
+    if any(name == "rois.command.completed" and notice["command_id"] == command_id for name, notice in app.unread):
+        raise Deviation("the reply of set_parameter before its `completed`", shown(app.unread))
     return command_id, (await app.completed(command_id))[command_id]
 
 

@@ -1,4 +1,4 @@
-"""The seventeen types of the standard, offered by the suite's adapter: whether every message gets through as it is."""
+"""The seventeen types of the standard, offered by the suite's adapter: every message gets through unchanged."""
 
 from typing import Final
 
@@ -196,12 +196,12 @@ async def _component_events(stage: Stage) -> None:
         condition = f"component_ref = '{stage.component}'"
         answer = await app.granted("rois.event.subscribe", event_type=event.name, condition=condition)
         await app.granted("rois.event.unsubscribe", subscribe_id=answer["subscribe_id"])
-    app.told.clear()
+    app.unread.clear()
 
 
 @CHECKS("component-bind", Needs.COMPONENT)
 async def _component_bind(stage: Stage) -> None:
-    """The given component can be bound, or somebody has it; if it is an actuation, by one application at a time."""
+    """The given component can be bound, or another application has it; an actuation has one holder at a time."""
     app, other = await stage.application(), await stage.application()
     exclusive = (await _profile_of(stage, app)).function is ComponentFunction.ACTUATION
     code = await app.code("rois.command.bind", component_ref=stage.component)

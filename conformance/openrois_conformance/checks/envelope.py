@@ -1,4 +1,4 @@
-"""JSON-RPC as the base wire speaks it: what is answered, with which error, and what is never answered."""
+"""JSON-RPC as the base wire speaks it: requests, errors, and messages that are never answered."""
 
 import json
 from typing import Any, Final
@@ -133,7 +133,7 @@ async def _notifications(stage: Stage) -> None:
 
 @CHECKS("frame-stray-answers")
 async def _stray_answers(stage: Stage) -> None:
-    """A response that nobody asked for is ignored or answered -32600, and does not break the connection."""
+    """A response without a request is ignored or answered -32600, and does not break the connection."""
     app = await stage.application()
     await app.send({"jsonrpc": "2.0", "id": 99, "result": {}})
     app.expect_answer_to("after")
@@ -163,7 +163,7 @@ async def _unknown_method(stage: Stage) -> None:
 
 @CHECKS("frame-notification-names")
 async def _notification_names(stage: Stage) -> None:
-    """The names of notifications are no methods: to ask one is answered -32601."""
+    """The names of notifications are no methods: a request with one is answered -32601."""
     app = await stage.application()
     for method in (
         "rois.command.completed",
@@ -253,7 +253,7 @@ async def _params_misfit_named(stage: Stage) -> None:
         if not fits or not problems:
             raise Deviation(f"data of a -32602 to {method} as a list of path and message", shown(error))
         paths = [str(problem["path"]) for problem in problems]
-        # A union is told by its members' names too, as in command_unit_list.0.CommandUnit.command_id.
+        # The error of a union names its members, too, as in command_unit_list.0.CommandUnit.command_id.
         field = path.rpartition(".")[2]
         if not any(found == path or found.rpartition(".")[2] == field for found in paths):
             raise Deviation(f"a problem at {path} of {method}", shown(problems))
@@ -312,11 +312,11 @@ async def _results_strict(stage: Stage) -> None:
         ("rois.command.get_parameter", {"component_ref": nowhere}),
         ("rois.command.set_parameter", {"component_ref": nowhere, "parameters": []}),
         ("rois.command.execute", {"command_unit_list": [unit]}),
-        ("rois.command.get_command_result", {"command_id": "nobody's"}),
+        ("rois.command.get_command_result", {"command_id": "unknown"}),
         ("rois.query.query", {"query_type": "nothing"}),
         ("rois.event.subscribe", {"event_type": "nothing"}),
-        ("rois.event.unsubscribe", {"subscribe_id": "nobody's"}),
-        ("rois.event.get_event_detail", {"event_id": "nobody's"}),
+        ("rois.event.unsubscribe", {"subscribe_id": "unknown"}),
+        ("rois.event.get_event_detail", {"event_id": "unknown"}),
         ("rois.system.disconnect", {}),
     ):
         await app.ask(method, **params)

@@ -28,7 +28,7 @@ async def _subscribed(app: Application, event_type: str = TYPE, condition: str =
 
 @CHECKS("subscribe", Needs.ADAPTER)
 async def _subscribe(stage: Stage) -> None:
-    """Who has subscribed is told: event_id, event_type, its own subscribe_id, expire, and the results as they were."""
+    """A subscriber is notified: event_id, event_type, its own subscribe_id, expire, and the results as they were."""
     app = await stage.application()
     subscribe_id = await _subscribed(app)
     owner = stage.ref("eye").partition("/")[0]
@@ -69,7 +69,7 @@ async def _subscribe_selection(stage: Stage) -> None:
     for event_type, condition, code in (
         ("happened", f"component_ref = '{stage.ref('arm')}'", "OK"),
         ("happened", f"component_ref LIKE '{engine_id}/%'", "BAD_PARAMETER"),
-        ("happened", f"component_ref = '{engine_id}/nobody'", "UNSUPPORTED"),
+        ("happened", f"component_ref = '{engine_id}/absent'", "UNSUPPORTED"),
         ("shut", f"component_ref = '{stage.ref('arm')}'", "UNSUPPORTED"),
     ):
         came = await app.code(SUBSCRIBE, event_type=event_type, condition=condition)
@@ -82,12 +82,12 @@ async def _subscribe_selection(stage: Stage) -> None:
 async def _subscribe_unknown(stage: Stage) -> None:
     """`subscribe` to an event that no component has is answered UNSUPPORTED."""
     app = await stage.application()
-    await app.refused(SUBSCRIBE, "UNSUPPORTED", event_type="conformance nobody has it")
+    await app.refused(SUBSCRIBE, "UNSUPPORTED", event_type="conformance unknown")
 
 
 @CHECKS("subscribe-again", Needs.ADAPTER)
 async def _subscribe_again(stage: Stage) -> None:
-    """A repeated subscribe is OK; where it makes a subscription of its own, that is told of the same event_id."""
+    """A repeated subscribe is OK; a subscription of its own is notified of the same event_id."""
     app = await stage.application()
     ids = {await _subscribed(app) for _ in range(3)}
     event_id = await stage.probe.happen(stage.ref("eye"), TYPE)
@@ -101,7 +101,7 @@ async def _subscribe_again(stage: Stage) -> None:
 
 @CHECKS("subscribe-only-subscribers", Needs.ADAPTER)
 async def _subscribe_only_subscribers(stage: Stage) -> None:
-    """Nobody is told of events that they have not subscribed to."""
+    """No application is notified of events that it has not subscribed to."""
     app, other = await stage.application(), await stage.application()
     await _subscribed(app)
     await _subscribed(other, "happened", f"component_ref = '{stage.ref('eye')}'")
@@ -113,7 +113,7 @@ async def _subscribe_only_subscribers(stage: Stage) -> None:
 
 @CHECKS("unsubscribe", Needs.ADAPTER)
 async def _unsubscribe(stage: Stage) -> None:
-    """After unsubscribe no event is told any more; the adapter's subscription ends with the last one."""
+    """After unsubscribe no event is notified any more; the adapter's subscription ends with the last one."""
     app = await stage.application()
     eye = stage.ref("eye")
     subscribe_id = await _subscribed(app)
@@ -130,7 +130,7 @@ async def _unsubscribe_unknown(stage: Stage) -> None:
     """`unsubscribe` of an unknown id, of one that is gone, and of another application's is OK and has no effect."""
     app, other = await stage.application(), await stage.application()
     mine, gone = await _subscribed(app), await _subscribed(app)
-    for subscribe_id in (gone, gone, "nobody's", ""):
+    for subscribe_id in (gone, gone, "unknown", ""):
         await app.granted(UNSUBSCRIBE, subscribe_id=subscribe_id)
     if mine == gone:
         mine = await _subscribed(app)
@@ -157,7 +157,7 @@ async def _event_detail(stage: Stage) -> None:
 async def _event_detail_unknown(stage: Stage) -> None:
     """`get_event_detail` of an id that was never notified is answered BAD_PARAMETER."""
     app = await stage.application()
-    for event_id in ("nobody's", "", "conformance-nowhere/evt-1"):
+    for event_id in ("unknown", "", "conformance-nowhere/evt-1"):
         await app.refused(DETAIL, "BAD_PARAMETER", event_id=event_id)
 
 
@@ -183,28 +183,28 @@ async def _event_after_connection(stage: Stage) -> None:
 
 @CHECKS("event-foreign-subscription", Needs.ADAPTER)
 async def _event_foreign_subscription(stage: Stage) -> None:
-    """An event that an adapter tells for a subscription that it does not have reaches nobody."""
+    """An event that an adapter notifies for a subscription that it does not have reaches no application."""
     app = await stage.application()
     await _subscribed(app)
     engine = stage.probe.engine
     event_id, ((method, good),) = engine.event(stage.ref("eye"), TYPE)
-    await stage.probe.tell(method, **{**good, "subscribe_id": engine.mint("nobody")})
+    await stage.probe.send_notification(method, **{**good, "subscribe_id": engine.mint("unknown")})
     await stage.settle(app)
-    await stage.probe.tell(method, **good)
+    await stage.probe.send_notification(method, **good)
     expect("the event", (await app.next(EVENT))["event_id"], event_id)
 
 
 @CHECKS("event-misfit", Needs.ADAPTER)
 async def _event_misfit(stage: Stage) -> None:
-    """An event whose type is not the subscription's, or whose id is led by another engine, reaches nobody."""
+    """An event whose type is not the subscription's, or whose id is led by another engine, reaches no application."""
     app = await stage.application()
     await _subscribed(app)
     _, ((method, good),) = stage.probe.engine.event(stage.ref("eye"), TYPE)
     strange: tuple[dict[str, Any], ...] = ({"event_type": "happened"}, {"event_id": "conformance-nowhere/evt-1"})
     for wrong in strange:
-        await stage.probe.tell(method, **{**good, **wrong})
+        await stage.probe.send_notification(method, **{**good, **wrong})
     condition = f"component_ref = '{stage.ref('eye')}'"
     await app.granted("rois.query.query", query_type="component_status", condition=condition)
     if await app.settled():
-        app.told.clear()
+        app.unread.clear()
         stage.remark("events with a wrong type or a foreign id are passed on, as by the reference engine")

@@ -1,4 +1,4 @@
-"""The Command interface: running commands, one by one and in sequences, and what comes of them."""
+"""The Command interface: running commands, one by one and in sequences, and their ends and results."""
 
 from typing import Any, Final
 
@@ -79,7 +79,7 @@ async def _execute_to_its_sender(stage: Stage) -> None:
 
 @CHECKS("execute-results", Needs.ADAPTER)
 async def _execute_results(stage: Stage) -> None:
-    """`get_command_result` gives what the command gave: values of every type, as text, unchanged."""
+    """`get_command_result` answers the command's results: values of every type, as text, unchanged."""
     app = await stage.application()
     arguments = [_argument(name, sample(code), code) for name, code, _ in PARAMETERS]
     await _accepted(app, _unit("c", stage.ref("eye"), arguments=arguments))
@@ -127,7 +127,7 @@ async def _command_result_refused(stage: Stage) -> None:
     app = await stage.application()
     await _accepted(app, _unit("c", stage.ref("eye")))
     await _ended(app, c="OK")
-    await app.refused(RESULT, "BAD_PARAMETER", command_id="nobody's")
+    await app.refused(RESULT, "BAD_PARAMETER", command_id="unknown")
     await app.refused(RESULT, "BAD_PARAMETER", command_id="")
     await app.refused(RESULT, "BAD_PARAMETER", command_id="c", condition="component_ref = 'x'")
 
@@ -149,7 +149,7 @@ async def _execute_unknown(stage: Stage) -> None:
     eye = stage.ref("eye")
     for unit in (
         _unit("c", "conformance-nowhere/eye"),
-        _unit("c", f"{stage.probe.engine.engine_id}/nobody"),
+        _unit("c", f"{stage.probe.engine.engine_id}/absent"),
         _unit("c", eye, "explode"),
         _unit("c", eye, ""),
         _unit("c", eye, "get_parameter"),
@@ -218,7 +218,7 @@ async def _execute_free_ids(stage: Stage) -> None:
 
 @CHECKS("execute-same-id", Needs.ADAPTER)
 async def _execute_same_id(stage: Stage) -> None:
-    """Two applications may use the same command_id, and each hears of its own command."""
+    """Two applications may use the same command_id, and each is notified of its own command."""
     app, other = await stage.application(), await stage.application()
     eye = stage.ref("eye")
     await _accepted(app, _unit("conformance-same", eye, arguments=[_argument("label", "mine")]))
@@ -336,7 +336,7 @@ async def _sequence_delay(stage: Stage) -> None:
 
 @CHECKS("sequence-abort", Needs.ADAPTER)
 async def _sequence_abort(stage: Stage) -> None:
-    """What follows a command that did not end OK completes ABORT without having run; its results are OK and empty."""
+    """Commands after one that did not end OK complete ABORT without having run; their results are OK and empty."""
     app = await stage.application()
     eye, tool = stage.ref("eye"), stage.ref("tool")
     await _accepted(

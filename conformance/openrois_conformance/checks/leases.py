@@ -1,4 +1,4 @@
-"""The extension `openrois.lease`: who holds what, asking for it, handing it over, resuming, and STOP."""
+"""The extension `openrois.lease`: holding, requesting, handing over, resuming, and STOP."""
 
 from typing import Any, Final
 
@@ -26,7 +26,7 @@ RESUME: Final = "openrois.lease.resume"
 STOP_ALL: Final = "openrois.stop_all"
 
 FLOOD: Final = 300
-"""Requests that are asked before a STOP: more than a gateway serves at a time."""
+"""Requests that are sent before a STOP: more than a gateway serves at a time."""
 
 RESUMED: Final = 4409
 """Closes a connection that another one goes on for."""
@@ -35,14 +35,14 @@ _HOUR: Final = 3_600_000
 
 
 async def _leasing(stage: Stage) -> Application:
-    """Return an application that hears of leases: it has asked how things stand with the suite's arm."""
+    """Return an application that gets notifications of leases: it has queried that of the suite's arm."""
     app = await stage.application()
     await _lease(app, stage.ref("arm"))
     return app
 
 
 async def _lease(app: Application, component_ref: str) -> dict[str, Any]:
-    """Return how things stand, and hear of changes from then on."""
+    """Return a component's lease, and get notifications of it from then on."""
     lease = (await app.granted(LOOK, component_ref=component_ref))["lease"]
     if lease is None:
         raise Deviation(f"how things stand with {component_ref}", "null")
@@ -51,7 +51,7 @@ async def _lease(app: Application, component_ref: str) -> dict[str, Any]:
 
 
 async def _told(app: Application, component_ref: str, state: str, **more: Any) -> dict[str, Any]:
-    """Wait until an application is told that things stand so; what it is told before does not count."""
+    """Wait until an application is notified of such a lease; notifications before that do not count."""
     while True:
         told = await app.next("openrois.lease.changed")
         if {**told, **more, "state": state, "component_ref": component_ref} == told:
@@ -85,7 +85,7 @@ def _check_stopped(stage: Stage, *component_refs: str) -> None:
 
 @CHECKS("lease-exclusive", *BOTH)
 async def _lease_exclusive(stage: Stage) -> None:
-    """One application holds an actuation component, with an epoch that grows; who has looked is told each change."""
+    """An actuation component has one holder, with an epoch that grows; a client that queried is notified of changes."""
     arm = stage.ref("arm")
     app, other = await _leasing(stage), await _leasing(stage)
     free = await _lease(other, arm)
@@ -108,7 +108,7 @@ async def _lease_exclusive(stage: Stage) -> None:
 
 @CHECKS("lease-of-what", *BOTH)
 async def _lease_of_what(stage: Stage) -> None:
-    """What is no actuation component has no lease, and what does not exist is refused alike."""
+    """A component without actuation has no lease, and an unknown component is refused alike."""
     app = await _leasing(stage)
     for method in (LOOK, REQUEST, LEAVE):
         for component_ref in (stage.ref("eye"), stage.ref("tool"), "conformance-nowhere/arm", ""):
@@ -120,7 +120,7 @@ async def _lease_of_what(stage: Stage) -> None:
 
 @CHECKS("lease-base", *BOTH)
 async def _lease_base(stage: Stage) -> None:
-    """Who neither names leases in its hello nor calls a method of them hears nothing of what others do with them."""
+    """A client that neither names leases in its hello nor calls a method of them gets no notifications of leases."""
     arm = stage.ref("arm")
     other, base, greeted = await _leasing(stage), await stage.application(), await stage.application()
     await greeted.granted("openrois.hello", version="1", extensions=["rois.stream"])
@@ -145,7 +145,7 @@ async def _lease_base(stage: Stage) -> None:
 
 @CHECKS("lease-hand-over", *BOTH)
 async def _lease_hand_over(stage: Stage) -> None:
-    """The holder is asked; declined, one waits on; granted, what runs is stopped and ends with ABORT."""
+    """The holder is asked; declined, the request waits on; granted, what runs is stopped and ends with ABORT."""
     arm = stage.ref("arm")
     app, other = await _leasing(stage), await _leasing(stage)
     await _operating(stage, app, arm, "h")
@@ -179,7 +179,7 @@ async def _asked(holder: Application, component_ref: str) -> str:
 
 @CHECKS("lease-queue", *BOTH)
 async def _lease_queue(stage: Stage) -> None:
-    """Who waits is told its position; who leaves the line is told to the holder; the first has what is given back."""
+    """A waiting client learns its position; leaving is notified to the holder; the first gets what is released."""
     arm = stage.ref("arm")
     app, first, second = [await _leasing(stage) for _ in range(3)]
     await app.granted(BIND, component_ref=arm)
@@ -252,7 +252,7 @@ async def _lease_resume(stage: Stage) -> None:
 
 @CHECKS("lease-resume-open", *BOTH)
 async def _lease_resume_open(stage: Stage) -> None:
-    """Who shows the token of a connection that is open has all of it at once, in new epochs; that one is closed."""
+    """The token of a connection that is still open moves its leases, in new epochs; that connection is closed."""
     arm = stage.ref("arm")
     app, again = await _leasing(stage), await _leasing(stage)
     if (answer := await _resumable(stage, app)) is None:
@@ -289,7 +289,7 @@ async def _lease_ends(stage: Stage) -> None:
 
 @CHECKS("stop-all", *BOTH)
 async def _stop_all(stage: Stage) -> None:
-    """`openrois.stop_all` stops all that acts on an engine, whoever holds it, past whatever its session has asked."""
+    """`openrois.stop_all` stops all that acts on an engine, for any holder, before requests that its session sent."""
     arm, leg = stage.ref("arm"), stage.ref("leg")
     app, plain = await _leasing(stage), await stage.application()
     await _operating(stage, app, arm, "h")

@@ -1,4 +1,4 @@
-"""The Query interface: which component is asked, and what it may answer."""
+"""The Query interface: how a component is chosen, and its answers."""
 
 from typing import Final
 
@@ -17,7 +17,7 @@ QUERY: Final = "rois.query.query"
 
 @CHECKS("query", Needs.ADAPTER)
 async def _query(stage: Stage) -> None:
-    """`query` gives what the one component that has it answers: values of every type, as text, unchanged."""
+    """`query` answers the results of the one component that has it: values of every type, as text, unchanged."""
     app = await stage.application()
     answer = await app.granted(QUERY, query_type="view_of_eye")
     wanted = [{"name": name, "data_type_ref": code, "value": sample(code)} for name, code, _ in PARAMETERS]
@@ -33,7 +33,7 @@ async def _query_selection(stage: Stage) -> None:
         (f"component_ref = '{arm}'", "OK"),
         (f"component_ref LIKE '{engine_id}/a%m' AND component_type = '{URN}'", "OK"),
         (f"component_ref LIKE '{engine_id}/%'", "BAD_PARAMETER"),
-        (f"component_ref = '{engine_id}/nobody'", "UNSUPPORTED"),
+        (f"component_ref = '{engine_id}/absent'", "UNSUPPORTED"),
         (f"component_ref = '{stage.ref('person_detecter')}'", "UNSUPPORTED"),
     ):
         expect(
@@ -41,6 +41,8 @@ async def _query_selection(stage: Stage) -> None:
             await app.code(QUERY, query_type="view", condition=condition),
             code,
         )
+    for condition in REFUSED_CONDITIONS:
+        await app.refused(QUERY, "BAD_PARAMETER", query_type="view_of_arm", condition=condition)
     asked = stage.probe.params_of(QUERY)
     expect("how many queries reached the adapter", len(asked), 2)
 
@@ -49,7 +51,7 @@ async def _query_selection(stage: Stage) -> None:
 async def _query_unknown(stage: Stage) -> None:
     """A query that no component has is answered UNSUPPORTED."""
     app = await stage.application()
-    for query_type in ("conformance nobody has it", "", "get_parameter"):
+    for query_type in ("conformance unknown", "", "get_parameter"):
         await app.refused(QUERY, "UNSUPPORTED", query_type=query_type, condition="component_ref LIKE '%'")
 
 
@@ -81,7 +83,7 @@ async def _query_status(stage: Stage) -> None:
 
 @CHECKS("query-adapter-fails", Needs.ADAPTER)
 async def _query_adapter_fails(stage: Stage) -> None:
-    """A query that the adapter answers with a JSON-RPC error is answered ERROR, and no word of the error gets out."""
+    """A query that the adapter answers with a JSON-RPC error is answered ERROR, without any text of the error."""
     app = await stage.application()
     await app.refused(QUERY, "ERROR", query_type="crash_of_eye")
     texts = [frame.text for frame in stage.setting.transcript.frames if frame.who == app.name]

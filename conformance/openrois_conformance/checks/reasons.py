@@ -1,4 +1,4 @@
-"""The extension `openrois.reason`: why something is refused or fails, and nothing of other applications."""
+"""The extension `openrois.reason`: why a request is refused or a command fails, and nothing of other applications."""
 
 from typing import Any, Final
 
@@ -28,7 +28,7 @@ async def _greeted(stage: Stage) -> Application:
 
 
 async def _refused(app: Application, method: str, code: str, params: dict[str, Any]) -> str:
-    """Ask what is refused and return why."""
+    """Send a request that is refused and return the reason."""
     request_id = await app.begin(method, **params)
     expect(f"the return_code of {method}", (await app.result(method, request_id))["return_code"], code)
     return _reason(app, request_id)
@@ -42,7 +42,7 @@ def _reason(app: Application, subject: str) -> str:
 
 @CHECKS("reason-refused", Needs.EXTENSIONS)
 async def _reason_refused(stage: Stage) -> None:
-    """Right before a reply that is a refusal stands why, in one line of at most 500 characters."""
+    """The reason stands right before a reply that is a refusal, in one line of at most 500 characters."""
     app = await _greeted(stage)
     for method, code, params in _ALWAYS_REFUSED:
         await _refused(app, method, code, params)
@@ -57,7 +57,7 @@ async def _reason_refused(stage: Stage) -> None:
 
 @CHECKS("reason-base", Needs.EXTENSIONS)
 async def _reason_base(stage: Stage) -> None:
-    """Who has used no extension gets the reply alone."""
+    """A client that has used no extension gets the reply alone."""
     app = await stage.application()
     for method, code, params in _ALWAYS_REFUSED:
         if not method.startswith("rois.stream"):
@@ -67,7 +67,7 @@ async def _reason_base(stage: Stage) -> None:
 
 @CHECKS("reason-failed", Needs.ADAPTER, Needs.EXTENSIONS)
 async def _reason_failed(stage: Stage) -> None:
-    """Right before `completed` of what failed stands why, and so it does for what follows and does not run."""
+    """The reason stands right before `completed` of a failed command, and of those that follow it and do not run."""
     app, eye = await _greeted(stage), stage.ref("eye")
     commands = {"first": "fail", "after": "echo"}
     units = [{"component_ref": eye, "command_type": kind, "command_id": each} for each, kind in commands.items()]
@@ -79,13 +79,13 @@ async def _reason_failed(stage: Stage) -> None:
 
 @CHECKS("reason-hops", Needs.ADAPTER, Needs.EXTENSIONS)
 async def _reason_hops(stage: Stage) -> None:
-    """What an adapter says of the end of a command is what the application reads."""
+    """The reason of an adapter for the end of a command reaches the application."""
     app, eye = await _greeted(stage), stage.ref("eye")
     unit = {"component_ref": eye, "command_type": "hang", "command_id": "c"}
     await app.granted("rois.command.execute", command_unit_list=[unit])
     await stage.probe.hangs(eye)
     for command_id in stage.probe.engine.hanging()[eye]:
-        await stage.probe.tell("openrois.reason", command_id=command_id, reason="the eye is shut")
+        await stage.probe.send_notification("openrois.reason", command_id=command_id, reason="the eye is shut")
     await stage.probe.finish(eye, "ERROR")
     expect("how it completed", await app.completed("c"), {"c": "ERROR"})
     expect("the reason", _reason(app, "c"), "the eye is shut")
@@ -93,11 +93,11 @@ async def _reason_hops(stage: Stage) -> None:
 
 @CHECKS("reason-secret", Needs.ADAPTER, Needs.EXTENSIONS)
 async def _reason_secret(stage: Stage) -> None:
-    """What another application has and what does not exist have the same sentence."""
+    """A component of another application and an absent one are refused with the same sentence."""
     app, other = await _greeted(stage), await _greeted(stage)
     unit = {"component_ref": stage.ref("eye"), "command_type": "echo", "command_id": "theirs"}
     await other.granted("rois.command.execute", command_unit_list=[unit])
     expect("how it completed", await other.completed("theirs"), {"theirs": "OK"})
     method = "rois.command.get_command_result"
-    said = {each: await _refused(app, method, "BAD_PARAMETER", {"command_id": each}) for each in ("theirs", "nobody")}
-    expect("the reason", said["theirs"].replace(stage.sent_id("theirs"), "nobody"), said["nobody"])
+    said = {each: await _refused(app, method, "BAD_PARAMETER", {"command_id": each}) for each in ("theirs", "unknown")}
+    expect("the reason", said["theirs"].replace(stage.sent_id("theirs"), "unknown"), said["unknown"])

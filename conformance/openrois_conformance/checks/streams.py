@@ -9,7 +9,7 @@ from openrois_conformance.application import EVENT, Application
 from openrois_conformance.deviation import Deviation, expect, shown
 from openrois_conformance.probe import Probe, new_engine_id
 from openrois_conformance.probe_engine import Answer, ProbeEngine
-from openrois_conformance.probe_streams import ProbeStreams
+from openrois_conformance.probe_streams import NOW, ProbeStreams
 from openrois_conformance.stage import Checks, Needs, Stage
 
 __all__ = ["CHECKS"]
@@ -22,7 +22,7 @@ HOLDER: Final = "openrois.holder"
 OFFER: Final = "signaling.offer"
 VERBS: Final = ("disconnect_stream", "suspend_stream", "resume_stream", "query_stream_status")
 MAX_REPORTS: Final = 64
-"""More reports of playout than may be made at once, and in the second that asking may take."""
+"""More reports of playout than may be made at once, and in the second that the requests may take."""
 _UNKNOWN: Final = "conformance-nowhere/0"
 
 
@@ -32,7 +32,7 @@ async def _streaming(stage: Stage) -> tuple[Probe, ProbeStreams, str]:
     camera, wheels = f"{engine_id}/camera", f"{engine_id}/wheels"
     engine = ProbeEngine(engine_id, {camera: VIDEO_STREAMING.profile("camera"), wheels: NAVIGATION.profile("wheels")})
     streams = ProbeStreams(engine)
-    engine.extension = streams.answer
+    engine.extension = streams.answer_request
     return await stage.attached(engine), streams, camera
 
 
@@ -94,13 +94,14 @@ async def _stream_life(stage: Stage) -> None:
     await _told(app, camera, stream_id, "NOT_CONNECTED")
     for verb in VERBS:
         await app.refused(f"rois.stream.{verb}", "UNSUPPORTED", stream_id=stream_id)
-    app.told.clear()
+    app.unread.clear()
 
 
 async def _told(app: Application, camera: str, stream_id: str, status: str) -> None:
     notice = await app.next(STATUS)
     expect("the status told", notice["status"], f"STREAMING_{status}")
     expect("the stream and component", (notice["stream_id"], notice["component_ref"]), (stream_id, camera))
+    expect("the time, unchanged from the adapter", notice["timestamp"], NOW)
 
 
 @CHECKS("stream-refused", *BOTH)
@@ -137,7 +138,7 @@ async def _stream_playout(stage: Stage) -> None:
     for wrong in (-1, 60_001, 1.5, "150", None):
         await app.error(method, -32602, stream_id=stream_id, milliseconds=wrong)
     expect("what the engine is told", streams.reports, [told])
-    app.told.clear()
+    app.unread.clear()
 
 
 @CHECKS("stream-playout-often", *BOTH)
@@ -151,23 +152,31 @@ async def _stream_playout_often(stage: Stage) -> None:
     codes = [(await app.result("rois.stream.report_playout", each))["return_code"] for each in asked]
     expect("whether some were granted and some refused", set(codes), {"OK", "OUT_OF_RESOURCES"})
     expect("reports that the engine was told", len(streams.reports), codes.count("OK"))
-    app.told.clear()
+    app.unread.clear()
 
 
 @CHECKS("stream-of-others", *BOTH)
 async def _stream_of_others(stage: Stage) -> None:
-    """A stream of another application looks like one that does not exist, and its owner alone is told of it."""
-    _, _, camera = await _streaming(stage)
+    """A stream of another application looks like an absent one, and its owner alone is notified of it."""
+    second, _, camera = await _streaming(stage)
     app, other = await _greeted(stage), await _greeted(stage)
+    this = f"component_ref = '{camera}'"
+    await other.granted("rois.event.subscribe", event_type="notify_stream_status", condition=this)
     stream_id = await _connected(app, camera)
+    asked = list(second.asked)
     for verb in VERBS:
         foreign = await other.ask(f"rois.stream.{verb}", stream_id=stream_id)
         expect(f"{verb} of a foreign stream", foreign, await other.ask(f"rois.stream.{verb}", stream_id=_UNKNOWN))
         expect("the return_code", foreign["return_code"], "UNSUPPORTED")
+    for verb in VERBS[:3]:
+        expect(f"how {verb} of a foreign stream completed", await _ended(other, camera, verb, stream_id), "ERROR")
+    condition = f"{this} AND stream_id = '{stream_id}'"
+    await other.refused("rois.query.query", "UNSUPPORTED", query_type="get_stream_status", condition=condition)
+    expect("what the adapter was asked", second.asked, asked)
     await other.silent("the stream is another's")
     await app.granted("rois.stream.suspend_stream", stream_id=stream_id)
     await other.silent("the stream is another's")
-    app.told.clear()
+    app.unread.clear()
 
 
 @CHECKS("stream-strict", *BOTH)
@@ -199,14 +208,18 @@ async def _stream_strict(stage: Stage) -> None:
         expect("the status", [each["value"] for each in answer["results"]], [f"STREAMING_{status}"])
     await _verb(app, camera, "disconnect_stream", stream_id)
     await app.refused("rois.query.query", "UNSUPPORTED", query_type="get_stream_status", condition=condition)
-    app.told.clear()
+    app.unread.clear()
 
 
-async def _verb(app: Application, camera: str, verb: str, stream_id: str | None = None) -> None:
+async def _ended(app: Application, camera: str, verb: str, stream_id: str | None = None) -> str:
     arguments = [] if stream_id is None else [{"name": "stream_id", "data_type_ref": "String", "value": stream_id}]
     unit = {"component_ref": camera, "command_type": verb, "command_id": verb, "arguments": arguments}
     await app.granted("rois.command.execute", command_unit_list=[unit])
-    expect(f"how {verb} completed", await app.completed(verb), {verb: "OK"})
+    return (await app.completed(verb))[verb]
+
+
+async def _verb(app: Application, camera: str, verb: str, stream_id: str | None = None) -> None:
+    expect(f"how {verb} completed", await _ended(app, camera, verb, stream_id), "OK")
 
 
 @CHECKS("stream-which", *BOTH)
@@ -217,7 +230,7 @@ async def _stream_which(stage: Stage) -> None:
     await _connected(app, camera)
     condition = f"component_ref = '{camera}'"
     await app.refused("rois.query.query", "BAD_PARAMETER", query_type="get_stream_status", condition=condition)
-    app.told.clear()
+    app.unread.clear()
 
 
 @CHECKS("stream-without-extension", Needs.ADAPTER)
@@ -235,7 +248,7 @@ async def _stream_without_extension(stage: Stage) -> None:
 
 @CHECKS("stream-client-gone", *BOTH)
 async def _stream_client_gone(stage: Stage) -> None:
-    """An adapter with streams is told of an application that has disconnected or is gone."""
+    """An adapter with streams is notified of an application that has disconnected or is gone."""
     second, streams, camera = await _streaming(stage)
     for leave in ("disconnect", "close"):
         app = await _greeted(stage)
@@ -244,7 +257,7 @@ async def _stream_client_gone(stage: Stage) -> None:
             await app.granted("rois.system.disconnect")
         else:
             await app.socket.close()
-        app.told.clear()
+        app.unread.clear()
         await second.until(
             lambda owner=owner: ("openrois.client_gone", {"client_id": owner}) in second.asked,  # type: ignore[misc]
             "say that the application is gone",
@@ -253,7 +266,7 @@ async def _stream_client_gone(stage: Stage) -> None:
 
 @CHECKS("holder", *BOTH)
 async def _holder(stage: Stage) -> None:
-    """An adapter with streams is told who holds its actuation components, with an epoch that grows with each holder."""
+    """An adapter with streams is notified of the holders of its actuation components, with growing epochs."""
     second, _, _ = await _streaming(stage)
     wheels = second.ref("wheels")
     app, other = await _greeted(stage), await _greeted(stage)
@@ -280,23 +293,23 @@ async def _holder(stage: Stage) -> None:
     given_back = (HOLDER, {**theirs, "holds": False})
     await second.until(lambda: gone in second.asked or given_back in second.asked, "say that it is held no more")
     for each in (app, other):
-        each.told.clear()
+        each.unread.clear()
 
 
 @CHECKS("stream-adapter-lost", *BOTH)
 async def _stream_adapter_lost(stage: Stage) -> None:
-    """When an adapter is lost its streams are told to be NOT_CONNECTED, before profile_changed."""
+    """When an adapter is lost its streams are notified to be NOT_CONNECTED, before profile_changed."""
     second, _, camera = await _streaming(stage)
     app = await _greeted(stage)
     stream_id = await _connected(app, camera)
     await _told(app, camera, stream_id, "NOT_RUNNING")
     await app.next(OFFER)
-    app.told.clear()
+    app.unread.clear()
     await second.socket.close()
     await app.next("rois.system.profile_changed")
-    told = [params["status"] for method, params in app.told if method == STATUS]
+    told = [params["status"] for method, params in app.unread if method == STATUS]
     expect("what was told before profile_changed", told, [StreamStatus.STREAMING_NOT_CONNECTED.value])
-    app.told.clear()
+    app.unread.clear()
 
 
 @CHECKS("stream-many", *BOTH)
@@ -306,14 +319,14 @@ async def _stream_many(stage: Stage) -> None:
     app = await _greeted(stage)
     codes = [await app.code("rois.stream.connect_stream", component_ref=camera) for _ in range(17)]
     expect("the return codes", codes, ["OK"] * 16 + ["OUT_OF_RESOURCES"])
-    app.told.clear()
+    app.unread.clear()
 
 
 async def _peer(app: Application, camera: str) -> dict[str, Any]:
     stream_id = await _connected(app, camera)
     offer = await app.next(OFFER)
     expect("the stream of the offer", [each["stream_id"] for each in offer["streams"]], [stream_id])
-    app.told.clear()
+    app.unread.clear()
     return offer
 
 
@@ -338,14 +351,17 @@ async def _signaling_relay(stage: Stage) -> None:
 
 @CHECKS("signaling-of-others", *BOTH)
 async def _signaling_of_others(stage: Stage) -> None:
-    """A peer of another application looks like one that does not exist."""
+    """A peer of another application looks like an absent one."""
     second, _, camera = await _streaming(stage)
     app, other = await _greeted(stage), await _greeted(stage)
     peer_id = (await _peer(app, camera))["peer_id"]
     for each in (peer_id, _UNKNOWN):
         await other.refused("signaling.restart", "UNSUPPORTED", peer_id=each)
         await other.refused("signaling.answer", "UNSUPPORTED", peer_id=each, generation=1, sdp="v=0")
-    expect("what the adapter was asked", second.params_of("signaling.restart"), [])
+        candidate = {"peer_id": each, "generation": 1, "candidate": "c", "sdp_mid": "0"}
+        await other.refused("signaling.candidate", "UNSUPPORTED", **candidate)
+    asked = [method for method, _ in second.asked if method.startswith("signaling.")]
+    expect("what the adapter was asked", asked, [])
     await app.granted("signaling.restart", peer_id=peer_id)
 
 
@@ -356,7 +372,7 @@ async def _signaling_capture_clocks(stage: Stage) -> None:
     app = await _greeted(stage)
     clock = {"mid": "0", "ssrc": 2**32 - 1, "clock_rate": 90_000, "rtp_origin": 0, "wall": 1_800_000_000_000}
     told = {"peer_id": (await _peer(app, camera))["peer_id"], "senders": [clock]}
-    await second.tell("signaling.capture_clocks", client_id=streams.owner, **told)
+    await second.send_notification("signaling.capture_clocks", client_id=streams.owner, **told)
     expect("the capture times", await app.next("signaling.capture_clocks"), told)
 
 
@@ -366,7 +382,7 @@ async def _signaling_bye(stage: Stage) -> None:
     second, streams, camera = await _streaming(stage)
     app = await _greeted(stage)
     peer_id = (await _peer(app, camera))["peer_id"]
-    await second.tell("signaling.bye", client_id=streams.owner, peer_id=peer_id, reason="enough")
+    await second.send_notification("signaling.bye", client_id=streams.owner, peer_id=peer_id, reason="enough")
     expect("the bye", await app.next("signaling.bye"), {"peer_id": peer_id, "reason": "enough"})
     await app.refused("signaling.restart", "UNSUPPORTED", peer_id=peer_id)
 
@@ -397,7 +413,7 @@ async def _signaling_ice_servers(stage: Stage) -> None:
 
 @CHECKS("hello-adapter", *BOTH)
 async def _hello_adapter(stage: Stage) -> None:
-    """The gateway says openrois.hello to an adapter once, after the profile; one that answers -32601 is served."""
+    """The gateway sends openrois.hello to an adapter once, after the profile; one that answers -32601 is served."""
     second = await stage.attached()
     methods = [method for method, _ in second.asked]
     expect("what the adapter was asked", methods, ["rois.system.get_profile", "openrois.hello"])

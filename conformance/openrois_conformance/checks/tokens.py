@@ -14,7 +14,7 @@ REFRESH: Final = "openrois.auth.refresh"
 
 @CHECKS("token-refresh", Needs.EXTENSIONS)
 async def _token_refresh(stage: Stage) -> None:
-    """A token that is not good is refused and changes nothing; a good one is taken, where the gateway asks for any."""
+    """An invalid token is refused and changes nothing; a valid one is accepted, where the gateway asks for any."""
     app = await stage.application()
     await app.granted("openrois.hello", version="1")
     await app.error(REFRESH, -32602)

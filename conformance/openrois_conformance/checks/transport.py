@@ -22,7 +22,7 @@ _LONG: Final = 32 << 10
 
 @CHECKS("frames-text")
 async def _frames_text(stage: Stage) -> None:
-    """What the gateway sends are text frames, one JSON-RPC object each."""
+    """The gateway sends text frames, one JSON-RPC object each."""
     app = await stage.application()
     for method in ("rois.system.connect", "rois.system.get_profile", "rois.command.search"):
         await app.granted(method)
@@ -59,7 +59,7 @@ async def _frames_fragments(stage: Stage) -> None:
 
 @CHECKS("size-long")
 async def _size_long(stage: Stage) -> None:
-    """A message of 32 KiB is taken."""
+    """A message of 32 KiB is accepted."""
     app = await stage.application()
     app.expect_answer_to("c")
     text = json.dumps(CONNECT)
@@ -69,11 +69,11 @@ async def _size_long(stage: Stage) -> None:
 
 @CHECKS("size-too-long")
 async def _size_too_long(stage: Stage) -> None:
-    """A message of 8 MiB closes its connection with 1009 and costs nobody else anything."""
+    """A message of 8 MiB closes its connection with 1009 and costs no other connection anything."""
     app, other = await stage.application(), await stage.application()
     with suppress(Deviation, ConnectionClosed):
         await app.send(" " * _TOO_LONG)
-    # Who is cut off while still sending may not get to read the close frame.
+    # A client that is cut off while still sending may not get to read the close frame.
     expect("the close code", (await app.closed())[0], 1009, 1006)
     await other.granted("rois.system.connect")
 
@@ -91,7 +91,7 @@ async def _ping(stage: Stage) -> None:
 
 @CHECKS("size-adapter-profile", Needs.ADAPTER)
 async def _size_adapter_profile(stage: Stage) -> None:
-    """The profile of an adapter with all seventeen types is taken, although it is longer than 32 KiB."""
+    """The profile of an adapter with all seventeen types is accepted, although it is longer than 32 KiB."""
     app = await stage.application()
     size = len(json.dumps(await app.granted("rois.system.get_profile")))
     if size < _LONG:
@@ -110,7 +110,7 @@ async def _many_requests(stage: Stage) -> None:
 
 @CHECKS("origin-foreign")
 async def _origin_foreign(stage: Stage) -> None:
-    """A web page of another site is not let in, or the gateway lets in everybody."""
+    """A web page of another site is refused, or the gateway admits every client."""
     try:
         await stage.application(additional_headers={"Origin": "https://evil.example"})
     except Deviation as deviation:

@@ -18,7 +18,7 @@ _SECOND: Final = 1000
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """What a decorator says of a method.
+    """Declaration of a method by a decorator.
 
     Attributes:
         kind: of message.
@@ -36,7 +36,7 @@ class Mark:
 
 
 def mark_of(function: Any) -> Mark | None:
-    """Return what a decorator said of a method, or None."""
+    """Return what a decorator declared of a method, or None."""
     mark: Mark | None = getattr(function, _ATTRIBUTE, None)
     return mark
 

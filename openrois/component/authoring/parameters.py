@@ -6,9 +6,19 @@ from typing import Any, Protocol, Self, TypeVar, cast, overload
 from pydantic import ValidationError
 
 from openrois.catalog.payload import Payload
-from openrois.types.messages import Parameter
+from openrois.errors import BadParameter
+from openrois.types.messages import Argument, Parameter
+from openrois.types.profiles import ParameterProfile
+from openrois.types.values import check_value
 
-__all__ = ["NoParameters", "ParameterField", "ParameterStore", "parameter", "why"]
+__all__ = [
+    "NoParameters",
+    "ParameterField",
+    "ParameterStore",
+    "check_arguments",
+    "parameter",
+    "why",
+]
 
 _T = TypeVar("_T")
 
@@ -87,7 +97,7 @@ class ParameterStore(Mapping[str, Any]):
 
         Args:
             changes: the values by name.
-            written: the texts that they were read from, to be told as they came.
+            written: the texts that they were read from, to be returned as they came.
 
         Raises:
             KeyError: there is no such parameter.
@@ -104,7 +114,7 @@ class ParameterStore(Mapping[str, Any]):
             self._written.pop(name, None)
         self._written.update(written or {})
 
-    def take(self, texts: Mapping[str, str], accept: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
+    def set_texts(self, texts: Mapping[str, str], accept: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
         """Store what an application sets, all or none.
 
         Args:
@@ -118,7 +128,7 @@ class ParameterStore(Mapping[str, Any]):
         data = self._payload.data()
         for name in texts:
             if data[name].read_only:
-                raise ValueError(f"{name} can only be read")
+                raise ValueError(f"{name} is read-only")
         payload = self._payload.from_texts(texts)
         wanted = {name: getattr(payload, name) for name in texts}
         accepted = accept(dict(wanted))
@@ -128,17 +138,38 @@ class ParameterStore(Mapping[str, Any]):
         self.update(accepted, as_they_came)
 
     def told(self) -> tuple[Parameter, ...]:
-        """Return the parameters that have a value, as `get_parameter` tells them."""
+        """Return the parameters that have a value, as `get_parameter` answers them."""
         stored = self._payload.model_construct(**self._values).named(Parameter)
         told = (p.model_copy(update={"value": self._written.get(p.name, p.value)}) for p in stored)
         return tuple(parameter for parameter in told if parameter.value)
 
 
 class NoParameters(Payload):
-    """What a component has that was given none."""
+    """Stands for the parameters of a component that has none."""
 
 
 def why(error: ValidationError) -> str:
-    """Return the first thing that is wrong, in one line."""
+    """Return the first problem in one line."""
     first = error.errors(include_url=False, include_context=False, include_input=False)[0]
     return f"{'.'.join(str(part) for part in first['loc'])}: {first['msg']}"
+
+
+def check_arguments(profiles: tuple[ParameterProfile, ...], arguments: tuple[Argument, ...]) -> dict[str, str]:
+    """Return the arguments' values by name; each keeps the type of the profile, whatever type the client wrote.
+
+    Raises:
+        BadParameter: a name is unknown or repeated, or a value does not fit.
+    """
+    types = {profile.name: profile.data_type_ref.code for profile in profiles}
+    values: dict[str, str] = {}
+    for argument in arguments:
+        if argument.name not in types:
+            raise BadParameter(f"nothing here is called {argument.name!r}; there are: {', '.join(types) or 'none'}")
+        if argument.name in values:
+            raise BadParameter(f"{argument.name!r} is given twice")
+        try:
+            check_value(types[argument.name], argument.value)
+        except ValueError as error:
+            raise BadParameter(f"{argument.name}: {error}") from None
+        values[argument.name] = argument.value
+    return values

@@ -68,7 +68,7 @@ class Message:
 
 @dataclass(frozen=True, slots=True)
 class AuthoredType:
-    """What a component class says.
+    """Declarations of a component class.
 
     Attributes:
         component_type: the type, with what the class implements of it.
@@ -314,7 +314,7 @@ def own_type(cls: type, base: ComponentType | None, code: str, authority: str, f
         cls: the class.
         base: the type of the class that it extends, or None where it is the first.
         code: of the type; empty for the base's, or the name of the class.
-        authority: who defines it; empty for the base's.
+        authority: defines the type; empty for the base's.
         function: its class in the ontology; None for the base's.
     """
     chosen = ComponentFunction(function) if function is not None else None

@@ -31,7 +31,7 @@ _TYPES: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Results:
-    """What a method returns.
+    """The results of a method.
 
     Attributes:
         payload: the results of its message; None for none.
@@ -42,7 +42,7 @@ class Results:
     single: str = ""
 
     def read(self, returned: object) -> Payload | None:
-        """Return what a method returned as a payload.
+        """Return the value of a method's call as a payload.
 
         Raises:
             ValueError: it is something else than was declared.
@@ -60,7 +60,7 @@ class Results:
 
 @dataclass(frozen=True, slots=True)
 class Arguments:
-    """What a method takes.
+    """The arguments of a method.
 
     Attributes:
         payload: the arguments of its message; None for none.
@@ -96,7 +96,7 @@ def _validated(payload: type[Payload], values: Mapping[str, object]) -> Payload:
 
 
 def _zoned(payload: Payload) -> Payload:
-    """Refuse a moment without time zone: whoever reads it would take it for one of theirs."""
+    """Refuse a moment without time zone: another machine would read it in its own."""
     for name, value in payload:
         if isinstance(value, datetime) and value.tzinfo is None:
             raise ValueError(f"{name}: a moment needs a time zone, as in datetime.now(UTC)")
@@ -116,7 +116,7 @@ def hints_of(place: str, function: Callable[..., Any]) -> dict[str, Any]:
 
 
 def read_arguments(place: str, function: Callable[..., Any], name: str) -> Arguments:
-    """Return what a method takes.
+    """Return the arguments of a method.
 
     Args:
         place: where it stands, for messages to its author.
@@ -143,7 +143,7 @@ def read_arguments(place: str, function: Callable[..., Any], name: str) -> Argum
 
 
 def read_results(place: str, function: Callable[..., Any], single: str, name: str) -> Results:
-    """Return what a method returns.
+    """Return the results of a method.
 
     Args:
         place: where it stands, for messages to its author.

@@ -33,7 +33,7 @@ _Described: TypeAlias = _Message | ParameterProfile
 
 @dataclass(frozen=True, slots=True)
 class Profiles:
-    """What documents say together.
+    """The content of all documents of a system.
 
     Attributes:
         engine: the engine and all below it, if one of the documents is an engine's.
@@ -92,7 +92,7 @@ def assemble(documents: Iterable[EngineDocument | ComponentDocument]) -> Profile
 
 
 def doubts(profiles: Profiles) -> list[str]:
-    """Return sentences about what a gateway would not take, or what could not be used, in profiles that can be read."""
+    """Return sentences about profiles that can be read but that a gateway would refuse, or that could not be used."""
     found = [] if profiles.engine is None else list(_of_engines(profiles.engine))
     refs = profiles.engine.component_refs() if profiles.engine is not None else ()
     missing = [ref for ref in refs if ref not in profiles.components]
@@ -131,7 +131,7 @@ def _of_component(component: HRIComponentProfile) -> Iterator[str]:
 
 
 def _groups(component: HRIComponentProfile) -> Iterator[tuple[str, str, Sequence[_Described]]]:
-    """Yield what is named within a component: the kind, whose they are if a message's, and all of them."""
+    """Yield what is named within a component: the kind, the message if it is in one, and all names."""
     yield "command", "", component.command_profiles
     yield "query", "", component.query_profiles
     yield "event", "", component.event_profiles

@@ -98,16 +98,16 @@ def parse(document: str | bytes) -> Element:
 
 
 class _Builder:
-    """Takes what expat finds."""
+    """Handles the events of expat."""
 
     def __init__(self, encoding: str | None) -> None:
         self._parser = parser = expat.ParserCreate(encoding, _SEPARATOR)
         parser.buffer_text = True
         parser.StartElementHandler = self._start
-        parser.EndElementHandler = self._end
+        parser.EndElementHandler = self._end_element
         parser.CharacterDataHandler = self._take_text
         parser.StartNamespaceDeclHandler = self._declare
-        parser.EndNamespaceDeclHandler = self._forget
+        parser.EndNamespaceDeclHandler = self._end_namespace
         parser.StartDoctypeDeclHandler = self._refuse_doctype
         self._root: Element | None = None
         self._open: list[Element] = []
@@ -131,7 +131,7 @@ class _Builder:
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         if len(self._open) >= MAX_DEPTH:
-            raise self._wrong(f"elements stand at most {MAX_DEPTH} deep")
+            raise self._wrong(f"elements may be nested {MAX_DEPTH} deep at most")
         named = {_name(each): value for each, value in attributes.items()}
         element = Element(_name(name), self._parser.CurrentLineNumber, named)
         if (kind := named.get(Name(XSI, "type"))) is not None:
@@ -144,7 +144,7 @@ class _Builder:
             self._root = element
         self._open.append(element)
 
-    def _end(self, _name: str) -> None:
+    def _end_element(self, _name: str) -> None:
         self._open.pop()
 
     def _take_text(self, text: str) -> None:
@@ -153,7 +153,7 @@ class _Builder:
     def _declare(self, prefix: str | None, namespace: str | None) -> None:
         self._namespaces[prefix or ""].append((namespace or "").strip())
 
-    def _forget(self, prefix: str | None) -> None:
+    def _end_namespace(self, prefix: str | None) -> None:
         self._namespaces[prefix or ""].pop()
 
     def _refuse_doctype(self, *_arguments: object) -> None:

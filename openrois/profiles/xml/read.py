@@ -39,7 +39,7 @@ __all__ = ["ComponentDocument", "EngineDocument", "read_profile"]
 
 @dataclass(frozen=True, slots=True)
 class EngineDocument:
-    """The profile of an engine, and what is remarkable about its document."""
+    """The profile of an engine, and remarks on its document."""
 
     profile: HRIEngineProfile
     remarks: tuple[str, ...] = ()
@@ -47,7 +47,7 @@ class EngineDocument:
 
 @dataclass(frozen=True, slots=True)
 class ComponentDocument:
-    """The profile of a component, and what is remarkable about its document.
+    """The profile of a component, and remarks on its document.
 
     Attributes:
         profile: what it understands.
@@ -80,7 +80,7 @@ def read_profile(document: str | bytes) -> EngineDocument | ComponentDocument:
 
 @dataclass(frozen=True, slots=True)
 class _Child:
-    """What may stand in an element at some place, and how often."""
+    """Which element may stand at some place, and how often."""
 
     name: Name
     least: int = 0
@@ -121,10 +121,10 @@ class _Engines:
 
     def read(self, element: Element) -> HRIEngineProfile:
         _attributes(element, identified=True)
-        self._take(element, "XML id", _id(element))
+        self._require_new(element, "XML id", _id(element))
         children = _children(element, _ENGINE)
         identifier, _, extra = _identity(children, self._remarks)
-        self._take(element, "engine id", identifier.code)
+        self._require_new(element, "engine id", identifier.code)
         if "function" in extra:
             raise element.wrong("is an engine, which has no function")
         if not children["HRIComponent"]:
@@ -139,13 +139,13 @@ class _Engines:
     def _component_ids(self, elements: list[Element]) -> Iterator[str]:
         for element in elements:
             xml_id = _checked_id(element, _text(element))
-            self._take(element, "XML id", xml_id)
+            self._require_new(element, "XML id", xml_id)
             if not stands_for_no_component(xml_id):
                 component_ref = read_id(xml_id)
-                self._take(element, "component", component_ref)
+                self._require_new(element, "component", component_ref)
                 yield component_ref
 
-    def _take(self, element: Element, what: str, text: str) -> None:
+    def _require_new(self, element: Element, what: str, text: str) -> None:
         if not text:
             raise element.wrong(f"has an empty {what}")
         if (what, text) in self._taken:
@@ -275,7 +275,7 @@ def _parameter(element: Element) -> ParameterProfile:
 def _attributes(
     element: Element, required: str = "", *, optional: tuple[str, ...] = (), identified: bool = False
 ) -> dict[str, str]:
-    """Return the rois: attributes of an element; those of xsi: and xml: are for whoever validates or displays."""
+    """Return the rois: attributes of an element; those of xsi: and xml: are for validation and display."""
     found: dict[str, str] = {}
     for name, value in element.attributes.items():
         if name.namespace == ROIS and name.local in (required, *optional):

@@ -184,7 +184,7 @@ def _document(root: _Node, unique_ids: Iterable[tuple[str, str]] = ()) -> str:
 
 def _lines(node: _Node, depth: int) -> Iterator[str]:
     if depth > MAX_DEPTH:
-        raise ValueError(f"elements stand at most {MAX_DEPTH} deep")
+        raise ValueError(f"elements may be nested {MAX_DEPTH} deep at most")
     indent = "  " * (depth - 1)
     attributes = "".join(
         f' {name}="{_escaped(node.name, value, _IN_ATTRIBUTE)}"' for name, value in node.attributes.items()

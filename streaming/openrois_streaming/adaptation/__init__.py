@@ -1,1 +1,1 @@
-"""What each viewer of a shared source is sent: estimates of its path, and the choice among renditions. Pure."""
+"""Choice of a rendition for each viewer of a shared source, by estimates of its path. Pure."""

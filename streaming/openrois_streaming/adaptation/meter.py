@@ -1,10 +1,10 @@
-"""Rates over a sliding window: what leaves for a viewer, and what share of it is lost. Pure."""
+"""Rates over a sliding window: of the bytes sent to a viewer, and of the packets lost. Pure."""
 
 from collections import deque
 from typing import Final, Protocol
 
 WINDOW: Final = 1.0
-"""Seconds: as long as the window of the receivers' own estimators, so that both speak of the same time."""
+"""Seconds: as long as the window of the receivers' own estimators, so that both cover the same time."""
 
 # Reports over fewer packets say little: of 60 at 5 % random loss, one in 300 has more than 15 %.
 _LEAST_PACKETS = 60
@@ -12,7 +12,7 @@ _MOST_REPORTS = 64
 
 
 class RateMeter:
-    """How many bit/s were counted within the last second."""
+    """Bit rate over the last second."""
 
     __slots__ = ("_counts", "_since", "_total")
 
@@ -25,40 +25,40 @@ class RateMeter:
         """Count `size` bytes at the time `now`."""
         self._counts.append((now, size))
         self._total += size
-        self._forget(now)
+        self._drop_old(now)
 
     def rate(self, now: float) -> float:
-        """Bit/s over the last second, or since it was made if that is less."""
-        self._forget(now)
+        """Return the bit/s over the last second, or since the meter was made if that is less."""
+        self._drop_old(now)
         return self._total * 8 / max(0.1, min(WINDOW, now - self._since))
 
-    def _forget(self, now: float) -> None:
+    def _drop_old(self, now: float) -> None:
         counts, past = self._counts, now - WINDOW
         while counts and counts[0][0] <= past:
             self._total -= counts.popleft()[1]
 
 
 class LossReport(Protocol):
-    """What a receiver says it lost (RFC 3550 section 6.4.1)."""
+    """Losses that a receiver reports (RFC 3550 section 6.4.1)."""
 
     @property
     def highest_sequence(self) -> int:
-        """The newest packet it has, extended to 32 bits."""
+        """Newest packet received, extended to 32 bits."""
         ...
 
     @property
     def packets_lost(self) -> int:
-        """Since the first packet."""
+        """Packets lost since the first one."""
         ...
 
     @property
     def fraction_lost(self) -> float:
-        """0..1, since the report before."""
+        """Share lost since the report before, 0..1."""
         ...
 
 
 class LossMeter:
-    """The share of packets that a receiver lost lately, from the running counts of its reports."""
+    """Share of packets that a receiver lost lately, from the running counts of its reports."""
 
     __slots__ = ("_fresh", "_reports")
 
@@ -66,15 +66,15 @@ class LossMeter:
         self._reports: deque[tuple[int, int]] = deque(maxlen=_MOST_REPORTS)
         self._fresh = True
 
-    def forget(self) -> None:
-        """Begin anew: what was lost until the next report does not count."""
+    def reset(self) -> None:
+        """Begin anew: losses until the next report do not count."""
         self._reports.clear()
         self._fresh = False
 
-    def reported(self, report: LossReport) -> float | None:
-        """The share (0..1) that was lost of the newest packets, 60 of them at least; None if there were not as many.
+    def add_report(self, report: LossReport) -> float | None:
+        """Return the share (0..1) lost of the newest packets, 60 of them at least; None if there were fewer.
 
-        The first report tells of all packets before it. Counts that go back are those of another receiver.
+        The first report covers all packets before it. Counts that go back are those of another receiver.
         """
         highest, lost = report.highest_sequence, report.packets_lost
         if self._reports and highest < self._reports[-1][0]:

@@ -1,13 +1,13 @@
-"""The sizes and bit rates that one video source is encoded in: a ladder of rungs, best first. Pure."""
+"""Ladder of sizes, paces and bit rates that one video source is encoded in, best first. Pure."""
 
 from dataclasses import dataclass
 from typing import Final
 
 MIN_BITRATE: Final = 50_000
-"""The least that the lowest rung of a ladder is encoded with, in bit/s."""
+"""Least bit rate of the lowest rung of a ladder, in bit/s."""
 
 MAX_BITRATE: Final = 12_000_000
-"""The most that any rung is encoded with, in bit/s."""
+"""Greatest bit rate of any rung, in bit/s."""
 
 # 720p at 30 pictures a second looks like its source with this. A picture with a quarter of the pixels has more detail
 # in each, and one that follows sooner differs less from the one before: neither grows in proportion.
@@ -28,7 +28,7 @@ _MOST_SKIPPED: Final = 8
 
 @dataclass(frozen=True, slots=True)
 class Rung:
-    """A size and pace of a source, and the bit rates (bit/s) that are sensible for it.
+    """Size and pace of a source, and the range of bit rates (bit/s) for it.
 
     The size is the source's, halved `halvings` times; of `every` pictures one is encoded.
     """
@@ -45,10 +45,10 @@ class Rung:
 def ladder(
     width: int, height: int, frame_rate: float, *, every: int = 1, max_bitrate: int | None = None
 ) -> tuple[Rung, ...]:
-    """The rungs of a source of `width` x `height` pixels and `frame_rate` pictures a second, of which 1/`every` counts.
+    """Return the rungs of a source of `width` x `height` pixels, with every `every`-th of its pictures.
 
-    There is always one, and no further one whose shorter side would have less than 180 pixels. None has more than
-    `max_bitrate` (bit/s).
+    `frame_rate` is the source's, in pictures a second. There is always one rung, and no further one whose shorter side
+    would have less than 180 pixels. None has more than `max_bitrate` (bit/s).
     """
     count = 1
     while count < _MOST_RUNGS and min(width, height) >> count >= _SHORTEST_SIDE:
@@ -58,7 +58,7 @@ def ladder(
 
 
 def every_for(frame_rate: float, wanted: float | None) -> int:
-    """Of how many pictures one is sent, so that of `frame_rate` a second no more than `wanted` are; 8 at most."""
+    """Return n, at most 8, such that every n-th of `frame_rate` pictures a second makes no more than `wanted`."""
     if wanted is None:
         return 1
     for every in range(1, _MOST_SKIPPED):
@@ -75,3 +75,23 @@ def _rung(width: int, height: int, frame_rate: float, every: int, limit: int, ha
     most = round(min(max(_LEAST_MAXIMUM, most), limit))
     least = MIN_BITRATE if lowest else round(most * _LOWEST_SHARE)
     return Rung(*size, pace, least, most, halvings, every)
+
+
+class Thinning:
+    """Selection of `frame_rate` pictures a second, as evenly as the source's pace allows."""
+
+    __slots__ = ("_due", "_interval")
+
+    def __init__(self, frame_rate: float) -> None:
+        self._interval = 1 / frame_rate
+        self._due = float("-inf")
+
+    def wants(self, captured_at: float) -> bool:
+        """Tell whether the picture of this moment (seconds) is selected."""
+        # A camera is never exactly in time: a picture that comes a little early is the expected one.
+        if captured_at < self._due - self._interval / 4:
+            return False
+        self._due += self._interval
+        if self._due <= captured_at:
+            self._due = captured_at + self._interval
+        return True

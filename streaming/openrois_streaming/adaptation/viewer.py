@@ -1,15 +1,14 @@
-"""What one viewer of a video source is sent: which rung of its ladder, and how much. Pure: the time is an argument."""
+"""Choice of a rung and a bit rate for one viewer of a video source. Pure: the time is an argument."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Self, TypeVar
 
 from openrois_streaming.adaptation.budget import PathBudget
-from openrois_streaming.adaptation.caps import Caps
 from openrois_streaming.adaptation.rung import Rung
 
 VIDEO_SHARE: Final = 0.85
-"""What of a path's budget pictures may take; the rest is for headers, repetitions, and sound."""
+"""Share of a path's budget for pictures; the rest is for headers, repetitions, and sound."""
 
 # Moving up needs more than staying does.
 _UP: Final = 1.08
@@ -21,42 +20,76 @@ _SOON: Final = 10.0
 
 
 @dataclass(frozen=True, slots=True)
+class Caps:
+    """Limits of one video stream; None is no limit. A source without so small a rung gives its smallest.
+
+    `max_bitrate` is in bit/s and covers everything sent of the stream; `width` and `height` are in pixels; `fps` is
+    the pictures per second.
+    """
+
+    max_bitrate: int | None = None
+    width: int | None = None
+    height: int | None = None
+    fps: float | None = None
+
+    def within(self, other: Self) -> Self:
+        """Return the lower of both limits in each respect."""
+        return type(self)(
+            _lower(self.max_bitrate, other.max_bitrate),
+            _lower(self.width, other.width),
+            _lower(self.height, other.height),
+            _lower(self.fps, other.fps),
+        )
+
+    def admits(self, rung: Rung) -> bool:
+        """Tell whether pictures of the size of `rung` are small enough."""
+        return (self.width is None or rung.width <= self.width) and (self.height is None or rung.height <= self.height)
+
+
+Number = TypeVar("Number", int, float)
+
+
+def _lower(one: Number | None, other: Number | None) -> Number | None:
+    return one if other is None else other if one is None else min(one, other)
+
+
+@dataclass(frozen=True, slots=True)
 class Standing:
-    """A rung as it is for one viewer now."""
+    """Rung as one viewer can have it now."""
 
     rung: Rung
     least: float
-    """Bit/s of pictures that a viewer must be able to take, to be on it."""
+    """Bit/s of video that a viewer must be able to take, to be on it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """What a viewer is to be sent from now on."""
+    """Decision on what a viewer is sent."""
 
     index: int
-    """Of the rung."""
+    """Index of the rung."""
     demand: float
-    """Bit/s of pictures that it can take."""
+    """Bit/s of video that the viewer can take."""
     stills: bool
-    """Whether not even the lowest rung gets through, so that single pictures are all it can have."""
+    """Whether the path is too narrow even for the lowest rung, so that single pictures are sent."""
 
 
 class Adaptation:
-    """Follows one viewer of one source.
+    """Adaptation of one viewer of one source.
 
     Args:
-        caps: what it is given at most.
+        caps: limits of the stream.
         now: the time.
-        start: what its path was seen to carry earlier, in bit/s; None if nothing is known.
+        start: bit/s that its path was measured to carry earlier; None if unknown.
     """
 
     def __init__(self, caps: Caps, now: float, start: float | None = None) -> None:
         self.caps = caps
         self.path = PathBudget(now, start)
         self.index: int | None = None
-        """The rung that was chosen; None before the first choice."""
+        """Index of the chosen rung; None before the first choice."""
         self.switches = 0
-        """How many times another one was chosen."""
+        """Number of changes of the rung."""
         self._avoid = _AVOID
         self._avoid_until = now
         self._entered_at = now

@@ -1,9 +1,20 @@
-"""The only place that touches names of aiortc and aioice that are not public. `trial.self_test` says whether they hold.
+"""All uses of private names of aiortc and aioice. `trial.self_test` checks that these still hold.
 
 * `connection`: how the sections of a peer connection are started, and what was negotiated.
-* `incoming`: what stands before the packets that arrive.
-* `channels`: what arrives over data channels.
-* `sending`, `srtp`: a sender of our own in the place of aiortc's.
-* `receiving`: a receiver of our own in the place of aiortc's.
-* `ice`: the agent, with its guard.
+* `incoming`: checks of arriving packets.
+* `channels`: checks of arriving data channel messages.
+* `sending`, `srtp`: our sender in place of aiortc's.
+* `receiving`: our receiver in place of aiortc's.
+* `ice`, `ice_checks`: the agent with its guard, and its connectivity checks.
+
+`names_in` lists the names that a library function looks up, so that a change is noticed without running it.
 """
+
+from typing import Any
+
+
+def names_in(function: Any) -> tuple[str, ...]:
+    """Return the global names and attributes in the code of `function` and of its nested functions."""
+    names: tuple[str, ...] = function.__code__.co_names
+    nested = [constant for constant in function.__code__.co_consts if hasattr(constant, "co_names")]
+    return names + tuple(name for code in nested for name in code.co_names)

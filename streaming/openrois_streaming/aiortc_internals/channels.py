@@ -1,12 +1,12 @@
-"""Data channels under SCTP: what arrives is taken past aiortc's channels, and hostile packets end the channels alone.
+"""Data channels under SCTP: messages bypass aiortc's channels, and hostile packets end the channels alone.
 
-What is reached for, and why nothing public does it:
+Private names in use, and why no public one does it:
 
-* `RTCSctpTransport._handle_data` gets each packet that was decrypted. What it raises ends the peer connection.
-* `._receive` gets each whole message. aiortc's own opens a channel for whoever asks, as many as there are numbers; it
-  gets nothing but the other end's agreement to a channel that was announced to it.
-* `._inbound_streams` and `._sack_misordered` hold what is not whole or not in order; a sender that ignores the window
-  (`._advertised_rwnd`) makes them grow without end.
+* `RTCSctpTransport._handle_data` gets each decrypted packet. Its exceptions end the peer connection.
+* `._receive` gets each whole message. aiortc's own opens a channel for every request, up to all stream numbers; it gets
+only the other end's acknowledgement of an announced channel.
+* `._inbound_streams` and `._sack_misordered` hold incomplete and unordered data; a sender that ignores the window
+(`._advertised_rwnd`) makes them grow without limit.
 """
 
 import logging
@@ -18,24 +18,24 @@ from typing import Final
 from aiortc import RTCSctpCapabilities, RTCSctpTransport
 from aiortc.rtcdtlstransport import RTCDtlsTransport
 
-from openrois_streaming.aiortc_internals.code import names_in
+from openrois_streaming.aiortc_internals import names_in
 from openrois_streaming.network.guard import Allowance, GuardFigures
 
 __all__ = ["PACKETS_LIMIT", "WINDOW", "contain_channels", "differences"]
 
 WINDOW: Final = 64 * 1024
-"""Bytes that may wait until they are whole and in order; and that the other end is told there is room for."""
+"""Bytes that may wait until complete and in order, and the window announced to the other end."""
 PACKETS_LIMIT: Final = 512
-"""Pieces of messages that may wait so, and numbers of them that may be ahead of what is missing."""
+"""Fragments of messages that may wait, and that may be ahead of a missing one."""
 STREAMS_LIMIT: Final = 8
-"""Streams that anything may have arrived in; two are used."""
+"""Streams with received data; two are used."""
 AT_ONCE: Final = 256 * 1024
 PER_SECOND: Final = 256 * 1024.0
-"""Bytes of SCTP that are taken of one peer connection. What is dropped comes again."""
+"""Bytes of SCTP accepted of one peer connection. Dropped data is retransmitted."""
 
 _ESTABLISHMENT: Final = 50
 _ACK: Final = b"\x02"
-"""How a channel that was announced is agreed to (RFC 8832 section 5.2)."""
+"""Acknowledgement of an announced channel (RFC 8832 section 5.2)."""
 _TEXT: Final = 51
 _TEXTS: Final = frozenset({_TEXT, 56})
 """Payload protocol identifiers of texts (RFC 8831 section 8): one, and an empty one."""
@@ -49,18 +49,18 @@ def contain_channels(
     figures: GuardFigures,
     on_message: Callable[[int, str | bytes], None],
 ) -> None:
-    """Take what arrives in `transport`; to be called before it starts.
+    """Handle the data of `transport`; to be called before it starts.
 
     Args:
-        transport: whose channels are all made at this end.
-        max_message: bytes of a message that the other end is told it may send.
-        figures: where is counted what is not taken.
-        on_message: gets the number of the stream and the message: a text, or bytes that are none.
+        transport: SCTP transport whose channels are all made at this end.
+        max_message: limit on the bytes of a message, as announced to the other end.
+        figures: count dropped data.
+        on_message: gets the number of the stream and the message, as text or bytes.
     """
     contained = _Contained(transport, figures, on_message)
     transport._advertised_rwnd = WINDOW
     transport.getCapabilities = lambda: RTCSctpCapabilities(maxMessageSize=max_message)  # type: ignore[method-assign]
-    transport._handle_data = contained.take  # type: ignore[method-assign]
+    transport._handle_data = contained.handle_data  # type: ignore[method-assign]
     transport._receive = contained.receive  # type: ignore[method-assign,assignment]
 
 
@@ -75,8 +75,8 @@ class _Contained:
         self._agree = transport._receive
         self._left = Allowance(time.monotonic, AT_ONCE, PER_SECOND)
 
-    async def take(self, data: bytes) -> None:
-        """In the place of `_handle_data`."""
+    async def handle_data(self, data: bytes) -> None:
+        """Handle a packet in place of `_handle_data`."""
         if self._transport.state == "closed":
             return
         if not self._left.admits(len(data)):
@@ -86,9 +86,9 @@ class _Contained:
             await self._handle(data)
         except Exception:
             self._figures.unreadable += 1
-            _log.debug("a packet of SCTP cannot be taken in", exc_info=True)
+            _log.debug("a packet of SCTP cannot be parsed", exc_info=True)
         if self._is_too_much():
-            _log.info("the data channels of an application end: what it sends is never whole")
+            _log.info("the data channels of an application are closed: its messages stay incomplete")
             self._figures.overflow += 1
             await self._transport.stop()
 
@@ -102,7 +102,7 @@ class _Contained:
         )
 
     async def receive(self, stream_id: int, protocol: int, data: bytes) -> None:
-        """In the place of `_receive`."""
+        """Handle a message in place of `_receive`."""
         message: str | bytes = data
         if protocol == _ESTABLISHMENT:
             if data == _ACK and stream_id in self._transport._data_channels:
@@ -114,11 +114,11 @@ class _Contained:
         try:
             self._on_message(stream_id, message)
         except Exception:
-            _log.exception("a message of an application could not be taken")
+            _log.exception("a message of an application could not be handled")
 
 
 def differences(transport: RTCSctpTransport) -> list[str]:
-    """What is not as this module expects it."""
+    """Return the differences from what this module relies on."""
     checks = {
         "data does not pass _handle_data": "_handle_data" in names_in(RTCDtlsTransport._recv_next),
         "messages do not pass _receive": "_receive" in names_in(RTCSctpTransport._receive_data_chunk),

@@ -1,4 +1,4 @@
-"""The peer connection itself: the start of its sections, and the codec that was negotiated."""
+"""Peer connection of aiortc: the start of its sections, and the negotiated codec."""
 
 import logging
 from typing import Any
@@ -9,10 +9,10 @@ _log = logging.getLogger(__name__)
 
 
 def contain_starts(connection: RTCPeerConnection) -> None:
-    """Let what starts the sections of `connection` end quietly where it is overtaken.
+    """Contain the start of the sections of `connection`, which a later event may overtake.
 
-    It waits for ICE and DTLS, and meanwhile the connection may be closed, or a later answer be half applied, which has
-    a section more than the description that is looked at. That answer's own start does what this one leaves.
+    It waits for ICE and DTLS, and meanwhile the connection may be closed, or a later answer be half applied, with a
+    section more than the description in use. That answer's own start completes it.
     """
     inner: Any = connection
     start = inner._RTCPeerConnection__connect
@@ -29,5 +29,5 @@ def contain_starts(connection: RTCPeerConnection) -> None:
 
 
 def negotiated_codec(transceiver: RTCRtpTransceiver) -> str | None:
-    """The media type that `transceiver` sends; meaningful once an answer was applied, None before the first offer."""
+    """Return the media type that `transceiver` sends, once an answer was applied; None before the first offer."""
     return transceiver._codecs[0].mimeType if transceiver._codecs else None

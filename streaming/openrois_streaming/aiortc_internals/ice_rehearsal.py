@@ -1,4 +1,4 @@
-"""Whether the guard still stands where datagrams come in: an ICE session is played through, without any socket."""
+"""Self-test of the guard: an ICE session is rehearsed without any socket."""
 
 import asyncio
 from typing import Any, Final
@@ -15,12 +15,11 @@ _MOVED: Final = ("192.0.2.1", 5001)
 _STRANGER: Final = ("192.0.2.2", 5000)
 _NAME, _PASSWORD = "there", "p" * 22
 _HELLO: Final = b"\x16\xfe\xff" + bytes(40)
-_CUT_SHORT: Final = b"\x00\x01\x00\x08\x21\x12\xa4\x42" + bytes(12) + b"\x00\x24\x00\x01    "  # PRIORITY of one byte
 _TIMEOUT: Final = 5.0
 
 
 class _Wire(asyncio.DatagramTransport):
-    """A socket's other end: a peer that answers connectivity checks from where `listens` says it is."""
+    """Other end of a socket: a peer that answers connectivity checks at the addresses of `listens`."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -38,7 +37,7 @@ class _Wire(asyncio.DatagramTransport):
             answer.add_message_integrity(_PASSWORD.encode())
             asyncio.get_running_loop().call_soon(self.protocol.datagram_received, bytes(answer), addr)
         else:
-            raise OSError("there is nobody")  # so that nobody's answer is not waited for
+            raise OSError("no peer listens there")  # so that no answer is awaited
 
     def get_extra_info(self, name: str, default: Any = None) -> Any:
         return default
@@ -48,7 +47,7 @@ class _Wire(asyncio.DatagramTransport):
 
 
 class Rehearsal:
-    """A session between an agent and the wire."""
+    """ICE session between an agent and the wire."""
 
     def __init__(self) -> None:
         self.figures = GuardFigures()
@@ -66,7 +65,7 @@ class Rehearsal:
         self.agent.adopt(self.protocol)
 
     def check(self, source: Source) -> None:
-        """An authentic connectivity check comes from `source`."""
+        """Receive an authentic connectivity check from `source`."""
         connection = self.agent.connection
         request = stun.Message(stun.Method.BINDING, stun.Class.REQUEST)
         request.attributes |= {"USERNAME": f"{connection.local_username}:{_NAME}", "PRIORITY": 1}
@@ -75,7 +74,7 @@ class Rehearsal:
         self.protocol.datagram_received(bytes(request), source)
 
     async def play(self) -> list[str]:
-        """Play it and return what was not as it should be."""
+        """Play the session and return what was not as it should be."""
         connection = self.agent.connection
         wrong: list[str] = []
 
@@ -106,18 +105,18 @@ class Rehearsal:
         self.check(_MOVED)
         await self.agent.checks.settled()
         self.protocol.datagram_received(_HELLO, _MOVED)
-        expect(self.agent.waiting == 2, "a peer that has moved is not heard")
+        expect(self.agent.waiting == 2, "a peer that has moved is not received")
         expect([path[1:] for path in self.agent.paths] == [_MOVED], "a peer that has moved is not followed")
         return wrong
 
 
 async def differences() -> list[str]:
-    """What of aioice is not as this package relies on it; empty if all of it is."""
+    """Return the differences of aioice from what this package relies on; empty if there are none."""
     rehearsal = Rehearsal()
     try:
         async with asyncio.timeout(_TIMEOUT):
             return await rehearsal.play()
     except (AttributeError, TypeError, KeyError, ConnectionError, TimeoutError) as error:
-        return [f"ICE cannot be played through: {error!r}"]
+        return [f"the ICE rehearsal failed: {error!r}"]
     finally:
         await rehearsal.agent.connection.close()

@@ -1,11 +1,11 @@
-"""Authentic RTP and RTCP on its way into aiortc: what its parsers trip over ends here, and so do sources without end.
+"""Checks of authentic RTP and RTCP before aiortc: parser failures and floods of sources end here.
 
-What is reached for, and why nothing public does it:
+Private names in use, and why no public one does it:
 
-* `RTCDtlsTransport._handle_rtp_data` and `._handle_rtcp_data` get each packet that was decrypted. What they raise ends
-  the peer connection, and they raise `struct.error` on extensions and on a REMB that are shorter than they say.
-* libsrtp, behind `._rx_srtp`, remembers every source (SSRC) that it has decrypted a packet of, and looks through all of
-  them for each packet.
+* `RTCDtlsTransport._handle_rtp_data` and `._handle_rtcp_data` get each decrypted packet. Their exceptions end the peer
+connection, and they raise `struct.error` on extensions and on a REMB that are shorter than they say.
+* libsrtp, behind `._rx_srtp`, keeps every source (SSRC) of a decrypted packet, and searches all of them for each
+packet.
 """
 
 import logging
@@ -14,12 +14,12 @@ from typing import Final
 
 from aiortc.rtcdtlstransport import RTCDtlsTransport
 
-from openrois_streaming.aiortc_internals.code import names_in
+from openrois_streaming.aiortc_internals import names_in
 from openrois_streaming.network.guard import GuardFigures
 
 SOURCES_LIMIT: Final = 1024
-"""Sources of one peer connection, of RTP and RTCP, from its beginning to its end. A browser has a handful, and another
-one whenever a device is exchanged."""
+"""Limit on the sources of one peer connection, of RTP and RTCP, over its whole life. A browser has a handful, and
+another one whenever a device is exchanged."""
 
 _RTP_SOURCE: Final = slice(8, 12)
 _RTCP_SOURCE: Final = slice(4, 8)
@@ -28,9 +28,9 @@ _log = logging.getLogger(__name__)
 
 
 class Incoming:
-    """Stands before `transport`; `on_rtcp` is called for each RTCP packet, whatever stream it is about.
+    """Filter in front of `transport`; `on_rtcp` is called for each RTCP packet of any stream.
 
-    What cannot be taken in, or is too much, is counted in `figures`.
+    Unreadable packets are counted in `figures`.
     """
 
     def __init__(self, transport: RTCDtlsTransport, on_rtcp: Callable[[], None], figures: GuardFigures) -> None:
@@ -45,11 +45,11 @@ class Incoming:
 
     @property
     def crowded(self) -> bool:
-        """Whether there were more sources than an application has; nothing is passed on then."""
+        """Whether the limit of sources is exceeded; nothing is passed on then."""
         return len(self._sources) > SOURCES_LIMIT
 
     def _knows(self, source: bytes) -> bool:
-        """Note `source`, unless there are too many; whether it may be listened to."""
+        """Note `source`, unless there are too many; whether its packets may pass."""
         if not self.crowded:
             self._sources.add(source)
         return not self.crowded
@@ -70,14 +70,14 @@ class Incoming:
                 self._fail()
 
     def _fail(self) -> None:
-        """Count it, and tell it once: whoever sends such packets may send many."""
+        """Count an unreadable packet, and log only the first: there may be many."""
         self._figures.unreadable += 1
         if not self._failed:
             self._failed = True
-            _log.info("a packet of an application cannot be taken in", exc_info=True)
+            _log.info("a packet of an application cannot be parsed", exc_info=True)
 
 
 def differences() -> list[str]:
-    """What is not as this module expects it."""
+    """Return the differences from what this module relies on."""
     called = names_in(RTCDtlsTransport._recv_next)
     return [f"packets do not pass {name}" for name in ("_handle_rtp_data", "_handle_rtcp_data") if name not in called]

@@ -1,14 +1,14 @@
-"""An RTP receiver of ours in the place of aiortc's, and the bit rate that its estimator finds.
+"""Our RTP receiver in place of aiortc's, and aiortc's estimator of the bit rate.
 
-What is reached for, and why nothing public does it:
+Private names in use, and why no public one does it:
 
 * `RTCRtpReceiver.receive`, `.stop`, `._handle_rtp_packet`, `._handle_rtcp_packet` and `._handle_disconnect` are looked
-  up on the instance: whoever stands there receives. aiortc's own has queues without bounds, decodes whether somebody
-  reads or not, holds each picture back until the next one comes, and waits seconds for lost packets.
+up on the instance, so that ours can replace them. aiortc's own has unbounded queues, decodes also without a reader,
+holds each picture back until the next one comes, and waits seconds for lost packets.
 * `RTCDtlsTransport._register_rtp_receiver` and `._unregister_rtp_receiver` have packets routed; `._send_rtp` encrypts
-  and sends RTCP; `RtpRouter.ssrc_table` grows with each source that somebody makes up.
-* `RTCRtpSender._ssrc` is what a receiver is called in its reports.
-* `aiortc.rate.RemoteBitrateEstimator` finds what a path carries.
+  and sends RTCP; `RtpRouter.ssrc_table` grows with each invented source.
+* `RTCRtpSender._ssrc` names a receiver in its reports.
+* `aiortc.rate.RemoteBitrateEstimator` estimates the bit rate of a path.
 """
 
 import contextlib
@@ -19,40 +19,40 @@ from aiortc.rate import BandwidthUsage, RemoteBitrateEstimator
 from aiortc.rtcdtlstransport import RTCDtlsTransport, RtpRouter
 from aiortc.rtp import RtcpSrPacket, RtpPacket
 
-from openrois_streaming.aiortc_internals.code import names_in
+from openrois_streaming.aiortc_internals import names_in
 from openrois_streaming.receive.inbound import Arrived, Codec, Negotiated, SenderReport
 
 _NTP_EPOCH = 2_208_988_800  # seconds from 1900 to 1970
-# With less often added packets the estimator counts the milliseconds between them, one by one.
+# With rarer packets the estimator counts the milliseconds between them, one by one.
 _PAUSE_MS = 2000
 
 
 class ReceiverInPlace(Protocol):
-    """What takes the place of an `RTCRtpReceiver`."""
+    """Replacement of an `RTCRtpReceiver`."""
 
     async def negotiated(self, parameters: Negotiated) -> None:
-        """An answer says what comes; called again after later ones."""
+        """Apply the parameters of an answer; called after each answer."""
         ...
 
     async def arrived(self, packet: Arrived) -> None:
-        """A packet came."""
+        """Receive a packet."""
         ...
 
     def reported(self, report: SenderReport) -> None:
-        """A sender report came."""
+        """Apply a sender report."""
         ...
 
     def disconnected(self) -> None:
-        """Nothing more will come."""
+        """End the source: the transport is disconnected."""
         ...
 
     async def stop(self) -> None:
-        """The peer connection closes."""
+        """Stop with the peer connection."""
         ...
 
 
 def replace_receiver(transceiver: RTCRtpTransceiver, ours: ReceiverInPlace) -> None:
-    """Let `ours` receive instead of the receiver of `transceiver`, which then only stands in the descriptions."""
+    """Replace the receiver of `transceiver` by `ours`; the former then only appears in descriptions."""
     receiver: Any = transceiver.receiver
 
     async def receive(parameters: Any) -> None:
@@ -99,33 +99,33 @@ def _negotiated(parameters: Any) -> Negotiated:
 
 
 def own_ssrc(transceiver: RTCRtpTransceiver) -> int:
-    """The SSRC by which a receiver names itself in its reports: that of the sender beside it."""
+    """Return the SSRC that names a receiver in its reports: that of the sender beside it."""
     ssrc: int = transceiver.sender._ssrc
     return ssrc
 
 
 async def send_rtcp(receiver: RTCRtpReceiver, packet: bytes) -> None:
-    """Send an RTCP packet; lost where the transport is closed."""
+    """Send an RTCP packet; it is lost if the transport is closed."""
     with contextlib.suppress(ConnectionError):
         await receiver.transport._send_rtp(packet)
 
 
 def forget_source(receiver: RTCRtpReceiver, ssrc: int) -> None:
-    """Do not remember any more where packets of `ssrc` go."""
+    """Remove `ssrc` from the routing table."""
     receiver.transport._rtp_router.ssrc_table.pop(ssrc, None)
 
 
 class BitrateEstimate:
-    """How much the path from one sender carries, by the delays between its packets (REMB)."""
+    """Estimate of the bit rate of the path from one sender, by the delays of its packets (REMB)."""
 
     def __init__(self) -> None:
         self._estimator = RemoteBitrateEstimator()
         self._last = 0
 
     def add(self, packet: Arrived, arrival: float) -> tuple[int, bool] | None:
-        """A packet came at `arrival` (seconds); returns an estimate when there is a new one.
+        """Add a packet that came at `arrival` (seconds); returns an estimate when there is a new one.
 
-        That is how much comes (bit/s), or less than that where the path is full, and whether it is.
+        The estimate is the arriving bit/s, or less if the path is full, and whether it is full.
         """
         if packet.send_time is None:
             return None
@@ -138,16 +138,16 @@ class BitrateEstimate:
 
 
 async def differences(transceiver: RTCRtpTransceiver) -> list[str]:
-    """What is not as this module expects it, tried on a video transceiver that is used for nothing else."""
+    """Return the differences from what this module relies on, tried on an otherwise unused video transceiver."""
     receiver: Any = transceiver.receiver
-    # Its own methods, before they are replaced.
+    # The receiver's own methods, before they are replaced.
     checks = {
         f"a receiver has no {name}": callable(getattr(receiver, name, None))
         for name in ("receive", "stop", "_handle_rtp_packet", "_handle_rtcp_packet", "_handle_disconnect")
     }
     checks |= {
         "RTP is not routed to _handle_rtp_packet": "_handle_rtp_packet" in names_in(RTCDtlsTransport._handle_rtp_data),
-        "receivers are not told of the end": "_handle_disconnect" in names_in(RTCDtlsTransport._RTCDtlsTransport__run),  # type: ignore[attr-defined]
+        "receivers do not learn of the end": "_handle_disconnect" in names_in(RTCDtlsTransport._RTCDtlsTransport__run),  # type: ignore[attr-defined]
         "receivers are registered elsewhere": "_register_rtp_receiver" in names_in(RTCRtpReceiver.receive),
         "receivers are unregistered elsewhere": "_unregister_rtp_receiver" in names_in(RTCRtpReceiver.stop),
         "RTCP is sent elsewhere": "_send_rtp" in names_in(RTCRtpReceiver._send_rtcp),
@@ -176,7 +176,7 @@ class _Parameters:
 
 
 class _Seen:
-    """A receiver that only looks."""
+    """Receiver that records its packets."""
 
     def __init__(self) -> None:
         self.packets: list[Arrived] = []

@@ -1,13 +1,13 @@
-"""Puts our sender in the place of aiortc's, which keeps the negotiation: SSRCs, payload types, mid.
+"""Our sender in place of aiortc's, which keeps the negotiation: SSRCs, payload types, mid.
 
-What is reached for, and why nothing public does it:
+Private names in use, and why no public one does it:
 
-* `RTCRtpSender.send`, `.stop` and `._handle_rtcp_packet` are looked up on the instance: whoever stands there is told
-  what was negotiated, that it is over, and what the other end reports. There is no other way to learn the first.
+* `RTCRtpSender.send`, `.stop` and `._handle_rtcp_packet` are looked up on the instance, so that ours can replace them,
+and get the negotiated parameters, the end, and reports. There is no other way to get the first.
 * `RTCDtlsTransport._register_rtp_sender` and `._unregister_rtp_sender` have reports routed.
-* `HEADER_EXTENSIONS` of `aiortc.codecs` is what all offers and answers name; there is no other way to negotiate one.
-* `RTCDtlsTransport._tx_srtp` encrypts, `._state` says whether somebody is still there; `RTCIceTransport._connection`
-  has the pair that ICE chose, and so a socket. aiortc's way through them is a chain of coroutines for each packet.
+* `HEADER_EXTENSIONS` of `aiortc.codecs` is the list for all offers and answers; there is no other way to negotiate one.
+* `RTCDtlsTransport._tx_srtp` encrypts, `._state` says whether the other end is connected; `RTCIceTransport._connection`
+  has the pair that ICE chose, and so a socket. aiortc passes each packet through a chain of coroutines.
 """
 
 import asyncio
@@ -35,15 +35,14 @@ from aiortc.rtp import (
     unpack_remb_fci,
 )
 
-from openrois_streaming.aiortc_internals import srtp
-from openrois_streaming.aiortc_internals.code import names_in
+from openrois_streaming.aiortc_internals import names_in, srtp
 from openrois_streaming.aiortc_internals.srtp import Protection
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.rtp.extensions import ABS_CAPTURE_TIME, ABS_SEND_TIME, MID, PLAYOUT_DELAY
 from openrois_streaming.rtp.reports import ReceiverReport
 from openrois_streaming.send.bursts import BurstSocket
-from openrois_streaming.send.outlet import Outlet
+from openrois_streaming.send.pacer import Outlet
 from openrois_streaming.send.sender import Negotiated, RtpSender
 
 _COMPONENT: Final = 1  # of ICE: RTP and RTCP share it (RFC 5761)
@@ -58,7 +57,7 @@ _log = logging.getLogger(__name__)
 
 
 class _Way:
-    """To the other end of one pair of addresses that ICE found. To be closed."""
+    """Path over one pair of addresses that ICE has chosen. To be closed."""
 
     __slots__ = ("_address", "_burst", "_transport", "pair", "protection")
 
@@ -71,7 +70,7 @@ class _Way:
         self._burst = None if opened is None else BurstSocket(os.dup(opened.fileno()), opened.family)
 
     def leave(self, datagrams: Sequence[bytes]) -> None:
-        """Let protected packets go."""
+        """Send protected packets."""
         if self._burst is not None:
             self._burst.send(datagrams, self._address)
         else:
@@ -79,34 +78,34 @@ class _Way:
                 self._transport.sendto(datagram, self._address)
 
     def close(self) -> None:
-        """Use it no more."""
+        """Close the path."""
         if self._burst is not None:
             self._burst.close()
 
 
 class DtlsWire:
-    """The way to the other end of a DTLS transport; what cannot leave at once is lost. To be closed."""
+    """Encrypted path over a DTLS transport; packets that cannot leave at once are lost. To be closed."""
 
     def __init__(self) -> None:
         self._dtls: RTCDtlsTransport | None = None
         self._way: _Way | None = None
 
     def open(self, dtls: RTCDtlsTransport) -> None:
-        """Lead to the other end of `dtls`, the only one that this ever leads to."""
+        """Open the path over `dtls`, the only transport it ever has."""
         self._dtls = dtls
 
     def send(self, packets: Sequence[bytes]) -> None:
-        """Protect RTP packets and let them go.
+        """Protect and send RTP packets.
 
         Raises:
-            pylibsrtp.Error: one cannot be protected.
+            pylibsrtp.Error: a packet cannot be protected.
         """
         way = self._present()
         if way is not None:
             way.leave(way.protection.rtp(packets))
 
     def send_report(self, packet: bytes) -> None:
-        """The same for one compound RTCP packet.
+        """Protect and send one compound RTCP packet.
 
         Raises:
             pylibsrtp.Error: it cannot be protected.
@@ -116,9 +115,9 @@ class DtlsWire:
             way.leave([way.protection.rtcp(packet)])
 
     def close(self) -> None:
-        """Lead nowhere from now on."""
+        """Close the path for good."""
         self._dtls = None
-        self._take(None)
+        self._replace_way(None)
 
     def _present(self) -> _Way | None:
         dtls = self._dtls
@@ -128,17 +127,17 @@ class DtlsWire:
         if pair is None:
             return None
         if self._way is None or self._way.pair is not pair:
-            self._take(_Way(pair, Protection(dtls._tx_srtp)))
+            self._replace_way(_Way(pair, Protection(dtls._tx_srtp)))
         return self._way
 
-    def _take(self, way: _Way | None) -> None:
+    def _replace_way(self, way: _Way | None) -> None:
         if self._way is not None:
             self._way.close()
         self._way = way
 
 
 def take_over(replaced: RTCRtpSender, sender: RtpSender, wire: DtlsWire) -> None:
-    """Have `sender` send in the place of `replaced`, over `wire`, from its negotiation until its end."""
+    """Replace `replaced` by `sender`, over `wire`, from its negotiation until its end."""
     started = False
 
     async def send(parameters: RTCRtpSendParameters) -> None:
@@ -155,9 +154,9 @@ def take_over(replaced: RTCRtpSender, sender: RtpSender, wire: DtlsWire) -> None
 
     async def handle(packet: Any) -> None:
         try:
-            _tell(sender, replaced._ssrc, packet)
+            _dispatch_rtcp(sender, replaced._ssrc, packet)
         except Exception:  # in aiortc's receiving loop it would end the peer connection
-            _log.exception("a report could not be taken in")
+            _log.exception("a report could not be handled")
 
     replaced.send = send  # type: ignore[method-assign]
     replaced.stop = stop  # type: ignore[method-assign]
@@ -165,11 +164,11 @@ def take_over(replaced: RTCRtpSender, sender: RtpSender, wire: DtlsWire) -> None
 
 
 async def differences(connection: RTCPeerConnection) -> list[str]:
-    """What differs from what this module relies on, tried on `connection`; opens no socket."""
+    """Return the differences from what this module relies on, tried on `connection`; opens no socket."""
     replaced = connection.addTransceiver("video", direction="sendonly").sender
-    dtls, heard = replaced.transport, _Heard()
+    dtls, recorder = replaced.transport, _Recorder()
     outlet = Outlet.made(SystemClock(), 0.0, asyncio.get_running_loop().call_later)
-    take_over(replaced, RtpSender("video", heard, outlet), DtlsWire())
+    take_over(replaced, RtpSender("video", recorder, outlet), DtlsWire())
     dtls._rtp_router.register_sender(replaced, ssrc=replaced._ssrc)
     about = RtcpReceiverInfo(
         ssrc=replaced._ssrc, fraction_lost=64, packets_lost=3, highest_sequence=7, jitter=5, lsr=0, dlsr=0
@@ -183,13 +182,13 @@ async def differences(connection: RTCPeerConnection) -> list[str]:
     checks = {
         "an extension is not offered": all(f"a=extmap:{id_} {uri}" in offered for uri, id_ in _OURS.items())
         and len({each.id for kind in HEADER_EXTENSIONS.values() for each in kind}) == max(_OURS.values()),
-        "reports do not arrive": heard.heard == [ReceiverReport(7, 0.25, 3, 5), "key frame", 1_000_000],
-        "packets that are missed are told otherwise": nack.lost == [7, 9],
+        "reports do not arrive": recorder.events == [ReceiverReport(7, 0.25, 3, 5), "key frame", 1_000_000],
+        "requests for packets are parsed otherwise": nack.lost == [7, 9],
         "senders are started otherwise": "send" in names_in(RTCPeerConnection._RTCPeerConnection__connect),  # type: ignore[attr-defined]
         "senders are stopped otherwise": "stop" in names_in(RTCRtpTransceiver.stop),
         "senders are registered otherwise": {"_register_rtp_sender", "_rtx_ssrc"}
         <= {*names_in(RTCRtpSender.send), *names_in(RTCRtpSender._retransmit)},
-        "senders are not let go": "_unregister_rtp_sender" in names_in(RTCRtpSender.stop),
+        "senders are not unregistered": "_unregister_rtp_sender" in names_in(RTCRtpSender.stop),
         "packets are encrypted otherwise": {"_state", "_tx_srtp", "protect", "protect_rtcp"}
         <= set(names_in(RTCDtlsTransport._send_rtp)),
         "packets leave otherwise": {"_nominated", "remote_addr", "protocol"} <= set(names_in(Connection.sendto))
@@ -198,26 +197,26 @@ async def differences(connection: RTCPeerConnection) -> list[str]:
     return [difference for difference, holds in checks.items() if not holds] + srtp.differences()
 
 
-class _Heard:
-    """Keeps what a sender tells."""
+class _Recorder:
+    """Listener that records the events of a sender."""
 
     def __init__(self) -> None:
-        self.heard: list[object] = []
+        self.events: list[object] = []
 
     def sent(self, frame: EncodedFrame) -> None:
-        self.heard.append(frame)
+        self.events.append(frame)
 
     def left_out(self, frames: int, *, repair: bool) -> None:
-        self.heard.append(frames)
+        self.events.append(frames)
 
     def reported(self, report: ReceiverReport) -> None:
-        self.heard.append(report)
+        self.events.append(report)
 
     def estimated(self, bitrate: int) -> None:
-        self.heard.append(bitrate)
+        self.events.append(bitrate)
 
     def key_frame_wanted(self) -> None:
-        self.heard.append("key frame")
+        self.events.append("key frame")
 
 
 def _negotiated(replaced: RTCRtpSender, parameters: RTCRtpSendParameters) -> Negotiated:
@@ -243,7 +242,7 @@ def _negotiated(replaced: RTCRtpSender, parameters: RTCRtpSendParameters) -> Neg
     )
 
 
-def _tell(sender: RtpSender, ssrc: int, packet: Any) -> None:
+def _dispatch_rtcp(sender: RtpSender, ssrc: int, packet: Any) -> None:
     match packet:
         case RtcpRrPacket() | RtcpSrPacket():
             for each in packet.reports:

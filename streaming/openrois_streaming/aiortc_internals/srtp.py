@@ -1,6 +1,6 @@
-"""Protects packets by libsrtp itself: pylibsrtp allocates and checks anew for each, which takes as long as the cipher.
+"""SRTP protection by libsrtp itself: pylibsrtp allocates and checks for each packet, which takes as long as the cipher.
 
-What is reached for: `pylibsrtp.Session._srtp`, the session of the C library, and the functions of its binding.
+Private names in use: `pylibsrtp.Session._srtp`, the session of the C library, and the functions of its binding.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,13 +11,13 @@ from pylibsrtp import Policy, Session
 from pylibsrtp._binding import ffi, lib
 
 PACKET_LIMIT = 1500
-"""Bytes of a packet that can be protected."""
+"""Limit on the bytes of a packet to be protected."""
 
 _TRAILER = 4 + 16 + 128  # SRTCP's index, tag and key identifier at their longest (srtp.h)
 
 
 class Protection:
-    """What encrypts and authenticates what leaves, with the keys of `session`."""
+    """Encryption and authentication of outgoing packets, with the keys of `session`."""
 
     __slots__ = ("_buffer", "_length", "_session", "_view")
 
@@ -28,18 +28,18 @@ class Protection:
         self._length = ffi.new("int *")
 
     def rtp(self, packets: Sequence[bytes]) -> list[bytes]:
-        """RTP packets (RFC 3711 section 3.1).
+        """Protect RTP packets (RFC 3711 section 3.1).
 
         Raises:
-            pylibsrtp.Error: one cannot be protected.
+            pylibsrtp.Error: a packet cannot be protected.
         """
         return self._protected(packets, lib.srtp_protect)
 
     def rtcp(self, packet: bytes) -> bytes:
-        """A compound RTCP packet (RFC 3711 section 3.4).
+        """Protect a compound RTCP packet (RFC 3711 section 3.4).
 
         Raises:
-            pylibsrtp.Error: it cannot be protected.
+            pylibsrtp.Error: the packet cannot be protected.
         """
         return self._protected([packet], lib.srtp_protect_rtcp)[0]
 
@@ -49,7 +49,7 @@ class Protection:
         for packet in packets:
             octets = len(packet)
             if octets > PACKET_LIMIT:
-                raise pylibsrtp.Error(f"a packet of {octets} bytes is too long")
+                raise pylibsrtp.Error(f"a packet of {octets} bytes exceeds the limit of {PACKET_LIMIT}")
             length[0] = octets
             view[0:octets] = packet
             if code := function(context, buffer, length):
@@ -59,7 +59,7 @@ class Protection:
 
 
 def differences() -> list[str]:
-    """What differs from what this module relies on."""
+    """Return the differences from what this module relies on."""
     policy = Policy(key=bytes(range(30)), ssrc_type=Policy.SSRC_ANY_OUTBOUND)
     packet = bytes.fromhex("80610001000000020000000a") + b"payload"
     report = bytes.fromhex("80c90001000000010000000a")

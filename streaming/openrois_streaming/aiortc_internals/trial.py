@@ -1,4 +1,4 @@
-"""Whether the installed aiortc and aioice still are as this folder takes them to be."""
+"""Self-test: the installed aiortc and aioice are as this folder relies on."""
 
 from importlib.metadata import version
 from typing import Final
@@ -7,29 +7,28 @@ from aiortc import RTCConfiguration, RTCPeerConnection
 from aiortc.rtcconfiguration import RTCBundlePolicy
 from aiortc.rtp import RtcpRrPacket
 
-from openrois_streaming.aiortc_internals import channels, ice_rehearsal, incoming, receiving, sending
-from openrois_streaming.aiortc_internals.code import names_in
+from openrois_streaming.aiortc_internals import channels, ice_rehearsal, incoming, names_in, receiving, sending
 from openrois_streaming.aiortc_internals.connection import negotiated_codec
 from openrois_streaming.aiortc_internals.incoming import Incoming
 from openrois_streaming.network.guard import GuardFigures
 
 TESTED: Final = {"aiortc": "1.16.", "aioice": "0.13."}
-"""The versions that the tests of this package ran with."""
+"""Versions that the tests of this package ran with."""
 
 
 class UnsupportedLibrary(RuntimeError):
-    """An installed aiortc or aioice is not one that this package was made for. The text says what differs."""
+    """Installed aiortc or aioice that this package does not support. The text says what differs."""
 
 
 async def self_test() -> None:
-    """Try on a peer connection of its own all that this folder relies on; opens no socket.
+    """Try everything that this folder relies on, on a peer connection of its own; opens no socket.
 
     Raises:
-        UnsupportedLibrary: something is not as it was in the tested versions.
+        UnsupportedLibrary: something differs from the tested versions.
     """
     for name, tested in TESTED.items():
         if not version(name).startswith(tested):
-            raise UnsupportedLibrary(f"{name} {version(name)} is installed; tested are {tested}*")
+            raise UnsupportedLibrary(f"{name} {version(name)} is installed and not tested: install {name}=={tested}*")
     connection = RTCPeerConnection(RTCConfiguration(iceServers=[], bundlePolicy=RTCBundlePolicy.MAX_BUNDLE))
     try:
         wrong = await _differences(connection)

@@ -1,1 +1,1 @@
-"""What a person does with keyboard, mouse, touch and gamepad, as an application tells it. Pure."""
+"""Operator input from keyboard, mouse, touch and gamepad, as messages of an application. Pure."""

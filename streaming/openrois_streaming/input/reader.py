@@ -1,11 +1,10 @@
-"""From what an application sends over its data channels to messages: bounded in size and rate, and counted. Pure."""
+"""Reads the input messages of an application, bounded in size and rate, and counts them. Pure."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
-from openrois_streaming.input.messages import MESSAGE_LIMIT, Message, read_change, read_state
-from openrois_streaming.input.reading import InputError
+from openrois_streaming.input.messages import MESSAGE_LIMIT, InputError, Message, read_change, read_state
 from openrois_streaming.network.guard import Allowance
 
 __all__ = ["AT_ONCE", "MALFORMED_LIMIT", "PER_SECOND", "InputFigures", "InputReader", "Label"]
@@ -18,36 +17,36 @@ PER_SECOND: Final = 200.0
 """Messages of one application, of both channels together. A page that sends with each picture has about 100."""
 
 MALFORMED_LIMIT: Final = 32
-"""Messages that cannot be read, after which nothing more is."""
+"""Malformed messages after which the reader stops reading."""
 
 
 @dataclass(slots=True)
 class InputFigures:
-    """Messages of one application, by what became of them."""
+    """Counts of the messages of one application."""
 
     read: int = 0
     malformed: int = 0
-    """That cannot be read, or are too long."""
+    """Malformed or too long messages."""
     excess: int = 0
-    """Faster than they are taken."""
+    """Messages beyond the rate limit."""
 
 
 class InputReader:
-    """Reads what one application sends. `clock` gives seconds, monotonic."""
+    """Reader for one application. `clock` gives seconds, monotonic."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self.figures = InputFigures()
         self.last_fault = ""
-        """What was wrong with the last message that could not be read."""
+        """The fault of the last malformed message."""
         self._allowance = Allowance(clock, AT_ONCE, PER_SECOND)
 
     @property
     def is_cut(self) -> bool:
-        """Whether there were so many malformed messages that nothing is read any more."""
+        """Whether the reader has stopped after too many malformed messages."""
         return self.figures.malformed >= MALFORMED_LIMIT
 
     def read(self, label: Label, data: str | bytes) -> Message | None:
-        """The message in `data`; None if there is none, it is one too many, or the reader is cut."""
+        """Return the message in `data`; None if it is malformed, beyond the rate, or the reader is cut."""
         if self.is_cut:
             return None
         if not self._allowance.admits():
@@ -65,8 +64,8 @@ class InputReader:
 
 def _read(label: Label, data: str | bytes) -> Message:
     if isinstance(data, bytes):
-        raise InputError("the message is not a text")
+        raise InputError("the message is binary: send text")
     # A text has at least as many bytes as characters.
     if len(data) > MESSAGE_LIMIT or len(data.encode("utf-8", "surrogatepass")) > MESSAGE_LIMIT:
-        raise InputError(f"the message has more than {MESSAGE_LIMIT} bytes")
+        raise InputError(f"the message has more than the {MESSAGE_LIMIT} bytes allowed")
     return read_state(data) if label == "input" else read_change(data)

@@ -1,1 +1,1 @@
-"""How peer connections meet the network: which addresses and ports they use, what they let in, and relays."""
+"""Network side of peer connections: addresses and ports, admission of datagrams, and relays."""

@@ -1,8 +1,8 @@
-"""How many datagrams are admitted, of one peer connection and of all, before they are queued or decrypted. Pure.
+"""Limits on the datagrams of one peer connection, and of all, before they are queued or decrypted. Pure.
 
-Each kind costs the engine something else: to decrypt a report (RTCP) and to send again what it asks for takes longer
-than to receive a picture's packet, and to verify a connectivity check (STUN) longer still. Each has a bucket of its own
-(RFC 2697 calls them token buckets); packets and bytes of all kinds together have one each.
+The kinds differ in cost: to decrypt a report (RTCP) and to retransmit what it asks for takes longer than to receive a
+picture's packet, and to verify a connectivity check (STUN) longer still. Each kind has a token bucket (RFC 2697) of its
+own; packets and bytes of all kinds together have one each.
 """
 
 from collections.abc import Callable
@@ -23,21 +23,21 @@ BURST: Final = 0.5
 """Seconds' worth of packets and bytes that may come at once, of one peer connection and of all; of a kind it is 1 s."""
 
 SHARE: Final = 125
-"""Packets a second that one peer connection may send whatever the others do."""
+"""Packets a second that each peer connection may send, however much the others send."""
 
 CONTROL_SHARE: Final = 75
-"""Packets of it that RTP leaves: a camera's would take all, and reports, connectivity checks and input be lost."""
+"""Packets of that share that RTP may not use, so that a camera leaves room for reports, checks and input."""
 
 PERSISTENCE: Final = 3.0
-"""Seconds for which a peer connection may send too much; then it ends."""
+"""Seconds for which a peer connection may exceed its limits; then it ends."""
 
 RESPITE: Final = 1.0
-"""Seconds without excess after which they count anew."""
+"""Seconds without excess after which that time starts anew."""
 
 
 @dataclass(frozen=True, slots=True)
 class AdmissionSettings:
-    """How much is admitted from the network, each second.
+    """Limits on what is admitted from the network each second.
 
     A camera of 720p30 at 4 Mbit/s sends 450 packets and 0.5 MB a second, a microphone 50 packets.
 
@@ -61,7 +61,7 @@ class AdmissionSettings:
 
 
 class Traffic(Enum):
-    """What a datagram is, by what it costs to take it in."""
+    """Kinds of datagrams, by the cost of receiving them."""
 
     CHECK = 0
     DTLS = 1
@@ -70,24 +70,24 @@ class Traffic(Enum):
 
 
 class Verdict(Enum):
-    """What becomes of a datagram."""
+    """Decision on a datagram."""
 
     ADMITTED = 0
     PEER_LIMIT = 1
-    """Its peer connection sends too much."""
+    """The peer connection exceeds its limit."""
     TOTAL_LIMIT = 2
-    """All together send too much."""
+    """All peer connections together exceed their limit."""
 
 
 def media_traffic(datagram: bytes) -> Traffic:
-    """Tell DTLS, RTCP and RTP apart by what is never encrypted (RFC 7983 section 7, RFC 5761 section 4)."""
+    """Tell DTLS, RTCP and RTP apart by their unencrypted bytes (RFC 7983 section 7, RFC 5761 section 4)."""
     if datagram[0] < 64:
         return Traffic.DTLS
     return Traffic.RTCP if len(datagram) > 1 and 64 <= datagram[1] & 0x7F < 96 else Traffic.RTP
 
 
 class _Bucket:
-    """So much at once, and then so much a second."""
+    """Token bucket (RFC 2697)."""
 
     __slots__ = ("_filled", "_left", "_per_second", "_size")
 
@@ -97,7 +97,7 @@ class _Bucket:
         self._filled = now
 
     def admits(self, cost: float, now: float, kept: float = 0.0) -> bool:
-        """Tell whether `cost` fits, with so much `kept` for others, and take it if so."""
+        """Take `cost` from the bucket if it fits with `kept` left for others; whether it did."""
         left = min(self._size, self._left + (now - self._filled) * self._per_second)
         self._filled = now
         if left < cost + kept:
@@ -108,10 +108,10 @@ class _Bucket:
 
 
 class TotalAdmission:
-    """What all peer connections of an engine may send together.
+    """Limit on all peer connections of an engine together.
 
     Args:
-        settings: how much that is.
+        settings: the limits.
         clock: monotonic seconds.
     """
 
@@ -123,15 +123,15 @@ class TotalAdmission:
         self._bytes = _Bucket(settings.total_bytes, BURST, now)
 
     def admits(self, octets: int, now: float) -> bool:
-        """Tell whether one more packet fits."""
+        """Take one packet from the limit if it fits; whether it did."""
         return self._packets.admits(1, now) and self._bytes.admits(octets, now)
 
 
 class Admission:
-    """What one peer connection may send, as a part of what all may.
+    """Limit on one peer connection, as a part of the limit on all.
 
     Args:
-        total: what all may send together.
+        total: the limit on all peer connections.
     """
 
     def __init__(self, total: TotalAdmission) -> None:
@@ -148,7 +148,7 @@ class Admission:
         self._excess_since = self._excess_at = float("-inf")
 
     def judge(self, traffic: Traffic, octets: int) -> Verdict:
-        """Tell what becomes of a datagram of so many bytes that came now."""
+        """Decide on a datagram of so many bytes that arrived now."""
         now = self._total.clock()
         kind = self._kinds.get(traffic)
         within = (kind is None or kind.admits(1, now)) and self._packets.admits(1, now)
@@ -164,6 +164,6 @@ class Admission:
 
     @property
     def persists(self) -> bool:
-        """Whether the peer connection has been sending too much for longer than it may."""
+        """Whether the peer connection has exceeded its limits for longer than `PERSISTENCE`."""
         lately = self._total.clock() - self._excess_at <= RESPITE
         return lately and self._excess_at - self._excess_since >= PERSISTENCE

@@ -1,4 +1,4 @@
-"""The addresses of this machine that media may use."""
+"""Addresses of this machine that media may use."""
 
 import ipaddress
 import itertools
@@ -6,8 +6,6 @@ import logging
 from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import Final
-
-import ifaddr
 
 ADDRESSES_LIMIT: Final = 10
 """Addresses of this machine that one peer connection uses, with a socket each; with as many of the other end they make
@@ -17,17 +15,17 @@ _log = logging.getLogger(__name__)
 
 
 class NoInterface(ValueError):
-    """There is no interface of that name, or no address to use. The text says which there are."""
+    """Interface name or address that this machine does not have. The text lists those it has."""
 
 
 def host_addresses(interfaces: Sequence[str] = ()) -> list[str]:
-    """The addresses of the `interfaces`, which are names or addresses; of all but loopback if there are none given.
+    """Return the addresses of `interfaces`, given by name or address; all but loopback if none are given.
 
     Loopback is used where there is nothing else. Link-local IPv6 addresses are left out: they mean nothing without
     their interface.
 
     Raises:
-        NoInterface: one of them is not there.
+        NoInterface: this machine lacks one of them.
     """
     present = list(_present())
     if not interfaces:
@@ -38,16 +36,16 @@ def host_addresses(interfaces: Sequence[str] = ()) -> list[str]:
         found = [address for name, address in present if wanted in (name, address)]
         if not found:
             known = ", ".join(sorted({name for name, _ in present})) or "none"
-            raise NoInterface(f"no interface has the name or the address {wanted}; there are: {known}")
+            raise NoInterface(f"no interface has the name or address {wanted}; use one of: {known}")
         chosen += [address for address in found if address not in chosen]
     return chosen
 
 
 def media_addresses(interfaces: Sequence[str] = ()) -> list[str]:
-    """As `host_addresses`, but `ADDRESSES_LIMIT` at most: of every interface some, in turn.
+    """Return as `host_addresses`, but `ADDRESSES_LIMIT` at most, in turn from each interface.
 
     Raises:
-        NoInterface: one of them is not there.
+        NoInterface: this machine lacks one of them.
     """
     addresses = host_addresses(interfaces)
     if len(addresses) <= ADDRESSES_LIMIT:
@@ -58,18 +56,21 @@ def media_addresses(interfaces: Sequence[str] = ()) -> list[str]:
             grouped.setdefault(name, []).append(address)
     in_turn = (each for rank in itertools.zip_longest(*grouped.values()) for each in rank if each is not None)
     chosen = list(itertools.islice(dict.fromkeys(in_turn), ADDRESSES_LIMIT))
-    _tell(len(addresses), ", ".join(chosen))
+    _log_choice(len(addresses), ", ".join(chosen))
     return chosen
 
 
 @cache
-def _tell(number: int, chosen: str) -> None:
-    """Log what was chosen of how many, once."""
+def _log_choice(number: int, chosen: str) -> None:
+    """Log once which addresses were chosen."""
     _log.warning("of %d addresses media uses %d: %s; --interface chooses others", number, ADDRESSES_LIMIT, chosen)
 
 
 def _present() -> Iterator[tuple[str, str]]:
-    """Every interface with each of its addresses."""
+    """Yield every interface with each of its addresses."""
+    # The options of the network are also shown, and read, where the libraries of the media plane are not installed.
+    import ifaddr
+
     for adapter in ifaddr.get_adapters():
         for ip in adapter.ips:
             if isinstance(ip.ip, str):

@@ -9,7 +9,7 @@ from typing import Final, Literal
 from openrois_signaling.messages import IceServer
 
 SERVERS_LIMIT: Final = 4
-"""Servers of each kind that are asked at a time; one more would only make the same addresses known again."""
+"""Servers of each kind that are asked at a time; further ones would only repeat the same addresses."""
 
 _URL: Final = re.compile(
     r"(?P<scheme>stuns?|turns?):"
@@ -21,12 +21,12 @@ _PORTS: Final = {"stun": 3478, "turn": 3478, "turns": 5349}
 
 
 class UnusableServer(ValueError):
-    """The URL is not one of a server that can be used here; the text says why, and repeats no credential."""
+    """URL of a server that cannot be used; the text says why, and repeats no credential."""
 
 
 @dataclass(frozen=True, slots=True)
 class StunServer:
-    """A server that says under which address this machine is seen."""
+    """STUN server, which reports the address under which this machine is seen."""
 
     url: str
     host: str
@@ -35,7 +35,7 @@ class StunServer:
 
 @dataclass(frozen=True, slots=True)
 class TurnServer:
-    """A server that relays. `transport` is how it is reached; what it relays is UDP."""
+    """TURN server, which relays UDP. `transport` is how it is reached."""
 
     url: str
     host: str
@@ -47,25 +47,25 @@ class TurnServer:
 
 
 def read_server(url: str, username: str | None = None, credential: str | None = None) -> StunServer | TurnServer:
-    """The server of a URL.
+    """Return the server of a URL.
 
     Raises:
-        UnusableServer: it cannot be read, or means something that is not supported.
+        UnusableServer: the URL is malformed, or needs something that is not supported.
     """
     found = _URL.fullmatch(url)
     if found is None:
-        raise UnusableServer(f"{url[:80]!r} is no URL of a STUN or TURN server, such as turn:turn.example.org:3478")
+        raise UnusableServer(f"{url[:80]!r} is not a STUN or TURN URL, such as turn:turn.example.org:3478")
     scheme, host, transport = found["scheme"], found["host"].strip("[]"), found["transport"]
     if found["host"].startswith("["):
         _check_ipv6(host)
     if scheme == "stuns":
-        raise UnusableServer(f"{url[:80]!r}: STUN over TLS is not supported; STUN carries nothing secret")
+        raise UnusableServer(f"{url[:80]!r}: STUN over TLS is not supported: use stun:, which carries nothing secret")
     port = int(found["port"] or _PORTS[scheme])
     if not 0 < port < 2**16:
-        raise UnusableServer(f"{url[:80]!r} has no valid port")
+        raise UnusableServer(f"{url[:80]!r} has no valid port: use one between 1 and 65535")
     if scheme == "stun":
         if transport is not None:
-            raise UnusableServer(f"{url[:80]!r}: a STUN URL has no transport (RFC 7064)")
+            raise UnusableServer(f"{url[:80]!r}: a STUN URL has no transport (RFC 7064): leave ?transport= out")
         return StunServer(url, host, port)
     if scheme == "turns" and transport == "udp":
         raise UnusableServer(f"{url[:80]!r}: TURN over DTLS is not supported; use transport=tcp")
@@ -77,12 +77,12 @@ def _check_ipv6(text: str) -> None:
     try:
         ipaddress.IPv6Address(text)
     except ValueError:
-        raise UnusableServer(f"{text!r} is no IPv6 address") from None
+        raise UnusableServer(f"{text!r} is not an IPv6 address") from None
 
 
 @dataclass(frozen=True, slots=True)
 class Servers:
-    """The servers that a peer connection asks, `SERVERS_LIMIT` of each kind at most, and why others are left out."""
+    """Servers that a peer connection asks, `SERVERS_LIMIT` of each kind at most, and why others are left out."""
 
     stun: tuple[StunServer, ...] = ()
     turn: tuple[TurnServer, ...] = ()
@@ -93,7 +93,7 @@ class Servers:
 
 
 def read_servers(given: Iterable[IceServer]) -> Servers:
-    """The servers of a list as applications have it. One that cannot be used must not end every connection."""
+    """Return the usable servers of a list as applications have it. An unusable one is left out with a reason."""
     stun: dict[tuple[str, int], StunServer] = {}
     turn: dict[tuple[str, int, str], TurnServer] = {}
     unusable: list[str] = []

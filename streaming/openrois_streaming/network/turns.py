@@ -1,7 +1,7 @@
-"""How much of each turn of the event loop goes to datagrams: what is left waits until everything else had its turn.
+"""Bounds on the part of each event loop turn that goes to datagrams, so that everything else has its turn.
 
-A reader of a queue that is not empty does not suspend: without these bounds a peer connection's backlog would be worked
-off in one turn, and commands would wait for it.
+A reader of a non-empty queue does not suspend: without these bounds a peer connection's backlog would be processed in
+one turn, and commands would wait for it.
 """
 
 import asyncio
@@ -14,17 +14,17 @@ from typing import Final
 from openrois_streaming.network.admission import AdmissionSettings, TotalAdmission
 
 DATAGRAMS_PER_TURN: Final = 32
-"""Datagrams of one peer connection that are worked off in one turn."""
+"""Datagrams of one peer connection that are processed in one turn."""
 
 TIME_PER_TURN: Final = 0.002
-"""Seconds of one turn that go to the datagrams of all peer connections; the one that is begun is finished."""
+"""Seconds of one turn that go to the datagrams of all peer connections; the last one begun is finished."""
 
 DEFERRED_LIMIT: Final = 256
-"""Connectivity checks that may wait for a later turn, of all peer connections; then the newest are dropped."""
+"""Connectivity checks of all peer connections that may wait for a later turn; further ones are dropped."""
 
 
 class Turns:
-    """The turns of the event loop that runs, as far as they matter to whatever works off datagrams.
+    """Turns of the running event loop, as readers of datagrams share them.
 
     Args:
         clock: monotonic seconds.
@@ -32,7 +32,7 @@ class Turns:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self.number = 0
-        """Grows whenever a turn in which datagrams were worked off, or waited for the next one, is over."""
+        """Number of the turn; it grows after each turn in which datagrams were processed or awaited."""
         self.clock = clock
         self._spent = 0.0
         self._waiting: list[tuple[int, asyncio.Future[None]]] = []
@@ -46,18 +46,18 @@ class Turns:
         return self._spent >= TIME_PER_TURN
 
     def begin(self) -> None:
-        """Have this turn count: something is worked off in it."""
+        """Note that datagrams are processed in this turn."""
         if not self._ending:
             self._ending = True
-            asyncio.get_running_loop().call_soon(self._end)
+            asyncio.get_running_loop().call_soon(self._finish_turn)
 
     def spend(self, seconds: float) -> None:
-        """Take so much of this turn."""
+        """Charge so many seconds to this turn."""
         self.begin()
         self._spent += seconds
 
     async def next(self) -> None:
-        """Wait for a later turn with time left, behind all that have been waiting for longer."""
+        """Wait for a later turn with time left, behind all earlier waiters."""
         ticket = next(self._tickets)
         while True:
             self.begin()
@@ -67,10 +67,10 @@ class Turns:
             if not self.is_spent:
                 return
 
-    def do(self, work: Callable[[], None]) -> bool:
-        """Do `work` now, or in order in a later turn where this one is spent; False if too much waits already."""
+    def run_or_defer(self, work: Callable[[], None]) -> bool:
+        """Run `work` now, or in order in a later turn if this one is spent; False if too much waits already."""
         if not self.is_spent and not self._deferred:
-            self._do(work)
+            self._run_now(work)
         elif len(self._deferred) < DEFERRED_LIMIT:
             self.begin()
             self._deferred.append(work)
@@ -78,12 +78,12 @@ class Turns:
             return False
         return True
 
-    def _do(self, work: Callable[[], None]) -> None:
+    def _run_now(self, work: Callable[[], None]) -> None:
         began = self.clock()
         work()
         self.spend(self.clock() - began)
 
-    def _end(self) -> None:
+    def _finish_turn(self) -> None:
         self._ending = False
         self.number += 1
         self._spent = 0.0
@@ -92,16 +92,16 @@ class Turns:
             if not each.done():
                 each.set_result(None)
         while self._deferred and not self.is_spent:
-            self._do(self._deferred.popleft())
+            self._run_now(self._deferred.popleft())
         if self._deferred:
             self.begin()
 
 
 class TurnTaking:
-    """Receives the datagrams of one peer connection, and suspends its reader before a turn has had too many.
+    """Reader of the datagrams of one peer connection that suspends before a turn has had too many.
 
     Args:
-        turns: of the event loop.
+        turns: the turns of the event loop.
         receive: waits for the next datagram; suspends only where there is none.
     """
 
@@ -112,10 +112,10 @@ class TurnTaking:
         self._worked_off = 0
         self._handed_out_at: float | None = None
         self._kept: bytes | None = None
-        """What has come and waits for a turn, though its reader may give up: DTLS does when it is to repeat itself."""
+        """Datagram that waits for a turn although its reader may have given up, as DTLS does to retransmit."""
 
     async def receive(self) -> bytes:
-        """Wait for the next datagram; the one before is worked off now."""
+        """Wait for the next datagram; the one before counts as processed."""
         turns = self._turns
         if self._handed_out_at is not None:
             if turns.number == self._turn:
@@ -137,10 +137,10 @@ class TurnTaking:
 
 
 class Ingress:
-    """What all peer connections of an engine have in common where datagrams come in.
+    """Limits and turns that all peer connections of an engine share for received datagrams.
 
     Args:
-        settings: how much is admitted.
+        settings: limits on what is admitted.
         clock: monotonic seconds.
     """
 

@@ -1,1 +1,1 @@
-"""Peer connections, their m-sections and data channels; which streams there are, `session` says."""
+"""Peer connections, their m-sections and data channels; the streams belong to `session`."""

@@ -1,4 +1,4 @@
-"""One `RTCPeerConnection` and its m-sections: the only place that drives aiortc."""
+"""One `RTCPeerConnection` and its m-sections; no other module drives aiortc."""
 
 import asyncio
 import logging
@@ -21,15 +21,14 @@ from openrois_streaming.network.servers import read_servers
 from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.network.turns import Ingress
 from openrois_streaming.peer.gathering import Gathering
-from openrois_streaming.peer.h264_levels import level_of, with_levels
-from openrois_streaming.peer.input_channels import MakeChannels, OpenChannels, Take
+from openrois_streaming.peer.input_channels import MakeChannels, OnMessage, OpenChannels
+from openrois_streaming.peer.offer_parameters import level_of, with_levels, with_stereo
 from openrois_streaming.peer.receiver import RtpReceiver
 from openrois_streaming.peer.sdp import OfferedSection, clean_answer, mids_of, read_candidate
 from openrois_streaming.peer.section import Section, StreamPath
-from openrois_streaming.peer.stereo import with_stereo
 from openrois_streaming.peer.stream import Stream
 from openrois_streaming.receive.remote_time import RemoteClock
-from openrois_streaming.send.outlet import Outlet
+from openrois_streaming.send.pacer import Outlet
 
 CLOSE_TIMEOUT = 3.0
 """Seconds that aiortc has to close a connection."""
@@ -40,20 +39,20 @@ _log = logging.getLogger(__name__)
 
 
 class BundledConnection:
-    """A peer connection that offers, with all its sections on one transport.
+    """Offering peer connection, with all its sections on one transport.
 
     Args:
-        ice_servers: STUN and TURN servers; nothing waits for them unless there must be a relay.
-        network: what of the network is used.
-        guarded: where is counted what does not get in.
-        ingress: how much gets in, of all connections.
-        clock: by which frames are captured.
+        ice_servers: STUN and TURN servers; only a required relay is waited for.
+        network: network settings.
+        guarded: counts dropped datagrams.
+        ingress: limits on received datagrams of all connections.
+        clock: the clock of capture times.
         wall_offset: the time of day (epoch seconds) at which the media clock was 0. It does not follow a clock that is
             stepped, because sound and pictures would part for a while.
         on_state: called with "connected", "failed" or "closed", in a turn of the loop of its own.
-        on_sign: called for each sign of life of the other end: each RTCP packet, and an answer to `ask_for_a_sign`.
-        on_candidate: called with each candidate-attribute of this end that is found after the first description, and
-            with None after the last.
+        on_sign: called for each sign of life of the other end: each RTCP packet, and each answer to `ask_for_a_sign`.
+        on_candidate: called with each candidate-attribute of this end found after the first description, and with None
+            after the last.
     """
 
     def __init__(
@@ -92,11 +91,11 @@ class BundledConnection:
         self._connection.on("connectionstatechange", self._state_changed)
 
     def section_for(self, stream: Stream) -> Section:
-        """An idle section that `stream` can take over, or a new one.
+        """Return an idle section that suits `stream`, or a new one.
 
         Raises:
-            TooManySections: there is none, and no room for another.
-            PeerClosed: nothing can be sent over it any more.
+            TooManySections: there is none, and the limit is reached.
+            PeerClosed: the other end has closed it.
         """
         if self.sections and self.sections[0].transceiver.sender.transport.state == "closed":
             raise PeerClosed("the application has closed the peer connection")
@@ -104,10 +103,10 @@ class BundledConnection:
             if section.suits(stream):
                 return section
         if len(self.sections) >= SECTIONS_LIMIT:
-            raise TooManySections(f"the peer connection has {SECTIONS_LIMIT} sections, and none to spare")
+            raise TooManySections(f"all {SECTIONS_LIMIT} sections are in use: disconnect a stream first")
         section = Section(self._connection, stream.kind, stream.codecs, self._outlet, self._wire, stream.direction)
         section.round_trip = self.round_trip
-        if stream.intake is not None:
+        if stream.uplink_selector is not None:
             section.reception = RtpReceiver(section.transceiver, self._clock, self._remote)
         self.sections.append(section)
         if len(self.sections) == 1:
@@ -116,15 +115,15 @@ class BundledConnection:
             self._incoming = Incoming(transport, self._on_sign, self._guarded)
         return section
 
-    def open_channels(self, make: MakeChannels, take: Take, on_closed: Callable[[], None]) -> OpenChannels:
-        """Have data channels, once, from the next offer on; there must be a section."""
-        return make(self._connection, self._guarded, take, on_closed)
+    def open_channels(self, make: MakeChannels, on_message: OnMessage, on_closed: Callable[[], None]) -> OpenChannels:
+        """Make the data channels, once, for the next offer on; there must be a section."""
+        return make(self._connection, self._guarded, on_message, on_closed)
 
     def _state_changed(self) -> None:
-        """Tell it in a moment: aiortc may be closing, and what is done about it must not disturb that."""
+        """Call `on_state` in a later turn: aiortc may be closing, and the reaction must not disturb that."""
         state = self._connection.connectionState
         if state == "closed" and self._agent is not None and not self._agent.has_path:
-            # DTLS ends as if the other end had closed it.
+            # DTLS ends as if closed by the other end.
             state = "failed"
         asyncio.get_running_loop().call_soon(self._on_state, state)
 
@@ -137,12 +136,12 @@ class BundledConnection:
 
     @property
     def sender_failed(self) -> bool:
-        """Whether nothing can be sent any more in a section."""
+        """Whether a section can no longer send."""
         return any(section.sender.failed for section in self.sections)
 
     @property
     def misuse(self) -> str:
-        """What the other end does that no application has to, as a sentence; empty where it does not."""
+        """Abuse by the other end, as a sentence; empty if there is none."""
         if self._incoming is not None and self._incoming.crowded:
             return "the application sends from too many sources (SSRC)"
         if self._agent is not None and self._agent.admission.persists:
@@ -150,53 +149,53 @@ class BundledConnection:
         return ""
 
     async def describe(self, generation: int) -> tuple[str, tuple[StreamSection, ...]]:
-        """Make offer number `generation` of the sections as they are now; returns it and the streams it lists.
+        """Make offer number `generation` of the present sections; returns it and the streams it lists.
 
         Raises:
-            NoPath: there is no way for media to leave this machine.
+            NoPath: media cannot leave this machine.
             PeerClosed: the other end has closed it.
         """
-        described = [(section, section.leg) for section in self.sections]
-        for section, leg in described:
+        described = [(section, section.stream_path) for section in self.sections]
+        for section, path in described:
             section.describe()
-            if leg is not None and leg.generation is None:
-                leg.generation = generation
+            if path is not None and path.generation is None:
+                path.generation = generation
         try:
             await self._connection.setLocalDescription(await self._connection.createOffer())
         except InvalidStateError as error:
             raise PeerClosed("the application has closed the peer connection") from error
         sdp = self._connection.localDescription.sdp
         media = {
-            each.mid: OfferedSection(each.mid, each.kind, "inactive" if leg is None else each.direction)
-            for each, leg in described
+            each.mid: OfferedSection(each.mid, each.kind, "inactive" if path is None else each.direction)
+            for each, path in described
         }
         self._offered = tuple(media.get(mid) or OfferedSection(mid, "application", "inactive") for mid in mids_of(sdp))
-        streams = tuple(_listed(section, leg) for section, leg in described if leg is not None)
+        streams = tuple(_listed(section, path) for section, path in described if path is not None)
         if generation == 1 and self._agent is not None:
             self._gathering.go_on(self._agent)
-        levels = {each.mid: None if leg is None else level_of(leg.stream) for each, leg in described}
+        levels = {each.mid: None if path is None else level_of(path.stream) for each, path in described}
         sdp = with_levels(sdp, [levels.get(offered.mid) for offered in self._offered])
-        stereo = {each.mid for each, leg in described if leg is not None and leg.stream.stereo}
+        stereo = {each.mid for each, path in described if path is not None and path.stream.stereo}
         sdp = with_stereo(sdp, [offered.mid in stereo for offered in self._offered])
         return sdp if self._gathering.complete else sdp.replace(_END_OF_CANDIDATES, ""), streams
 
     async def apply(self, sdp: str) -> tuple[str, ...]:
-        """Apply an answer to the last offer; returns the candidate-attributes that were in it.
+        """Apply an answer to the last offer; returns its candidate-attributes.
 
         Raises:
-            InvalidDescription: it cannot be used. It may be half applied: the connection is of no more use.
+            InvalidDescription: it cannot be used. It may be half applied, so the connection cannot go on.
         """
         clean = clean_answer(sdp, self._offered)
         try:
             await self._connection.setRemoteDescription(RTCSessionDescription(clean.sdp, "answer"))
         except Exception as error:  # aiortc raises whatever it meets half-way through
-            raise InvalidDescription("the answer was refused") from error
+            raise InvalidDescription("aiortc refuses the answer") from error
         for section, answered in zip(self.sections, clean.directions, strict=False):  # later ones are not offered yet
             section.negotiated(answered)
         return clean.candidates
 
     async def add_candidate(self, attribute: str, *, only_check: bool = False) -> None:
-        """Add a candidate-attribute of the other end, or see only whether it can be read.
+        """Add a candidate-attribute of the other end, or only check that it can be read.
 
         Raises:
             InvalidCandidate: it cannot be used.
@@ -211,14 +210,14 @@ class BundledConnection:
             raise InvalidCandidate("the candidate cannot be used") from error
 
     async def ask_for_a_sign(self) -> None:
-        """Have `on_sign` called if the other end answers within 1.5 s."""
+        """Call `on_sign` if the other end answers a connectivity check within 1.5 s."""
         if self._agent is not None and await self._agent.checks.answers(tries=2):
             self._on_sign()
 
     async def round_trip(self) -> float | None:
-        """Seconds that a packet takes there and back now, behind all that was sent before.
+        """Measure the round trip of a packet behind all that was sent before, in seconds.
 
-        None where there is no answer within 1.5 s: ways over satellites take half of that.
+        None without an answer within 1.5 s: paths over satellites take half of that.
         """
         since = self._clock.now()
         if self._agent is None or not await self._agent.checks.answers(tries=2):
@@ -226,10 +225,10 @@ class BundledConnection:
         return self._clock.now() - since
 
     async def close(self) -> None:
-        """Close it, within `CLOSE_TIMEOUT`."""
+        """Close the connection, within `CLOSE_TIMEOUT`."""
         await self._gathering.aclose()
         self._outlet.pacer.close()
-        # aiortc may be closing by itself, and a waiter that is cancelled would break that; so this is only waited for.
+        # aiortc may be closing by itself, and a cancelled waiter would break that; so this is only awaited.
         closing = self._closing = asyncio.ensure_future(self._connection.close())
         done, _ = await asyncio.wait({closing}, timeout=CLOSE_TIMEOUT)
         self._wire.close()
@@ -239,11 +238,11 @@ class BundledConnection:
             _log.error("a peer connection is not closed after %.0f s", CLOSE_TIMEOUT)
 
 
-def _listed(section: Section, leg: StreamPath) -> StreamSection:
+def _listed(section: Section, path: StreamPath) -> StreamSection:
     return StreamSection(
         mid=section.mid,
-        stream_id=leg.stream.stream_id,
-        component_ref=leg.stream.component_ref,
+        stream_id=path.stream.stream_id,
+        component_ref=path.stream.component_ref,
         kind=section.kind,
         direction=section.direction,
     )

@@ -1,4 +1,4 @@
-"""The way of one stream to its viewer: which rendition it is sent, at which rate, and what is sent to try more."""
+"""Downlink of one stream to its viewer: the choice of a rendition and rate, and the probing of higher rates."""
 
 import asyncio
 import logging
@@ -22,54 +22,54 @@ from openrois_streaming.stats import AdaptationStats
 from openrois_streaming.tasks import OwnedTasks, Task
 
 PREPARATION = 1.0
-"""Seconds for which source and encoder run at most for a viewer that has answered and cannot be reached yet."""
+"""Seconds for which source and encoder run at most for a viewer that has answered and has no media path yet."""
 
-# How often the path's own round trip is measured, and how long it is waited between, where it is busy.
+# Measurements of the path's own round trip, and the pause between them, where it is busy.
 _TRIPS = 4
 _PAUSE = 0.05
-# Packets that measure one round trip together.
+# Packets that measure one round trip.
 _AT_ONCE = 4
-# Seconds, however much round trips vary.
+# Greatest length of a burst, in seconds.
 _LONGEST_BURST = 0.3
-# Seconds: what may wait on a path that is not busy.
+# Queueing delay of a path that is not busy, in seconds.
 _STILL = 0.02
 _REPETITIONS = 4
-# Seconds without a tick after which this process is known to have stood still.
+# Seconds without a tick after which this process counts as having stood still.
 _LATE = 0.3
 
 _log = logging.getLogger(__name__)
 
 
 def _burst(trips: Collection[float]) -> float:
-    """Return how many seconds a burst lasts that shows behind the latest round trips, whose lengths vary by chance.
+    """Return the length of a burst, in seconds, that stands out among the latest round trips, which vary by chance.
 
-    A queue that stands there makes all of them longer, and no burst.
+    A standing queue makes all of them longer, and does not lengthen the burst.
     """
     usual = median(trips)
     return BURST if usual == inf else min(BURST + 2 * (usual - min(trips)), _LONGEST_BURST)
 
 
 class MediaSender(Protocol):
-    """Sends what one viewer gets."""
+    """Sender of frames to one viewer."""
 
     def send(self, frame: EncodedFrame) -> None:
         """Send a frame; never blocks and never raises."""
         ...
 
     def pad(self, octets: int) -> int:
-        """Send about so many bytes more, at once, that the viewer does not need; returns how many."""
+        """Send about so many bytes of padding at once; returns how many."""
         ...
 
 
 class Downlink:
-    """Plays a stream to its viewer while it is open, and follows what the viewer's path carries.
+    """Downlink that plays a stream to its viewer while it is open, and adapts to the viewer's path.
 
     Args:
-        stream: what is sent; there is a publisher.
-        sender: takes its frames.
-        tasks: what renditions are played in.
-        clock: for all decisions.
-        round_trip: how many seconds a packet takes there and back, behind all that was sent before; None if unknown.
+        stream: the stream, which has a publisher.
+        sender: sends its frames.
+        tasks: run the players of renditions.
+        clock: times all decisions.
+        round_trip: measures the round trip behind all that was sent before, in seconds; None if unknown.
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class Downlink:
         clock: MediaClock,
         round_trip: Callable[[], Awaitable[float | None]],
     ) -> None:
-        assert stream.publisher is not None, "no application receives what was not offered"
+        assert stream.publisher is not None, "a downlink needs a stream with a publisher"
         self._publisher = stream.publisher
         self._stream = stream
         self._sender = sender
@@ -95,35 +95,35 @@ class Downlink:
         self._preparing: Task[None] | None = None
         self._failing = False
         self.refused = ""
-        """Why there is nothing to send, and will be nothing; empty where there is."""
+        """Why the stream cannot be sent for good; empty if it can."""
         self._rung: Rung | None = None
         self._demand = 0.0
         self.adaptation = Adaptation(stream.caps, clock.now(), stream.path_bitrate)
 
     @property
     def is_open(self) -> bool:
-        """Whether it is played."""
+        """Whether the stream is played."""
         return self._codec is not None
 
     @property
     def pause(self) -> float:
-        """Seconds that are meant to pass between two pictures, where not all of them are sent; else 0."""
+        """Intended seconds between two pictures where single pictures are sent; else 0."""
         return STILL_INTERVAL if self._feed.stills else 0.0
 
     def prepare(self, codec: str) -> None:
-        """Have source and encoder run once for `PREPARATION`, so that the first picture need not wait for them."""
+        """Run source and encoder once for `PREPARATION`, so that the first picture need not wait for them."""
         if self._preparing is None and self._stream.kind == "video":
             self._preparing = self._tasks.start(self._run_ahead(codec), "prepare")
 
     def open(self, codec: str) -> None:
-        """Play it in `codec`, a media type."""
+        """Play the stream in `codec`, a media type."""
         self._codec = codec
         if self._stream.kind == "video":
             self._measuring = self._tasks.start(self._measure(), "measure")
         self.tick(self._clock.now())
 
     def close(self) -> None:
-        """Play nothing more."""
+        """Stop playing."""
         self._codec = None
         self._feed.close()
         if self._measuring is not None:
@@ -131,13 +131,13 @@ class Downlink:
             self._measuring = None
 
     def tick(self, now: float) -> None:
-        """Decide anew what is sent."""
+        """Decide anew which rendition is sent, at which rate."""
         self._notice_stall(now)
         self._ticked = now
         if self._codec is None:
             return
         if self._feed.rendition is not None and self.adaptation.path.doubtful(now):
-            # What is played goes on until it is known whether to believe it; who has nothing yet does not wait.
+            # The present rendition goes on until the doubt is resolved; a viewer without one does not wait.
             return
         try:
             self._decide(self._codec, now)
@@ -150,17 +150,17 @@ class Downlink:
             self._failing = True
 
     def repair(self) -> None:
-        """The viewer needs a key frame."""
+        """Request a key frame for the viewer."""
         self._feed.repair()
 
     def sent(self, frame: EncodedFrame) -> None:
-        """The sender took `frame`."""
+        """Note that the sender has sent `frame`."""
         if self._preparing is not None:
             self._preparing.cancel()
         self.adaptation.path.sent(len(frame.data), self._clock.now())
 
     def reported(self, report: ReceiverReport) -> None:
-        """The viewer reported on what it received; while nothing is sent, that says nothing of its path."""
+        """Apply a receiver report; while the stream is closed, it says nothing of the path."""
         if not self.is_open:
             return
         now = self._clock.now()
@@ -169,7 +169,7 @@ class Downlink:
         self._see_to_doubt(now)
 
     def estimated(self, bitrate: int) -> None:
-        """The viewer estimated what its path carries, in bit/s; while nothing is sent, that says nothing."""
+        """Apply the viewer's estimate of its path, in bit/s; while the stream is closed, it says nothing."""
         if not self.is_open:
             return
         now = self._clock.now()
@@ -178,7 +178,7 @@ class Downlink:
         self._see_to_doubt(now)
 
     def figures(self) -> AdaptationStats | None:
-        """What was decided last; None where there is nothing to choose."""
+        """Return the last decision; None for a source with one rendition."""
         rung, path = self._rung, self.adaptation.path
         if rung is None:
             return None
@@ -194,13 +194,13 @@ class Downlink:
         )
 
     async def _run_ahead(self, codec: str) -> None:
-        with suppress(Exception):  # what fails will fail again, and be told, when it is played
+        with suppress(Exception):  # a failure will recur, and be reported, when the stream is played
             rendition, _ = self._choose(codec, self._clock.now())
             async with rendition.prepare():
                 await self._clock.sleep_until(self._clock.now() + PREPARATION)
 
     async def _measure(self) -> None:
-        """Find out, whenever there is a question, how late a packet is behind a burst."""
+        """Measure, whenever a probe is due, how late a packet is behind a burst."""
         path = self.adaptation.path
         trips = deque([await self._trip() for _ in range(_TRIPS)], 2 * _TRIPS)
         least = min(trips)
@@ -211,7 +211,7 @@ class Downlink:
                 self._asked.clear()
                 continue
             for _ in range(_TRIPS):
-                # What waits already is not of the burst.
+                # Packets that wait already are not of the burst.
                 trip = await self._trip()
                 trips.append(trip)
                 least = min(least, trip)
@@ -226,7 +226,7 @@ class Downlink:
             self.tick(self._clock.now())
 
     async def _check(self, least: float) -> float:
-        """See whether there is a queue, while a complaint of one is in doubt; returns the shortest trip by now."""
+        """Check for a queue, while a complaint of one is in doubt; returns the shortest trip by now."""
         path = self.adaptation.path
         while path.doubtful(self._clock.now()):
             trip = await self._trip()
@@ -241,13 +241,13 @@ class Downlink:
             self._asked.set()
 
     def _notice_stall(self, now: float) -> None:
-        """What comes after a pause of this process has waited here."""
+        """Note a pause of this process, in which packets have waited here."""
         if now - self._ticked > _LATE:
             self._ticked = now
             self.adaptation.path.stalled(now)
 
     def _pad(self, wanted: int) -> int:
-        """Send a burst; at first there is not much that can be sent again, and it is sent several times."""
+        """Send a burst; early, the few packets that can be sent again are repeated several times."""
         sent = 0
         for _ in range(_REPETITIONS):
             sent += self._sender.pad(wanted - sent)
@@ -256,12 +256,12 @@ class Downlink:
         return sent
 
     async def _trip(self) -> float:
-        """Return the shortest of some round trips that begin together: what each waits for by chance says nothing."""
+        """Return the shortest of several concurrent round trips, which leaves out delays by chance."""
         trips = await asyncio.gather(*(self._round_trip() for _ in range(_AT_ONCE)))
         return min((trip for trip in trips if trip is not None), default=inf)
 
     def _choose(self, codec: str, now: float) -> tuple[SharedRendition, Decision | None]:
-        """The rendition to play, and what was decided; None where there is nothing to choose."""
+        """Return the rendition to play, and the decision; None for a source with one rendition."""
         renditions = self._publisher.renditions(codec, self._stream.caps.fps)
         standings = [Standing(each.rung, each.least(self._feed)) for each in renditions if each.rung is not None]
         if not standings:

@@ -1,4 +1,4 @@
-"""Finds the candidates of a peer connection: its own addresses at once, and what servers know when they say so."""
+"""Gathering of ICE candidates: this machine's addresses at once, and those of servers when they answer."""
 
 import asyncio
 import logging
@@ -17,41 +17,41 @@ from openrois_streaming.network.settings import NetworkSettings, PortRange
 from openrois_streaming.tasks import OwnedTasks
 
 SERVER_TIMEOUT = 10.0
-"""Seconds that a server has to answer. Nothing waits for it."""
+"""Seconds that a server has to answer. Descriptions do not wait for it."""
 
 RELAY_TIMEOUT = 4.0
-"""Seconds that TURN servers have where nothing but a relay may be used; less than an offer may take to be made."""
+"""Seconds that TURN servers have where only a relay may be used; less than an offer may take to be made."""
 
 PORT_TRIES: Final = 256
-"""Ports of a range that are tried for one socket."""
+"""Ports of a range tried for one socket."""
 
-_NOT_TOLD: Final = ("0.0.0.0", 9)  # noqa: S104 instead of a related address that is nobody's business (RFC 8839 section 5.1)
+_HIDDEN: Final = ("0.0.0.0", 9)  # noqa: S104 hides the related address (RFC 8839 section 5.1)
 
 _log = logging.getLogger(__name__)
 
 
 class Gathering:
-    """The candidates of one connection.
+    """Candidates of one connection.
 
-    `first` is for the first description; `go_on` then asks the servers, and `tell` gets what they add, as
-    candidate-attributes (RFC 8839 section 5.1), and None when nothing more will come. To be closed.
+    `first` is for the first description; `go_on` then asks the servers, and `on_candidate` gets their candidates as
+    attributes (RFC 8839 section 5.1), and None after the last. To be closed.
     """
 
-    def __init__(self, network: NetworkSettings, servers: Servers, tell: Callable[[str | None], None]) -> None:
+    def __init__(self, network: NetworkSettings, servers: Servers, on_candidate: Callable[[str | None], None]) -> None:
         self._network = network
         self._servers = servers
-        self._tell = tell
+        self._on_candidate = on_candidate
         self._hosts: list[Candidate] = []
         self._known: set[tuple[str, int]] = set()
         self._tasks = OwnedTasks("gathering", self._failed)
         self.complete = not servers
-        """Whether no more candidates will come."""
+        """Whether gathering is complete."""
 
     async def first(self, agent: IceAgent) -> list[Candidate]:
-        """The candidates that can be had at once: of this machine, or where there must be no other, of relays.
+        """Return the first candidates: of this machine, or of relays where those are required.
 
         Raises:
-            NoPath: there are none, and why.
+            NoPath: there are none; the text says why.
         """
         if self._network.relay_only:
             self.complete = True
@@ -61,7 +61,7 @@ class Gathering:
             addresses = media_addresses(self._network.interfaces)
         except NoInterface as error:
             _log.error("%s", error)
-            raise NoPath("the engine has not the network interface that it is set to use") from None
+            raise NoPath("the engine lacks the network interface that --interface names") from None
         refused: OSError | None = None
         for address in addresses:
             try:
@@ -70,32 +70,33 @@ class Gathering:
                 refused = error
                 _log.warning("media cannot use %s: %s", address, error.strerror or error)
         if not self._hosts:
-            of = "the engine's UDP ports are free" if self._network.ports else "the engine's addresses can be used"
-            raise NoPath(f"none of {of}") from refused
-        return [candidate for host in self._hosts for candidate in self._as_told(host)]
+            ports_used = "none of the engine's UDP ports are free: widen --udp-ports"
+            no_address = "none of the engine's addresses can be used: choose others with --interface"
+            raise NoPath(ports_used if self._network.ports else no_address) from refused
+        return [candidate for host in self._hosts for candidate in self._candidates_of(host)]
 
     def go_on(self, agent: IceAgent) -> None:
-        """Ask the servers. To be called once, when the first description is made."""
+        """Ask the servers for candidates. To be called once, when the first description is made."""
         if not self.complete:
             self._tasks.start(self._ask_all(agent), "servers")
 
     async def aclose(self) -> None:
-        """Ask nobody any more."""
+        """Stop asking servers."""
         await self._tasks.aclose()
 
-    def _as_told(self, host: Candidate) -> list[Candidate]:
-        """The candidates that stand for one socket of this machine before anybody is asked."""
-        told = []
+    def _candidates_of(self, host: Candidate) -> list[Candidate]:
+        """Return the candidates of one socket of this machine that need no server."""
+        candidates = []
         if self._network.policy.permits(host.host) or self._network.candidates == "lan":
-            told.append(host)
+            candidates.append(host)
         public = self._network.public_address
         if public is not None and ":" not in host.host and public != host.host:
-            told.append(self._reflexive(host, public, host.port))
-        self._known.update((each.host, each.port) for each in told)
-        return told
+            candidates.append(self._reflexive(host, public, host.port))
+        self._known.update((each.host, each.port) for each in candidates)
+        return candidates
 
     def _reflexive(self, host: Candidate, address: str, port: int) -> Candidate:
-        related = (host.host, host.port) if self._network.candidates == "lan" else _NOT_TOLD
+        related = (host.host, host.port) if self._network.candidates == "lan" else _HIDDEN
         return local_candidate("srflx", address, port, base=host.host, related=related)
 
     async def _ask_all(self, agent: IceAgent) -> None:
@@ -103,7 +104,7 @@ class Gathering:
         asked += [self._ask_turn(agent, server) for server in self._servers.turn]
         await asyncio.gather(*asked)
         self.complete = True
-        self._tell(None)
+        self._on_candidate(None)
 
     async def _ask_stun(self, agent: IceAgent, host: Candidate, server: StunServer) -> None:
         try:
@@ -114,7 +115,7 @@ class Gathering:
                 )
                 address, port = await agent.ask_stun(host, (str(found[0][4][0]), server.port))
         except (OSError, stun.TransactionError) as error:
-            _log.info("%s does not say how %s is seen: %r", server.url, host.host, error)
+            _log.info("%s does not answer how %s is seen: %r", server.url, host.host, error)
             return
         if (address, port) not in self._known:
             self._known.add((address, port))
@@ -132,11 +133,11 @@ class Gathering:
 
     def _found(self, agent: IceAgent, candidate: Candidate) -> None:
         agent.add(candidate)
-        self._tell(f"candidate:{candidate.to_sdp()}")
+        self._on_candidate(f"candidate:{candidate.to_sdp()}")
 
     async def _relays_alone(self, agent: IceAgent) -> list[Candidate]:
         if not self._servers.turn:
-            raise NoPath("media may pass over a relay only, and the engine knows no TURN server")
+            raise NoPath("the engine is set to relays only and has no TURN server: configure one")
         tries = [
             self._tasks.start(_within(RELAY_TIMEOUT, agent, server), f"relay {server.host}")
             for server in self._servers.turn
@@ -151,12 +152,12 @@ class Gathering:
                 why = explain(outcome)
                 _log.warning("%s does not relay: %s", server.url, why)
         if not relays:
-            raise NoPath(f"media may pass over a relay only, and there is none: {why}")
+            raise NoPath(f"the engine is set to relays only and got none: {why}")
         return relays
 
     @staticmethod
     def _failed(error: BaseException) -> None:
-        _log.error("gathering candidates failed inside", exc_info=error)
+        _log.error("an internal error stopped gathering", exc_info=error)
 
 
 async def _within(seconds: float, agent: IceAgent, server: TurnServer) -> Candidate | Exception:
@@ -168,7 +169,7 @@ async def _within(seconds: float, agent: IceAgent, server: TurnServer) -> Candid
 
 
 def explain(error: Exception) -> str:
-    """Why a TURN server does not relay, as a clause for a person."""
+    """Return why a TURN server does not relay, as a clause for a person."""
     if isinstance(error, stun.TransactionFailed):
         if error.response.error_code in (401, 403, 438, 441):
             return "the TURN server refuses the credentials"
@@ -181,7 +182,7 @@ def explain(error: Exception) -> str:
 
 
 def _ports(chosen: PortRange | None) -> Sequence[int]:
-    """The ports to try, in an order that spreads the sockets; 0 is any."""
+    """Return the ports to try, in an order that spreads the sockets; 0 is any."""
     if chosen is None:
         return (0,)
     every = range(chosen.first, chosen.last + 1)

@@ -1,4 +1,4 @@
-"""The two data channels of a peer connection, over which an application sends what a person does."""
+"""Data channels of operator input: `input` and `control` of one peer connection."""
 
 from collections.abc import Callable, Sequence
 from typing import Final, Protocol, TypeAlias
@@ -17,110 +17,110 @@ __all__ = [
     "InputPath",
     "InputSink",
     "MakeChannels",
+    "OnMessage",
     "OpenChannels",
     "SessionInput",
-    "Take",
     "is_open",
     "send",
 ]
 
 INPUT_ID: Final = 0
 CONTROL_ID: Final = 1
-"""The negotiated ids of the channels."""
+"""Negotiated ids of the channels."""
 UNSENT_LIMIT: Final = 16 * 1024
-"""Bytes that may wait to be sent to the application; then it is told no more."""
+"""Bytes that may wait to be sent to the application; beyond that messages are dropped."""
 
 _LABELS: Final[dict[int, Label]] = {INPUT_ID: "input", CONTROL_ID: "control"}
 
 
-Take: TypeAlias = Callable[[Label, str | bytes], None]
-"""Gets each message and the channel it came in."""
+OnMessage: TypeAlias = Callable[[Label, str | bytes], None]
+"""Callback for each message with its channel."""
 
 
 class InputSink(Protocol):
-    """Who hears what an application sends over its channels. All calls are made in the event loop."""
+    """Sink of the messages of an application's channels. All calls are made in the event loop."""
 
     def input_came(self, label: Label, data: str | bytes) -> None:
-        """A message, as it came."""
+        """Handle a message as it came."""
         ...
 
     def input_lost(self, reason: str) -> None:
-        """Nothing can come any more over any peer connection of the application, until something comes again."""
+        """Handle the loss of all channels of the application; input may come again later."""
         ...
 
 
 class Channels:
-    """`input`, unordered and never repeated, and `control`, which keeps the order and loses nothing.
+    """Channels `input`, unordered and unreliable, and `control`, ordered and reliable.
 
-    Both are negotiated, so they have to be made before the connection is described.
+    Both are negotiated, so they must be made before the connection is described.
 
     Args:
         connection: a peer connection with at least one section.
-        figures: where is counted what is not taken in.
-        take: gets each message.
-        on_closed: called when they are closed, by either end.
+        figures: count dropped data.
+        on_message: gets each message.
+        on_closed: called when either end closes them.
     """
 
     def __init__(
         self,
         connection: RTCPeerConnection,
         figures: GuardFigures,
-        take: Take,
+        on_message: OnMessage,
         on_closed: Callable[[], None],
     ) -> None:
-        self._take = take
+        self._on_message = on_message
         self._input = connection.createDataChannel(
             "input", negotiated=True, id=INPUT_ID, ordered=False, maxRetransmits=0
         )
         self._control = connection.createDataChannel("control", negotiated=True, id=CONTROL_ID)
         for channel in (self._input, self._control):
             channel.on("close", on_closed)
-        contain_channels(self._control.transport, MESSAGE_LIMIT, figures, self._came)
+        contain_channels(self._control.transport, MESSAGE_LIMIT, figures, self._receive)
 
     @property
     def are_open(self) -> bool:
-        """Whether messages can come in both."""
+        """Whether both channels are open."""
         return is_open(self._input) and is_open(self._control)
 
-    def tell(self, message: str | bytes) -> bool:
-        """Send the application a message over `control`; False if it is not open, or the application does not read."""
+    def send_message(self, message: str | bytes) -> bool:
+        """Send the application a message over `control`; False if it is not open, or too much waits."""
         return send(self._control, message)
 
-    def _came(self, stream_id: int, data: str | bytes) -> None:
+    def _receive(self, stream_id: int, data: str | bytes) -> None:
         label = _LABELS.get(stream_id)
         if label is not None:
-            self._take(label, data)
+            self._on_message(label, data)
 
 
 class OpenChannels(Protocol):
-    """Channels that were made, as far as others look at them."""
+    """Data channels of one peer connection."""
 
     @property
     def are_open(self) -> bool:
-        """Whether messages can come in both."""
+        """Whether both channels are open."""
         ...
 
-    def tell(self, message: str | bytes) -> bool:
-        """Send the application a message; False if it cannot be told."""
+    def send_message(self, message: str | bytes) -> bool:
+        """Send the application a message; False if it cannot be sent."""
         ...
 
 
-MakeChannels: TypeAlias = Callable[[RTCPeerConnection, GuardFigures, Take, Callable[[], None]], OpenChannels]
-"""Makes the channels of a peer connection, with the arguments of `Channels`."""
+MakeChannels: TypeAlias = Callable[[RTCPeerConnection, GuardFigures, OnMessage, Callable[[], None]], OpenChannels]
+"""Factory of the channels of a peer connection, with the arguments of `Channels`."""
 
 
 class InputPath:
-    """The way of what a person does over one peer connection, which has no data channels until they are wanted.
+    """Operator input over one peer connection, which has no data channels until they are wanted.
 
     Args:
-        make: makes them.
-        renegotiate: offers them.
-        on_closed: called once, when they are closed before the connection ends.
+        make: makes the channels.
+        renegotiate: makes an offer with them.
+        on_closed: called once, if they are closed before the connection ends.
     """
 
     def __init__(
         self,
-        make: Callable[[Take, Callable[[], None]], OpenChannels],
+        make: Callable[[OnMessage, Callable[[], None]], OpenChannels],
         renegotiate: Callable[[], None],
         on_closed: Callable[[], None],
     ) -> None:
@@ -130,23 +130,23 @@ class InputPath:
         self._channels: OpenChannels | None = None
         self._ended = False
 
-    def want(self, take: Take) -> None:
-        """Have them from the next offer on, and give `take` what comes; wanting them twice is fine."""
+    def want(self, on_message: OnMessage) -> None:
+        """Make the channels for the next offer, with `on_message`; further calls have no effect."""
         if self._channels is None:
-            self._channels = self._make(take, self._closed)
+            self._channels = self._make(on_message, self._closed)
             self._renegotiate()
 
     @property
     def is_open(self) -> bool:
-        """Whether messages can come."""
+        """Whether the channels are open."""
         return self._channels is not None and not self._ended and self._channels.are_open
 
-    def tell(self, message: str | bytes) -> bool:
-        """Tell the application something; False if it cannot be told over this way."""
-        return self._channels is not None and not self._ended and self._channels.tell(message)
+    def send_message(self, message: str | bytes) -> bool:
+        """Send the application a message; False if it cannot be sent over this connection."""
+        return self._channels is not None and not self._ended and self._channels.send_message(message)
 
-    def end(self) -> None:
-        """The connection has ended."""
+    def close(self) -> None:
+        """Close with the connection."""
         self._ended = True
 
     def _closed(self) -> None:
@@ -156,11 +156,11 @@ class InputPath:
 
 
 class SessionInput:
-    """What the person at an application does, over whichever peer connections it has.
+    """Operator input of an application, over all of its peer connections.
 
     Args:
-        sink: hears it; None: nobody wants to know, and there are no channels.
-        ways: of the peer connections that have not ended, the present one first.
+        sink: gets the input; None: there are no channels.
+        ways: returns the input paths of the peer connections that have not ended, the present one first.
     """
 
     def __init__(self, sink: InputSink | None, ways: Callable[[], Sequence[InputPath]]) -> None:
@@ -169,28 +169,28 @@ class SessionInput:
         self._wanted = False
 
     def open(self) -> None:
-        """Have channels on every peer connection from now on; doing it twice is fine."""
+        """Open channels on every peer connection from now on; further calls have no effect."""
         self._wanted = True
         self.follow()
 
     def follow(self) -> None:
-        """The present peer connection may be another one."""
+        """Open channels on the present peer connection, which may be a new one."""
         if self._wanted and self._sink is not None:
             for way in self._ways()[:1]:
                 way.want(self._sink.input_came)
 
-    def tell(self, message: str | bytes) -> None:
-        """Tell the application something; lost where no channel is open for it, or the application is too slow."""
-        any(way.tell(message) for way in self._ways())
+    def send_message(self, message: str | bytes) -> None:
+        """Send the application a message; it is lost if no channel is open, or the application is too slow."""
+        any(way.send_message(message) for way in self._ways())
 
     def lost(self, reason: str) -> None:
-        """Nothing comes over one of the ways any more."""
+        """Notify the sink if the last open channels were lost."""
         if self._wanted and self._sink is not None and not any(way.is_open for way in self._ways()):
             self._sink.input_lost(reason)
 
 
 def is_open(channel: RTCDataChannel) -> bool:
-    """Whether messages can be sent over a channel, and come."""
+    """Tell whether a channel is open."""
     return bool(channel.readyState == "open")
 
 

@@ -1,4 +1,4 @@
-"""One peer connection to one application: its negotiation, its streams, and whether the other end is still there."""
+"""Peer connection to one application: its negotiation, its streams, and the liveness of the other end."""
 
 import asyncio
 import logging
@@ -36,43 +36,43 @@ CONNECT_TIMEOUT = 15.0
 """Seconds from the first answer in place until media can pass."""
 
 CLOCKS_INTERVAL = 5.0
-"""Seconds after which the application is told anew when what it receives was captured: the clock may have been set."""
+"""Seconds after which the application is sent new capture clocks: this machine's clock may have been set."""
 
 _log = logging.getLogger(__name__)
 
 
 class PeerOwner(Protocol):
-    """Who hears of a peer connection. All calls are made in the event loop and must not block."""
+    """Owner of a peer connection, which is notified. All calls are made in the event loop and must not block."""
 
     def peer_says(self, message: Downward) -> None:
-        """`message` is for the application."""
+        """Send `message` to the application."""
         ...
 
     def peer_answered(self) -> None:
-        """An answer was applied."""
+        """Note that an answer was applied."""
         ...
 
     def peer_changed(self, peer: "Peer") -> None:
-        """Media can pass over more of it than before."""
+        """Note that media can pass over more of the peer than before."""
         ...
 
     def peer_declined(self, peer: "Peer", stream: Stream) -> None:
-        """The application wants nothing of `stream` here, or can be sent nothing: it is to be detached."""
+        """Detach `stream`, which the application declines or which cannot be sent."""
         ...
 
     def peer_ended(self, peer: "Peer") -> None:
-        """It has ended for good, and its bye is said."""
+        """Note that the peer has ended for good, and that its bye was sent."""
         ...
 
     def peer_muted(self, reason: str) -> None:
-        """What a person does cannot come over one of its peer connections any more, though that goes on."""
+        """Note that the peer has lost its input channels, though it goes on."""
         ...
 
 
 class Peer:
-    """A peer connection by the name of `peer_id`, which takes the place of `replaces` if that is given.
+    """Peer connection `peer_id`, which replaces the peer `replaces` if that is given.
 
-    `tick` must be called several times a second. What it starts belongs to `tasks`.
+    `tick` must be called several times a second. Its tasks belong to `tasks`.
     """
 
     def __init__(
@@ -90,9 +90,9 @@ class Peer:
         channels: MakeChannels,
     ) -> None:
         self.peer_id = peer_id
-        self.legs: dict[Stream, StreamPath] = {}
+        self.stream_paths: dict[Stream, StreamPath] = {}
         self.viewer: Viewer | None = None
-        """The other end; None until media can pass."""
+        """The viewer at the other end; None until media can pass."""
         self._clock = clock
         self._tasks = tasks
         self._owner = owner
@@ -106,22 +106,22 @@ class Peer:
             clock.wall() - clock.now(),
             self._connection_is,
             self._sign_of_life,
-            self._found,
+            self._send_candidate,
         )
         self.input = InputPath(
             partial(self._connection.open_channels, channels),
             self._renegotiate,
             lambda: owner.peer_muted("the application closed its data channels"),
         )
-        """For what a person does, after the first stream."""
+        """Operator input, available after the first stream."""
         self._answered_at: float | None = None
-        self._clocks_told: tuple[str, ...] = ()
+        self._clocks_sent: tuple[str, ...] = ()
         self._clocks_due = 0.0
         self._work: Task[object] | None = None
         self.ended = False
-        """Whether it is over for good."""
+        """Whether the peer has ended for good."""
         self.reason = ""
-        """Why it has ended."""
+        """Why the peer has ended."""
         self._closing: Task[None] | None = None
 
     def attach(self, stream: Stream) -> None:
@@ -129,45 +129,45 @@ class Peer:
 
         Raises:
             TooManySections: there is no section to spare.
-            PeerClosed: the application has closed it.
+            PeerClosed: the application has closed the peer connection.
         """
         section = self._connection.section_for(stream)
-        section.leg = self.legs[stream] = StreamPath(stream, section, self._tasks, self._clock)
+        section.stream_path = self.stream_paths[stream] = StreamPath(stream, section, self._tasks, self._clock)
         self._renegotiate()
 
     def detach(self, stream: Stream) -> None:
         """Stop `stream`, at once; its section becomes idle with the next offer."""
-        leg = self.legs.pop(stream, None)
-        if leg is None:
+        path = self.stream_paths.pop(stream, None)
+        if path is None:
             return
-        leg.close()
-        leg.section.leg = None
+        path.close()
+        path.section.stream_path = None
         if not self.ended:
             self._renegotiate()
 
     def follow(self) -> None:
-        """Pass what is to be passed now, and nothing else."""
+        """Send and receive as the phases of the streams demand now."""
         connected = self.viewer is not None and not self.ended
-        for leg in self.legs.values():
-            leg.up = connected and leg.listed_by(self._negotiation.answered)
-            leg.follow()
+        for path in self.stream_paths.values():
+            path.up = connected and path.listed_by(self._negotiation.answered)
+            path.follow()
 
     def judge(self, stream: Stream, now: float) -> Progress | None:
-        """What was measured about `stream` here; None if it has no media path here."""
-        leg = self.legs.get(stream)
-        if leg is None or not leg.up or self.viewer is None:
+        """Judge `stream` on this peer; None if it has no media path here."""
+        path = self.stream_paths.get(stream)
+        if path is None or not path.up or self.viewer is None:
             return None
-        return leg.judge(now, self.viewer.seen)
+        return path.judge(now, self.viewer.seen)
 
-    async def answer(self, answer: Answer) -> None:
-        """Apply an answer. It is applied to its end also when the caller is cancelled.
+    async def apply_answer(self, answer: Answer) -> None:
+        """Apply an answer, completely even if the caller is cancelled.
 
         Raises:
             UnknownPeer: the peer has ended.
-            UnexpectedAnswer: no offer waits for it; it was dropped.
+            UnexpectedAnswer: no offer waits for it; it is dropped.
             InvalidDescription: it cannot be used; the peer has ended for good.
         """
-        verdict = self._negotiation.answer(answer, self._clock.now())
+        verdict = self._negotiation.receive_answer(answer, self._clock.now())
         if verdict is Verdict.ENDED:
             raise UnknownPeer("the peer connection has ended")
         if verdict is Verdict.STALE:
@@ -178,30 +178,30 @@ class Peer:
         if refusal is not None:
             raise refusal
 
-    async def candidate(self, candidate: Candidate) -> None:
-        """Take a candidate of the application in, now or when its answer is in place.
+    async def add_candidate(self, candidate: Candidate) -> None:
+        """Add a candidate of the application, now or once its answer is applied.
 
-        The end of candidates is not passed on: aiortc would give up as soon as the candidates it knows have failed,
-        although a browser that hides its addresses is only found by its own checks.
+        The end of candidates is not passed on: aiortc would give up as soon as the known candidates have failed,
+        although a browser that hides its addresses is found only by its own checks.
 
         Raises:
             UnknownPeer: the peer has ended.
-            StaleGeneration: its generation is not the present one.
-            TooManyCandidates: the peer has had as many as it may.
+            StaleGeneration: it is of another generation than the present one.
+            TooManyCandidates: the limit of the peer is reached.
             InvalidCandidate: it cannot be used.
         """
         verdict = self._negotiation.candidate(candidate)
         if verdict is Verdict.ENDED:
             raise UnknownPeer("the peer connection has ended")
         if verdict is Verdict.STALE:
-            raise StaleGeneration(f"a candidate of generation {candidate.generation} is not awaited")
+            raise StaleGeneration(f"a candidate of generation {candidate.generation} belongs to another offer")
         if verdict is Verdict.FULL:
-            raise TooManyCandidates("the peer connection has had all its candidates")
+            raise TooManyCandidates("the peer connection has reached its limit of candidates: restart it")
         if candidate.candidate:
             await self._connection.add_candidate(candidate.candidate, only_check=verdict is Verdict.HELD)
 
     def tick(self, now: float, late: float = 0.0) -> None:
-        """Judge deadlines and signs of life at the time `now`; for `late` seconds before, nobody listened."""
+        """Check deadlines and signs of life at the time `now`; `late` seconds before it do not count."""
         if self.ended:
             return
         if late:
@@ -212,39 +212,39 @@ class Peer:
         if bye is not None:
             self._finish(bye)
         elif self._connection.sender_failed:
-            self.end("a sender has failed")
+            self.end_connection("a sender has failed")
         elif misuse := self._connection.misuse:
             _log.info("a peer connection is ended: %s", misuse)
-            self.end(misuse)
+            self.end_connection(misuse)
         elif self.viewer is None:
             if self._answered_at is not None and now - self._answered_at >= CONNECT_TIMEOUT:
-                self.end("no media path to the application was found")
+                self.end_connection("no media path to the application was found")
         else:
-            self._tick_legs(now)
-            self._tell_clocks(now)
+            self._tick_paths(now)
+            self._send_capture_clocks(now)
             self.viewer.excuse(late)
             self._watch(self.viewer, now)
 
-    def _tick_legs(self, now: float) -> None:
-        for stream, leg in tuple(self.legs.items()):
-            leg.tick(now)
-            if leg.refused:
-                _log.warning("the stream %s ends: %s", stream.stream_id, leg.refused)
+    def _tick_paths(self, now: float) -> None:
+        for stream, path in tuple(self.stream_paths.items()):
+            path.tick(now)
+            if path.refused:
+                _log.warning("the stream %s ends: %s", stream.stream_id, path.refused)
                 self._owner.peer_declined(self, stream)
 
-    def end(self, reason: str) -> None:
-        """End it for good. The application is told `reason`; closing goes on in a task."""
-        bye = self._negotiation.end(reason)
+    def end_connection(self, reason: str) -> None:
+        """End the peer for good. The application is sent a bye with `reason`; closing goes on in a task."""
+        bye = self._negotiation.end_negotiation(reason)
         if bye is not None:
             self._finish(bye)
 
     @property
     def is_closed(self) -> bool:
-        """Whether it has ended and aiortc has closed it."""
+        """Whether the peer has ended and aiortc has closed it."""
         return self._closing is not None and self._closing.done()
 
     async def closed(self) -> None:
-        """Wait until it is closed, which takes a bounded time; it must have ended."""
+        """Wait until the ended peer is closed, which takes a bounded time."""
         assert self._closing is not None, "a peer connection is closed when it has ended"
         await asyncio.wait({self._closing})
 
@@ -258,20 +258,20 @@ class Peer:
             sdp, streams = await self._connection.describe(self._negotiation.generation + 1)
             offer = self._negotiation.made(sdp, streams, self._clock.now())
         except (NoPath, PeerClosed) as refusal:
-            self.end(str(refusal))
+            self.end_connection(str(refusal))
         except Exception:
             _log.exception("no offer could be made")
-            self.end("no offer could be made")
+            self.end_connection("no offer could be made")
         else:
             self._owner.peer_says(offer)
 
     async def _apply(self, sdp: str) -> SessionError | None:
-        """Apply an answer; returns why it was refused, which ends the peer: it may be half applied."""
+        """Apply an answer; returns its refusal, which ends the peer, as it may be half applied."""
         try:
             candidates = await self._connection.apply(sdp)
         except InvalidDescription as refusal:
             _log.info("an answer was refused: %s (%r)", refusal, type(refusal.__cause__))
-            self.end(str(refusal))
+            self.end_connection(str(refusal))
             return refusal
         held = self._negotiation.applied(self._clock.now())
         if self._answered_at is None:
@@ -282,34 +282,34 @@ class Peer:
                 await self._connection.add_candidate(attribute)
             except InvalidCandidate:
                 _log.debug("a candidate cannot be used")
-        self._heed()
+        self._detach_declined()
         self.follow()
         if self.viewer is None:
-            for leg in self.legs.values():
-                leg.prepare()
+            for path in self.stream_paths.values():
+                path.prepare()
         self._owner.peer_changed(self)
         if self._negotiation.dirty:
             self._renegotiate()
         return None
 
-    def _heed(self) -> None:
-        """Let go of the streams of which the application has answered that it wants nothing."""
-        for stream, leg in tuple(self.legs.items()):
-            answered = leg.section.answered
-            if leg.listed_by(self._negotiation.answered) and answered != stream.direction:
-                told = "the application answers %s to the %s stream %s"
-                _log.info(told, answered, stream.direction, stream.stream_id)
-                if leg.declined:
+    def _detach_declined(self) -> None:
+        """Detach the streams that the application has declined in its answer."""
+        for stream, path in tuple(self.stream_paths.items()):
+            answered = path.section.answered
+            if path.listed_by(self._negotiation.answered) and answered != stream.direction:
+                text = "the application answers %s to the %s stream %s"
+                _log.info(text, answered, stream.direction, stream.stream_id)
+                if path.declined:
                     self._owner.peer_declined(self, stream)
 
-    def _found(self, candidate: str | None) -> None:
-        """A candidate of this end was found after the offer."""
+    def _send_candidate(self, candidate: str | None) -> None:
+        """Send a candidate of this end that was found after the offer."""
         if not self.ended:
             mid = self._connection.sections[0].mid if candidate else None
-            told = Candidate(
+            message = Candidate(
                 peer_id=self.peer_id, generation=self._negotiation.generation, candidate=candidate, sdp_mid=mid
             )
-            self._owner.peer_says(told)
+            self._owner.peer_says(message)
 
     def _connection_is(self, state: str) -> None:
         if self.ended:
@@ -317,27 +317,29 @@ class Peer:
         if state == "connected" and self.viewer is None:
             self.viewer = Viewer(self._clock.now())
             self.follow()
-            self._tell_clocks(self._clock.now())
+            self._send_capture_clocks(self._clock.now())
             self._owner.peer_changed(self)
         elif state == "failed":
-            self.end("the media path to the application was lost")
+            self.end_connection("the media path to the application was lost")
         elif state == "closed":
-            self.end("the application closed the peer connection")
+            self.end_connection("the application closed the peer connection")
 
-    def _tell_clocks(self, now: float) -> None:
-        """Say when what is sent was captured: of other senders than before at once, of the same ones now and then."""
-        clocks = tuple(clock for clock in (leg.capture_clock() for leg in self.legs.values()) if clock is not None)
+    def _send_capture_clocks(self, now: float) -> None:
+        """Send capture clocks: for new senders at once, for the same ones every `CLOCKS_INTERVAL`."""
+        clocks = tuple(
+            clock for clock in (path.capture_clock() for path in self.stream_paths.values()) if clock is not None
+        )
         mids = tuple(clock.mid for clock in clocks)
-        if not clocks or (mids == self._clocks_told and now < self._clocks_due):
+        if not clocks or (mids == self._clocks_sent and now < self._clocks_due):
             return
-        self._clocks_told, self._clocks_due = mids, now + CLOCKS_INTERVAL
+        self._clocks_sent, self._clocks_due = mids, now + CLOCKS_INTERVAL
         self._owner.peer_says(CaptureClocks(peer_id=self.peer_id, senders=clocks))
 
     def _watch(self, viewer: Viewer, now: float) -> None:
         if viewer.gone(now):
-            self.end("the viewer is gone")
+            self.end_connection("the viewer is gone")
             return
-        waiting = any(self.judge(stream, now) is Progress.UNANSWERED for stream in self.legs)
+        waiting = any(self.judge(stream, now) is Progress.UNANSWERED for stream in self.stream_paths)
         if viewer.ask(now, urgent=waiting):
             self._tasks.start(self._connection.ask_for_a_sign(), "ask for a sign of life")
 
@@ -348,7 +350,7 @@ class Peer:
     def _finish(self, bye: Bye) -> None:
         self.ended = True
         self.reason = bye.reason
-        self.input.end()
+        self.input.close()
         if self._work is not None and self._work is not asyncio.current_task():
             self._work.cancel()
         self.follow()

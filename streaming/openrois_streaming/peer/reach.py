@@ -1,4 +1,4 @@
-"""Whether STUN and TURN servers can be reached from here, and how fast they answer."""
+"""Reachability of STUN and TURN servers from this machine, and their response times."""
 
 import asyncio
 import time
@@ -16,12 +16,12 @@ TIMEOUT = 5.0
 
 
 class Unreachable(Exception):
-    """The server does not do what it is for; the text is a clause that says why."""
+    """Failure of a server; the text is a clause that says why."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reached:
-    """What a server gave: an address and port, and after how many seconds."""
+    """Address and port that a server gave, and its response time in seconds."""
 
     address: str
     port: int
@@ -29,7 +29,7 @@ class Reached:
 
 
 class _Asking(asyncio.DatagramProtocol):
-    """A socket that asks one STUN server."""
+    """Socket that asks one STUN server."""
 
     def __init__(self) -> None:
         self.transactions: dict[bytes, stun.Transaction] = {}
@@ -41,7 +41,7 @@ class _Asking(asyncio.DatagramProtocol):
         try:
             message = stun.parse_message(data)
             self.transactions[message.transaction_id].response_received(message, addr)
-        except Exception:  # whatever was sent here, it is no answer
+        except Exception:  # hostile or stray bytes are no answer
             return
 
     def send_stun(self, message: stun.Message, addr: tuple[str, int]) -> None:
@@ -49,10 +49,10 @@ class _Asking(asyncio.DatagramProtocol):
 
 
 async def seen_by(server: StunServer) -> Reached:
-    """Under which address a STUN server sees this machine.
+    """Ask a STUN server under which address it sees this machine.
 
     Raises:
-        Unreachable: it does not say.
+        Unreachable: the server does not answer.
     """
     began = time.monotonic()
     try:
@@ -76,10 +76,10 @@ async def seen_by(server: StunServer) -> Reached:
 
 
 async def relayed_by(server: TurnServer) -> Reached:
-    """The address at which a TURN server would relay; it is given back at once.
+    """Ask a TURN server for the address of a relay, which is released at once.
 
     Raises:
-        Unreachable: it does not relay.
+        Unreachable: the server does not relay.
     """
     began = time.monotonic()
     try:

@@ -1,4 +1,4 @@
-"""Our own RTP receiver: what an application sends in one m-section becomes a source, repaired and reported on."""
+"""RTP receiver: the media of an application in one m-section as a source, repaired and reported on."""
 
 import asyncio
 import logging
@@ -17,12 +17,12 @@ from openrois_streaming.aiortc_internals.receiving import (
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.receive import feedback
 from openrois_streaming.receive.assembly import Request
-from openrois_streaming.receive.figures import ReceiverFigures
 from openrois_streaming.receive.inbound import Arrived, Inbound, Negotiated, SenderReport
 from openrois_streaming.receive.lane import DECODABLE, AudioLane, Lane, VideoLane
 from openrois_streaming.receive.limit import BitrateLimit
 from openrois_streaming.receive.remote_time import RemoteClock
 from openrois_streaming.source.source import MediaSource
+from openrois_streaming.stats import ReceiverFigures
 from openrois_streaming.tasks import OwnedTasks
 
 REPORT_INTERVAL = 0.75
@@ -32,11 +32,11 @@ _log = logging.getLogger(__name__)
 
 
 class RtpReceiver:
-    """Receives in the place of the receiver of `transceiver`; to be made before the first description.
+    """Receiver in place of the receiver of `transceiver`; to be made before the first description.
 
-    `source` is what the application sends, a `MediaSource` of `RawVideo` (I420) or `RawAudio` (stereo). Nothing is
-    decoded while nobody has opened it. It ends when the peer connection does. `frames` are the whole frames that
-    arrived, decoded or not, and `last_frame_at` is when the newest of them did, on `clock`.
+    `source` is the application's media, a `MediaSource` of `RawVideo` (I420) or `RawAudio` (stereo). It is decoded only
+    while it is open. It ends when the peer connection does. `frames` are the whole frames that arrived, decoded or not,
+    and `last_frame_at` is when the newest of them did, on `clock`.
 
     Receivers of one peer connection share `remote`, so that their capture times agree.
     """
@@ -65,24 +65,24 @@ class RtpReceiver:
         self._estimate = BitrateEstimate()
         self._limit = BitrateLimit()
         self._limits: int | None = None
-        """The source that was told."""
+        """The source (SSRC) that was sent a limit."""
         self._wanted = True
         self._packets = self._bytes = self._nacks = self._key_frame_requests = 0
         self._loop = asyncio.get_running_loop()
         self._tasks = OwnedTasks(f"{self._kind} receiver", lambda error: _log.error("a receiver failed: %r", error))
         self._wake = asyncio.Event()
-        self._attends_at = 0.0
+        self._next_check_at = 0.0
         self._started = False
         replace_receiver(transceiver, self)
 
     def pass_media(self, wanted: bool) -> None:
-        """While not `wanted`, packets are counted and dropped unread; afterwards pictures go on with a key frame."""
+        """Set whether media is `wanted`; otherwise packets are counted and dropped. Video resumes with a key frame."""
         self._wanted = wanted
         self._lane.pause()
 
     @property
     def figures(self) -> ReceiverFigures:
-        """What was counted so far; losses and jitter of the source that is received now."""
+        """Counts so far; losses and jitter are of the present source."""
         source = self._inbound.source
         reception = source.reception if source else None
         lane = self._lane.figures
@@ -100,57 +100,57 @@ class RtpReceiver:
             concealed=lane.concealed,
         )
 
-    # What follows is called by the peer connection and its transport.
+    # The following methods are called by the peer connection and its transport.
 
     async def negotiated(self, parameters: Negotiated) -> None:
-        """An answer says what comes."""
+        """Apply the parameters of an answer."""
         self._inbound.negotiated(parameters)
         if not self._started:
             self._started = True
             self._tasks.start(self._run(), "reports")
 
     async def arrived(self, packet: Arrived) -> None:
-        """A packet came. Never raises: the transport would end."""
+        """Receive a packet. Never raises, as that would end the transport."""
         try:
-            await self._take(packet, self._clock.now())
+            await self._handle_packet(packet, self._clock.now())
         except Exception:
             _log.exception("a packet could not be received")
 
     def reported(self, report: SenderReport) -> None:
-        """A sender report came."""
+        """Apply a sender report."""
         self._inbound.reported(report, self._clock.now())
 
     def disconnected(self) -> None:
-        """Nothing more will come."""
-        self._lane.end()
+        """End the source: the transport is disconnected."""
+        self._lane.end_input()
 
     async def stop(self) -> None:
-        """The peer connection closes; aiortc may start this still, where it was about to."""
+        """Stop with the peer connection; aiortc may still start this receiver afterwards, which has no effect."""
         self._started = True
-        self._lane.end()
+        self._lane.end_input()
         await self._tasks.aclose()
 
-    async def _take(self, packet: Arrived, now: float) -> None:
+    async def _handle_packet(self, packet: Arrived, now: float) -> None:
         if not self._inbound.knows(packet):
             return
         self._packets += 1
         self._bytes += packet.size
-        media = self._inbound.take(packet, now)
+        media = self._inbound.receive_packet(packet, now)
         if self._kind == "video":
-            await self._tell_limit(packet, now)
+            await self._send_limit(packet, now)
         if media is None or not self._wanted:
             return
         self._count(self._lane.add(media, now), now)
-        await self._attend(now)
+        await self._check_deadlines(now)
 
-    async def _tell_limit(self, packet: Arrived, now: float) -> None:
+    async def _send_limit(self, packet: Arrived, now: float) -> None:
         estimate = self._estimate.add(packet, now)
         if estimate is not None:
             bitrate, full = estimate
             self._limit.estimated(bitrate, now, full=full)
         source = self._inbound.source
         if source is not None and (estimate is not None or self._limits != source.ssrc):
-            # At the very beginning too: a browser takes a limit that comes in its first two seconds for its start.
+            # Also at the beginning: a browser starts at a limit that comes in its first two seconds.
             self._limits = source.ssrc
             await self._send(feedback.bitrate_limit(self._ssrc, source.ssrc, self._limit.bitrate))
 
@@ -159,13 +159,13 @@ class RtpReceiver:
             self.frames += frames
             self.last_frame_at = now
 
-    async def _attend(self, now: float) -> None:
-        frames, request = self._lane.attend(now)
+    async def _check_deadlines(self, now: float) -> None:
+        frames, request = self._lane.check_deadlines(now)
         self._count(frames, now)
         if request.packets or request.key_frame:
             await self._ask_for(request)
         at = self._lane.next_at
-        if at is not None and at < self._attends_at:
+        if at is not None and at < self._next_check_at:
             self._wake.set()
 
     async def _ask_for(self, request: Request) -> None:
@@ -181,7 +181,7 @@ class RtpReceiver:
             await self._send(feedback.picture_loss(self._ssrc, source.ssrc))
 
     async def _run(self) -> None:
-        """Report, and do what is due while no packet comes."""
+        """Send reports, and check deadlines while no packet comes."""
         report_at = self._clock.now()
         while True:
             now = self._clock.now()
@@ -190,11 +190,11 @@ class RtpReceiver:
                 await self._report(now)
             self._wake.clear()
             if self._wanted:
-                await self._attend(now)
+                await self._check_deadlines(now)
             at = self._lane.next_at if self._wanted else None
-            self._attends_at = min(report_at, at if at is not None else report_at)
+            self._next_check_at = min(report_at, at if at is not None else report_at)
             try:
-                async with asyncio.timeout(max(self._attends_at - self._clock.now(), 0.001)):
+                async with asyncio.timeout(max(self._next_check_at - self._clock.now(), 0.001)):
                     await self._wake.wait()
             except TimeoutError:
                 continue

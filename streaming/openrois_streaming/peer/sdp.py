@@ -1,9 +1,9 @@
-"""What an application says in SDP, cleaned before aiortc sees it.
+"""Checks of an application's SDP before it reaches aiortc.
 
-aiortc's parser meets hostile text with any exception, it applies an answer section by section, and it keeps only the
-last section's candidates of a bundle. So an answer is taken apart here: only attributes that matter pass, sections must
-be the offered ones in the offered order, and candidates come out of it, to be added one by one. An application may do
-less in a section than was offered (a person did not let the page have the microphone), never more.
+aiortc's parser raises any exception on hostile text, it applies an answer section by section, and it keeps only the
+last section's candidates of a bundle. So an answer is taken apart here: only known attributes pass, sections must be
+the offered ones in the offered order, and candidates are removed, to be added one by one. An application may do less in
+a section than was offered (the operator denied the microphone), never more.
 """
 
 import re
@@ -19,7 +19,7 @@ from openrois_streaming.errors import InvalidCandidate, InvalidDescription
 from openrois_streaming.network.policy import CandidatePolicy
 
 LINES_LIMIT = 128
-"""Lines of one section that pass; aiortc's parser takes a time that grows with their square. Chromium has 40."""
+"""Lines of one section that pass; the time of aiortc's parser grows with their square. Chromium has 40."""
 
 _LINE = re.compile(r"[a-z]=[ -~]*")
 _MEDIA = re.compile(r"m=(audio|video) (\d{1,5}) [A-Z/]{1,32}( \d{1,3}){1,32}")
@@ -35,7 +35,7 @@ _HEX = re.compile(r"[0-9A-Fa-f]{2}(:[0-9A-Fa-f]{2})*")
 _CANDIDATE_TYPES = frozenset({"host", "srflx", "prflx", "relay"})
 _SESSION_ATTRIBUTES = frozenset({"fingerprint", "ice-lite", "ice-options", "ice-pwd", "ice-ufrag", "setup"})
 _CHANNELS_ATTRIBUTES = _SESSION_ATTRIBUTES - {"ice-lite"} | {"mid"}
-"""`max-message-size` is not among them: what is sent is far below what everybody takes."""
+"""`max-message-size` is not among them: messages are far below the limit of every browser."""
 _MEDIA_ATTRIBUTES = _SESSION_ATTRIBUTES - {"ice-lite"} | {
     "extmap",
     "fmtp",
@@ -55,7 +55,7 @@ _SSRC = re.compile(r"a=ssrc:(\d{1,10})(?: .*)?")
 _REPAIRED = re.compile(r"a=ssrc-group:FID (\d{1,10}) (\d{1,10})")
 
 Answered: TypeAlias = Direction | Literal["inactive"]
-"""What an application does in a section."""
+"""Direction of an application in a section."""
 
 _LESS: Final[dict[Answered, tuple[Answered, ...]]] = {
     "recvonly": ("recvonly", "inactive"),
@@ -63,12 +63,12 @@ _LESS: Final[dict[Answered, tuple[Answered, ...]]] = {
     "sendrecv": ("sendrecv", "recvonly", "sendonly", "inactive"),
     "inactive": ("inactive",),
 }
-"""What may be answered to what was offered, both seen from the application."""
+"""Permitted answers to an offered direction, both seen from the application."""
 
 
 @dataclass(frozen=True, slots=True)
 class OfferedSection:
-    """An m-section as it was offered. `direction` is what the application shall do in it, if it is for media."""
+    """Offered m-section. `direction` is that of the application, if the section is for media."""
 
     mid: str
     kind: str
@@ -77,9 +77,9 @@ class OfferedSection:
 
 @dataclass(frozen=True, slots=True)
 class CleanAnswer:
-    """An answer that can be given to aiortc, without candidates, and the candidate-attributes that were in it.
+    """Answer that aiortc can apply, without candidates, and the candidate-attributes that were in it.
 
-    `directions` says what the application does in the sections for media, one by one.
+    `directions` are those of the application in the sections for media, in order.
     """
 
     sdp: str
@@ -95,7 +95,7 @@ def clean_answer(text: str, offered: Sequence[OfferedSection]) -> CleanAnswer:
     """
     session, media = _blocks(text)
     if len(media) != len(offered):
-        raise InvalidDescription(f"the answer has {len(media)} sections where {len(offered)} were offered")
+        raise InvalidDescription(f"the answer has {len(media)} sections and must have {len(offered)}, as offered")
     for section, lines in zip(offered, media, strict=True):
         _check_media_line(lines[0], section)
     kept = [line for line in session if line[0] in "vost" or _attribute(line) in _SESSION_ATTRIBUTES]
@@ -121,13 +121,13 @@ def clean_answer(text: str, offered: Sequence[OfferedSection]) -> CleanAnswer:
     if len(set(sources)) < len(sources):
         raise InvalidDescription("the answer names a source (SSRC) twice")
     sdp = "\r\n".join(kept) + "\r\n"
-    # All sections share one path: their candidates are the same, and more than one needs are of no use.
+    # All sections share one path, so their candidates are the same, and those beyond the limit are of no use.
     unique = tuple(dict.fromkeys(candidates))[:CANDIDATES_LIMIT]
     return CleanAnswer(sdp, unique, _check_parsed(sdp, offered))
 
 
 def _blocks(text: str) -> tuple[list[str], list[list[str]]]:
-    """The session's lines, and the lines of each m-section."""
+    """Return the session's lines, and the lines of each m-section."""
     session: list[str] = []
     media: list[list[str]] = []
     for line in text.replace("\r\n", "\n").removesuffix("\n").split("\n"):
@@ -144,12 +144,12 @@ def _attribute(line: str) -> str:
 
 
 def mids_of(sdp: str) -> tuple[str, ...]:
-    """The names of the sections of a description, in their order."""
+    """Return the names of the sections of a description, in their order."""
     return tuple(_MID.findall(sdp))
 
 
 def _sctp_port(offered: OfferedSection, lines: Sequence[str]) -> str:
-    """The line that says at which port of SCTP the other end is (RFC 8841 section 5)."""
+    """Return the line with the SCTP port of the other end (RFC 8841 section 5)."""
     found = [line for line in lines if _SCTP_PORT.fullmatch(line)]
     if len(found) != 1 or int(found[0].partition(":")[2]) >= 2**16:
         raise InvalidDescription(f"section {offered.mid} has no usable SCTP port")
@@ -165,7 +165,7 @@ def _check_media_line(line: str, offered: OfferedSection) -> None:
 
 
 def _sources(lines: Sequence[str]) -> list[int]:
-    """The SSRC that a section is sent with, and the one of its repetitions (RFC 5576, RFC 4588), if it names them."""
+    """Return the SSRC of a section and that of its retransmissions (RFC 5576, RFC 4588), if it names them."""
     named = [found for line in lines if (found := _SSRC.fullmatch(line))]
     groups = [found for line in lines if (found := _REPAIRED.fullmatch(line))]
     numbers = [int(number) for found in (groups or named)[:1] for number in found.groups()]
@@ -175,20 +175,20 @@ def _sources(lines: Sequence[str]) -> list[int]:
 
 
 def _source_lines(sources: Sequence[int]) -> list[str]:
-    """`sources` as aiortc finds them: the first is what is played, a second one repeats it."""
+    """Return the lines of `sources` for aiortc: the first is the media, a second one its retransmissions."""
     group = [f"a=ssrc-group:FID {sources[0]} {sources[1]}"] if len(sources) > 1 else []
     return group + [f"a=ssrc:{number} cname:application" for number in sources]
 
 
 def _check_parsed(sdp: str, offered: Sequence[OfferedSection]) -> tuple[Answered, ...]:
-    """Check what aiortc reads in it, and say what the application does in each section.
+    """Check the SDP as aiortc parses it, and return the application's direction in each section.
 
-    What is missed here would fail later, in a task of its own or half-way through.
+    A fault missed here would fail later, in a task of its own or half-way through.
     """
     directions: list[Answered] = []
     try:
         parsed = SessionDescription.parse(sdp)
-    except Exception as error:  # its parser raises whatever hostile text makes of it
+    except Exception as error:  # its parser raises anything on hostile text
         raise InvalidDescription("the answer cannot be parsed") from error
     for section, media in zip(offered, parsed.media, strict=True):
         if media.rtp.muxId != section.mid:
@@ -203,7 +203,7 @@ def _check_parsed(sdp: str, offered: Sequence[OfferedSection]) -> tuple[Answered
 
 
 def _check_media(section: OfferedSection, media: MediaDescription) -> Answered:
-    """Check what is in a section for media, and say what the application does in it."""
+    """Check a section for media, and return the application's direction in it."""
     found = [answered for answered in _LESS[section.direction] if answered == media.direction]
     if not found:
         raise InvalidDescription(f"section {section.mid} cannot be {media.direction}")
@@ -217,7 +217,7 @@ def _check_media(section: OfferedSection, media: MediaDescription) -> Answered:
 
 
 def _are_fingerprints(found: Sequence[RTCDtlsFingerprint]) -> bool:
-    """Whether at least one is of a hash that certificates are still checked with (RFC 8122 section 5)."""
+    """Tell whether at least one has a hash that certificates are still checked with (RFC 8122 section 5)."""
     known = [each for each in found if each.algorithm.lower() in _HASHES]
     return any(_HEX.fullmatch(each.value) and len(each.value) == _HASHES[each.algorithm.lower()] for each in known)
 
@@ -227,19 +227,19 @@ def _are_credentials(fragment: str | None, password: str | None) -> bool:
 
 
 def read_candidate(text: str, mid: str, policy: CandidatePolicy) -> RTCIceCandidate | None:
-    """A candidate-attribute (RFC 8839 section 5.1), with or without `a=`, as a candidate of the section `mid`.
+    """Read a candidate-attribute (RFC 8839 section 5.1), with or without `a=`, as a candidate of the section `mid`.
 
     Returns:
-        None if it is of no use here: TCP, another component than RTP, a name instead of an address, or an address
-        or port that `policy` does not permit.
+        None if it cannot be used: TCP, another component than RTP, a name instead of an address, or an address or port
+        that `policy` does not permit.
 
     Raises:
-        InvalidCandidate: it cannot be read.
+        InvalidCandidate: it is malformed.
     """
     attribute = text.removeprefix("a=").removeprefix("candidate:")
     try:
         candidate = candidate_from_sdp(attribute)
-    except Exception as error:  # its parser raises whatever hostile text makes of it
+    except Exception as error:  # its parser raises anything on hostile text
         raise InvalidCandidate("the candidate cannot be parsed") from error
     if not (0 <= candidate.port < 2**16 and 0 <= candidate.priority < 2**32) or candidate.type not in _CANDIDATE_TYPES:
         raise InvalidCandidate("the candidate has a value out of range")

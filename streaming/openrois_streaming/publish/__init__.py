@@ -1,1 +1,1 @@
-"""Encodes a source once for each rendition and shares it; what is sent to a viewer, `peer` and `send` decide."""
+"""Encodes a source once for each rendition and shares it; `peer` and `send` decide what a viewer is sent."""

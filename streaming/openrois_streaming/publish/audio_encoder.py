@@ -34,8 +34,8 @@ class OpusEncoder:
     sample clock is too fast, is left out until the times agree again. A change between mono and stereo starts the codec
     anew.
 
-    The codec looks ahead: what is heard of a packet was captured a little before the samples that went in with it
-    (6.5 ms, RFC 7845 section 4.2), and its `captured_at` says so. Otherwise sound would come so much behind the lips.
+    The codec looks ahead: a packet plays samples captured a little before those encoded with it (6.5 ms, RFC 7845
+    section 4.2), and its `captured_at` says so. Otherwise sound would lag behind the lips by that time.
     """
 
     def __init__(self, *, bitrate: int) -> None:
@@ -67,7 +67,7 @@ class OpusEncoder:
         return chunks
 
     def _take_in(self, raw: RawAudio) -> int:
-        """Add the block to the pending samples; returns the time of the first of them."""
+        """Add the block to the pending samples; returns the time of the first one."""
         arrival = round(raw.captured_at * SAMPLE_RATE)
         if self._pts is None or raw.samples.shape[1] != self._pending.shape[1]:
             self._pending = raw.samples
@@ -93,12 +93,12 @@ class OpusEncoder:
 
 
 def audio_within_bounds(bitrate: int) -> int:
-    """`bitrate`, or the nearest one that an Opus rendition can have."""
+    """Return `bitrate`, or the nearest one that an Opus rendition can have."""
     return max(MIN_AUDIO_BITRATE, min(bitrate, MAX_AUDIO_BITRATE))
 
 
 def _look_ahead(context: AudioCodecContext) -> int:
-    """Samples by which what is decoded lags behind what went in: the pre-skip of the codec's own header."""
+    """Return the samples by which the decoder lags behind the input: the pre-skip of the codec's own header."""
     header = context.extradata or b""
     return int.from_bytes(header[10:12], "little")
 

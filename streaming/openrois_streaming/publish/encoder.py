@@ -1,4 +1,4 @@
-"""What every encoder is to the thread that runs it."""
+"""Contract of an encoder with the thread that runs it."""
 
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol, TypeVar
@@ -7,7 +7,7 @@ RawT_contra = TypeVar("RawT_contra", contravariant=True)
 
 
 class Chunk(NamedTuple):
-    """One encoded picture or block of sound; `pts` in the units of the encoder's clock rate."""
+    """Encoded picture or block of sound; `pts` in the units of the encoder's clock rate."""
 
     data: bytes
     pts: int
@@ -18,7 +18,7 @@ class Chunk(NamedTuple):
 
 
 class Encoder(Protocol[RawT_contra]):
-    """A codec at work. All calls come from one thread, in which it was also made."""
+    """Encoder of one codec. All calls come from one thread, in which it was also made."""
 
     def encode(self, raw: RawT_contra, *, key_frame: bool) -> Sequence[Chunk]:
         """Encode one raw frame; the result holds nothing back for later, except sound that fills no packet yet."""

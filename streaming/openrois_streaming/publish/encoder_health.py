@@ -1,4 +1,4 @@
-"""Which codecs are not used for a while, because their encoders fail again and again. Pure."""
+"""Avoidance of codecs whose encoders fail again and again. Pure."""
 
 from dataclasses import dataclass
 from math import inf
@@ -12,7 +12,7 @@ GIVEN_UP_AFTER: Final = 2.0
 they can decode one."""
 
 AVOIDED_FOR: Final = 60.0
-"""Seconds for which a codec that was given up is not used; the next viewer after that tries it again."""
+"""Seconds for which a failing codec is not used; the next viewer after that tries it again."""
 
 
 @dataclass(slots=True)
@@ -23,19 +23,18 @@ class _Failing:
 
 
 class EncoderHealth:
-    """What is known of the encoders of one source, by codec. The caller says what failed and what time it is."""
+    """Health of the encoders of one source, by codec. The caller gives failures and the time."""
 
     def __init__(self) -> None:
         self._failing: dict[str, _Failing] = {}
         self._avoided_until: dict[str, float] = {}
 
     def is_usable(self, codec: str, failure: Exception | None, now: float) -> bool:
-        """Tell whether a viewer may be sent that codec.
+        """Return whether a viewer may be sent that codec.
 
         Args:
             codec: a media type.
-            failure: of one of its encoders, where none that is wanted works; the same object as long as it is the same
-                failure.
+            failure: of one of its encoders, where no wanted encoder works; the same object for the same failure.
             now: in seconds; never less than before.
         """
         if failure is None:

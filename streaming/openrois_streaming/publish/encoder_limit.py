@@ -1,4 +1,4 @@
-"""Which renditions of a source may be encoded at a time, and which of them take the place of one that may not. Pure."""
+"""Limit on the renditions of a source that are encoded at a time, and their substitutes. Pure."""
 
 from collections.abc import Iterable, Sequence
 from math import inf, log
@@ -8,11 +8,11 @@ from openrois_streaming.adaptation.rung import Rung
 from openrois_streaming.errors import NoEncoder
 
 ENCODERS_LIMIT: Final = 6
-"""Encoders of one source at a time unless a setting says otherwise: three sizes in two codecs."""
+"""Default number of encoders of one source at a time: three sizes in two codecs."""
 
 
 class Encodable(Protocol):
-    """A rendition."""
+    """Rendition, as far as the limit needs it."""
 
     @property
     def mime_type(self) -> str:
@@ -26,7 +26,7 @@ class Encodable(Protocol):
 
     @property
     def is_wanted(self) -> bool:
-        """Whether a viewer plays it, so that its encoder runs."""
+        """Whether a viewer plays the rendition, so that its encoder runs."""
         ...
 
 
@@ -34,21 +34,21 @@ T = TypeVar("T", bound=Encodable)
 
 
 def within_limit(asked: Sequence[T], first: T, made: Iterable[T], limit: int, codecs: int) -> tuple[T, ...]:
-    """The renditions that a viewer can have, in the place of those it asks for.
+    """Return the renditions that a viewer can have in place of those that suit it.
 
-    A place is kept for the first rendition of each codec, which is the largest at the full pace: whatever other viewers
-    ask for, none is left without it. Where no place is left, the nearest rendition that runs stands for the one that
-    would need another encoder.
+    An encoder is reserved for the first rendition of each codec, the largest at the full pace: whatever other viewers
+    ask for, it stays available. Where no encoder is left, the nearest running rendition replaces the one that would
+    need another.
 
     Args:
-        asked: what suits the viewer, of one codec.
+        asked: renditions of one codec that suit the viewer.
         first: the first rendition of that codec.
         made: all renditions of the source.
         limit: how many may be encoded at a time.
         codecs: how many codecs there are.
 
     Raises:
-        NoEncoder: not even the first one can be encoded; this is only so where there are fewer places than codecs.
+        NoEncoder: not even the first one can be encoded; only where there are fewer encoders than codecs.
     """
     wanted = [each for each in made if each.is_wanted]
     room = sum(not _is_first(each) for each in wanted) < limit - codecs
@@ -57,7 +57,7 @@ def within_limit(asked: Sequence[T], first: T, made: Iterable[T], limit: int, co
         usable.append(first)
     usable += [each for each in wanted if each.mime_type == first.mime_type]
     if not usable:
-        raise NoEncoder(f"all {limit} encoders of the engine are in use, and none of them encodes {first.mime_type}")
+        raise NoEncoder(f"all {limit} encoders are in use, and none encodes {first.mime_type}: try again later")
     return tuple(each if each in usable else min(usable, key=lambda other: _distance(each, other)) for each in asked)
 
 
@@ -66,7 +66,7 @@ def _is_first(rendition: Encodable) -> bool:
 
 
 def _distance(one: Encodable, other: Encodable) -> float:
-    """How far apart two renditions are, in size and in pace: for an eye each of the two counts."""
+    """Return how far apart two renditions are, in size and in pace: both are visible."""
     if one.rung is None or other.rung is None:
         return inf
     size = log(one.rung.width * one.rung.height / (other.rung.width * other.rung.height))

@@ -1,4 +1,4 @@
-"""One thread for one encoder, and the two hand-overs between it and the event loop."""
+"""Thread of one encoder, and the two queues between it and the event loop."""
 
 import asyncio
 import contextlib
@@ -17,33 +17,33 @@ from openrois_streaming.publish.encoder import Chunk, Encoder
 RawT = TypeVar("RawT")
 
 JOIN_TIMEOUT = 2.0
-"""Seconds that closing waits for the thread to finish the frame it is at."""
+"""Seconds that closing waits for the thread to finish its frame."""
 
 HANG = 3.0
-"""Seconds at one frame after which an encoder is given up."""
+"""Seconds at one frame after which an encoder counts as hung."""
 
-# So many looks make a hang: a process that was stopped looks once when it goes on, and its encoder gets its time.
+# Checks that make a hang: a process that was stopped checks once when it continues, and its encoder gets its time.
 _LOOKS = 6
 
-# Encoded chunks that the loop has not fetched yet, before the thread rests and its input loses frames instead.
+# Encoded chunks that the loop has not fetched yet, above which the thread rests and its input loses frames instead.
 _BACKLOG = 8
 
 _log = logging.getLogger(__name__)
 
 
 class EncoderHung(Exception):
-    """The encoder does not return."""
+    """Hang of an encoder: it does not return."""
 
 
 class _Work(NamedTuple, Generic[RawT]):
     raw: RawT
     key_frame: bool
     again: bool = False
-    """Whether it was encoded before, so that nothing is lost with it."""
+    """Whether the frame was encoded before, so that dropping it loses nothing."""
 
 
 class EncoderThread(Generic[RawT]):
-    """Encodes in a thread of its own, never in the loop's executor, whose threads name resolution needs too.
+    """Encoder in a thread of its own, never in the loop's executor, whose threads name resolution needs too.
 
     An async context. Raw frames go in with `offer`, which never waits: of more than `depth` waiting frames the oldest
     is lost (counted in `dropped`; a key frame asked of it passes to the next one). Encoded chunks come out of `get`.
@@ -65,7 +65,7 @@ class EncoderThread(Generic[RawT]):
         self._depth = depth
         self._join_timeout = join_timeout
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
-        # Both threads touch what follows, under this condition.
+        # Both threads use the following attributes, under this condition.
         self._changed = threading.Condition()
         self._waiting: deque[_Work[RawT]] = deque()
         self._unfetched = 0
@@ -76,7 +76,7 @@ class EncoderThread(Generic[RawT]):
         self._draining = False
         self._bitrate: int | None = None
         self._cause: Exception | None = None
-        # The loop alone touches what follows. The queue holds little more than _BACKLOG chunks: the thread then rests.
+        # The loop alone uses the following. The queue holds little more than _BACKLOG chunks: the thread then rests.
         self._chunks: asyncio.Queue[Chunk | None] = asyncio.Queue()
         self._finished = asyncio.Event()
 
@@ -99,7 +99,7 @@ class EncoderThread(Generic[RawT]):
         except TimeoutError:
             _log.error("%s: the encoder does not return; its thread is abandoned", self._thread.name)
         else:
-            # It has nothing left to do but to return.
+            # The thread has nothing left to do but to return.
             self._thread.join(self._join_timeout)
 
     def offer(self, raw: RawT, *, key_frame: bool = False) -> None:
@@ -126,18 +126,18 @@ class EncoderThread(Generic[RawT]):
         with self._changed:
             self._bitrate = bitrate
 
-    def end(self, cause: Exception | None) -> None:
-        """No more will be offered; `get` ends after what was. `cause` is the failure of the input, if it has failed."""
+    def end_input(self, cause: Exception | None) -> None:
+        """End the input: `get` ends after the offered frames. `cause` is the failure of the input, if it has failed."""
         with self._changed:
             self._cause = cause
             self._draining = True
             self._changed.notify()
 
     async def get(self) -> Chunk | None:
-        """The next chunk, or None at the end of the input.
+        """Return the next chunk, or None at the end of the input.
 
         Raises:
-            Exception: whatever the encoder raised, or what `end` was told. Not to be called again after that.
+            Exception: as the encoder raised, or as given to `end_input`. Not to be called again after that.
         """
         chunk = await self._chunks.get()
         if chunk is not None:
@@ -149,7 +149,7 @@ class EncoderThread(Generic[RawT]):
         return chunk
 
     async def watch(self, clock: MediaClock) -> None:
-        """Give the encoder up when it is at one frame for `HANG` seconds: `get` then raises `EncoderHung`.
+        """Abandon the encoder when it is at one frame for `HANG` seconds: `get` then raises `EncoderHung`.
 
         The thread cannot be ended; it ends when the encoder returns after all.
         """
@@ -165,7 +165,7 @@ class EncoderThread(Generic[RawT]):
 
     @property
     def is_abandoned(self) -> bool:
-        """Whether the encoder was given up and has not returned since."""
+        """Whether the encoder was abandoned and has not returned since."""
         return self._hung and self._thread.is_alive()
 
     @property
@@ -187,11 +187,11 @@ class EncoderThread(Generic[RawT]):
                 self._steps += 1
                 with self._changed:
                     self._unfetched += len(chunks)
-                self._tell_loop(partial(self._deliver, chunks))
+                self._call_in_loop(partial(self._deliver, chunks))
         except Exception as failure:
             error = failure
         finally:
-            self._tell_loop(partial(self._finish, error))
+            self._call_in_loop(partial(self._finish, error))
 
     def _next(self, encoder: Encoder[RawT]) -> _Work[RawT] | None:
         with self._changed:
@@ -208,8 +208,8 @@ class EncoderThread(Generic[RawT]):
             return self._stopping or self._unfetched < _BACKLOG
         return self._stopping or self._draining
 
-    def _tell_loop(self, news: Callable[[], None]) -> None:
-        # A loop that was closed without closing this context has nobody left who wants to know.
+    def _call_in_loop(self, news: Callable[[], None]) -> None:
+        # A loop that was closed without closing this context has no reader left.
         with contextlib.suppress(RuntimeError):
             self._loop.call_soon_threadsafe(news)
 

@@ -1,4 +1,4 @@
-"""Raw frames in, encoded frames out: the source that a rendition's viewers share."""
+"""Source of encoded frames that a rendition's viewers share, made of raw frames."""
 
 import asyncio
 import logging
@@ -18,7 +18,7 @@ from openrois_streaming.source.fanout import Fanout, SourceEnded, Subscription
 RawT = TypeVar("RawT")
 
 MAX_ABANDONED = 3
-"""Encoders that may hang at a time; no further one is started then."""
+"""Encoders that may hang at a time; beyond that none is started."""
 
 # Seconds between two reports of frames that were lost before the encoder.
 _REPORT_INTERVAL = 10.0
@@ -28,7 +28,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Encoding(Generic[RawT]):
-    """How raw frames become encoded ones."""
+    """Recipe of an encoded source."""
 
     mime_type: str
     clock_rate: int
@@ -36,21 +36,21 @@ class Encoding(Generic[RawT]):
     make_encoder: Callable[[int], Encoder[RawT]]
     """Makes an encoder for a bit rate (bit/s); called in the encoder's thread, and so is what it returns."""
     predicted: bool
-    """Whether most frames can only be decoded after those before them."""
+    """Whether most frames can be decoded only after those before them."""
     depth: int
     """How many raw frames may wait for the encoder: 1 is the latest alone."""
     choose: Callable[[RawT], bool] | None = None
-    """Which raw frames are encoded, if not all are."""
+    """Selects the raw frames to encode; None for all."""
     is_fresh: Callable[[RawT, float], bool] | None = None
-    """Whether a raw frame can still be shown at a time of the media clock: then a key frame that is asked for is made
-    of the last one at once. Without it the source's next frame is waited for."""
+    """Whether a raw frame can still be shown at a time of the media clock: then a requested key frame is made of the
+    last one at once. Without it the source's next frame is awaited."""
 
 
 class EncodedSource(Generic[RawT]):
-    """A `MediaSource` of encoded frames: while it is open, it reads `raw` and runs one encoder.
+    """`MediaSource` of encoded frames: while it is open, it reads `raw` and runs one encoder.
 
-    The counters go on when it is closed and opened again. `forced` counts the key frames that were asked of the
-    encoder, by cause; `key_frames` all that came out, and each block of sound is one.
+    The counters go on when it is closed and opened again. `forced` counts the requested key frames, by cause;
+    `key_frames` all key frames, and each block of sound is one.
     """
 
     def __init__(self, raw: Fanout[RawT], encoding: Encoding[RawT], *, clock: MediaClock, bitrate: int) -> None:
@@ -84,7 +84,7 @@ class EncodedSource(Generic[RawT]):
         run, now, is_fresh = self._run, self._clock.now(), self._encoding.is_fresh
         if run is None or run.last is None or is_fresh is None or not is_fresh(run.last, now):
             return
-        taken = self._budget.take(now)
+        taken = self._budget.take_cause(now)
         if taken is None and run.begun:
             return
         if taken is not None:
@@ -108,14 +108,14 @@ class EncodedSource(Generic[RawT]):
         encoding = self._encoding
         self._abandoned = [each for each in self._abandoned if each.is_abandoned]
         if len(self._abandoned) >= MAX_ABANDONED:
-            raise EncoderHung(f"{MAX_ABANDONED} encoders do not return")
+            raise EncoderHung(f"{MAX_ABANDONED} encoders hang: restart the adapter")
         thread = EncoderThread(
             partial(encoding.make_encoder, self.bitrate),
             depth=encoding.depth,
             name=f"{self._raw.name} {encoding.mime_type}",
         )
         async with self._raw.subscribe(encoding.depth) as raw, thread:
-            # A viewer that joined while the encoder before this one stopped may have asked that one.
+            # A viewer that joined while the previous encoder stopped may have asked that one.
             self._budget.restart()
             self._run = _Run(raw, thread)
             tasks = {
@@ -146,15 +146,15 @@ class EncodedSource(Generic[RawT]):
                     if not run.begun and not self._budget.is_asked:
                         continue
                 run.begun = True
-                cause = self._budget.take(now) if self._encoding.predicted else None
+                cause = self._budget.take_cause(now) if self._encoding.predicted else None
                 if cause:
                     self.forced[cause] += 1
                 run.thread.offer(raw, key_frame=cause is not None)
                 report.update(now, run.dropped)
         except SourceEnded as end:
-            run.thread.end(cast("Exception | None", end.__cause__))
+            run.thread.end_input(cast("Exception | None", end.__cause__))
         except Exception as error:
-            run.thread.end(error)
+            run.thread.end_input(error)
 
     async def _frames(self, thread: EncoderThread[RawT]) -> AsyncIterator[EncodedFrame]:
         while (chunk := await thread.get()) is not None:
@@ -177,14 +177,14 @@ class EncodedSource(Generic[RawT]):
 
 @dataclass(slots=True)
 class _Run(Generic[RawT]):
-    """What is there only while the source is open."""
+    """State of the source while it is open."""
 
     raw: Subscription[RawT]
     thread: EncoderThread[RawT]
     last: RawT | None = None
-    """The source's last frame, where that may be encoded when it is asked for."""
+    """The source's last frame, where it may be encoded on request."""
     begun: bool = False
-    """Whether anything was encoded: before a key frame is asked for, nothing is."""
+    """Whether a frame was encoded: before a key frame is requested, none is."""
 
     @property
     def dropped(self) -> int:
@@ -192,7 +192,7 @@ class _Run(Generic[RawT]):
 
 
 class _DropReport:
-    """Logs losses as a rate: one line for each interval in which there were any."""
+    """Log of losses as a rate: one line for each interval with losses."""
 
     def __init__(self, name: str, now: float) -> None:
         self._name = name

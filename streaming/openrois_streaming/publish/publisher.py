@@ -1,4 +1,4 @@
-"""A source and all that is played of it: pulled once, stamped once, and encoded once for each rendition."""
+"""Publishers: a source is pulled once, stamped once, and encoded once for each rendition."""
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -6,8 +6,7 @@ from functools import cache
 from typing import Generic, Protocol, TypeVar
 
 from openrois_streaming.adaptation.demand import LOWEST, MIDDLE, TOP, Demands
-from openrois_streaming.adaptation.rung import Rung, every_for, ladder
-from openrois_streaming.adaptation.thinning import Thinning
+from openrois_streaming.adaptation.rung import Rung, Thinning, every_for, ladder
 from openrois_streaming.clock import MediaClock, wall_at
 from openrois_streaming.codecs import CodecUnavailable, available_codecs, codec_named
 from openrois_streaming.encoded import AUDIO_CLOCK_RATE, VIDEO_CLOCK_RATE
@@ -25,7 +24,7 @@ from openrois_streaming.source.stamp import stamped
 
 RawT = TypeVar("RawT")
 
-# How many frame times old a picture may be to be encoded once more for a viewer that joins, resumes or lost data.
+# Greatest age, in frame times, at which a picture is encoded again for a viewer that joins, resumes or lost data.
 _FRESH = 2.0
 
 # Blocks of sound that may wait for the encoder: with 20 ms each, a stall of 0.2 s loses nothing.
@@ -33,7 +32,7 @@ _SOUND_DEPTH = 10
 
 
 class _HandOver(Generic[RawT]):
-    """A source as it is handed to the encoders: it is seen to advance, and each frame gets its finish."""
+    """Source as the encoders read it: its last frame is noted, and each frame gets its finish."""
 
     def __init__(self, source: MediaSource[RawT], clock: MediaClock, finish: Callable[[RawT], RawT]) -> None:
         self.last_frame_at: float | None = None
@@ -54,36 +53,36 @@ class _HandOver(Generic[RawT]):
 
 
 class Publishing(MediaPublisher, Protocol):
-    """A source that is published, and what is seen of it."""
+    """Publisher with the figures of its source."""
 
     @property
     def made(self) -> tuple[Rendition, ...]:
-        """All renditions that were played so far."""
+        """Renditions that were played so far."""
         ...
 
     @property
     def running_encoders(self) -> int:
-        """How many renditions run now: each that has a viewer."""
+        """Number of renditions that run now: those with a viewer."""
         ...
 
     @property
     def frames(self) -> int:
-        """Frames taken from the source so far."""
+        """Frames received from the source so far."""
         ...
 
     @property
     def failure(self) -> str:
-        """A sentence on what failed of what is wanted, if no frame has come since; empty where nothing did."""
+        """A sentence on the failure of a wanted rendition, while no frame has come since; empty without one."""
         ...
 
     @property
     def last_frame_at(self) -> float | None:
-        """When the source last gave a frame, on the media clock; None if it has given none since it was opened."""
+        """Time of the source's last frame, on the media clock; None if it has given none since it was opened."""
         ...
 
 
 class Publisher(Generic[RawT]):
-    """Shares one source among its renditions. The source is open only while somebody plays one of them."""
+    """Source shared among its renditions. It is open only while a viewer plays one of them."""
 
     def __init__(
         self,
@@ -100,11 +99,11 @@ class Publisher(Generic[RawT]):
         self._health = EncoderHealth()
 
     def has_room(self, mime_type: str) -> bool:
-        """Whether a viewer can be played something in that media type now."""
+        """Tell whether a viewer can be sent that media type now."""
         return True
 
     def can_encode(self, mime_type: str) -> bool:
-        """Whether its encoders of that media type work, as far as is known: not while they fail again and again."""
+        """Tell whether encoders of that media type work: false while they fail again and again."""
         codec = codec_named(mime_type)
         failures = [each.failure for key, each in self._made.items() if key[0] == codec and each.is_wanted]
         # No codec helps where the source fails.
@@ -113,29 +112,29 @@ class Publisher(Generic[RawT]):
 
     @property
     def made(self) -> tuple[Rendition, ...]:
-        """All renditions that were played so far."""
+        """Renditions that were played so far."""
         return tuple(each for each in self._made.values() if each.was_played)
 
     @property
     def running_encoders(self) -> int:
-        """How many encoders run now: one for each rendition that has a viewer."""
+        """Number of encoders that run now: one for each rendition with a viewer."""
         return sum(rendition.running for rendition in self._made.values())
 
     @property
     def frames(self) -> int:
-        """Raw frames taken from the source so far."""
+        """Raw frames received from the source so far."""
         return self._raw.pulled
 
     @property
     def _source_fails(self) -> bool:
-        """Whether what is wanted fails because of the source, not because of an encoder."""
-        # What the source failed with may be of an earlier play; what failed now of the source has the same failure.
+        """Whether wanted renditions fail because of the source, not of an encoder."""
+        # The source's failure may be of an earlier play; a rendition that fails now because of it has the same failure.
         failure = self._raw.failure
         return failure is not None and any(each.failure is failure for each in self._made.values())
 
     @property
     def failure(self) -> str:
-        """A sentence on what failed of what is wanted, if no frame has come since; empty where nothing did."""
+        """A sentence on the failure of a wanted rendition, while no frame has come since; empty without one."""
         failed = [each for each in self._made.values() if each.failure is not None]
         if not failed:
             return ""
@@ -145,23 +144,23 @@ class Publisher(Generic[RawT]):
 
     @property
     def last_frame_at(self) -> float | None:
-        """When the source last gave a frame, on the media clock; None if it has given none since it was opened."""
+        """Time of the source's last frame, on the media clock; None if it has given none since it was opened."""
         return self._source.last_frame_at
 
 
 class VideoPublisher(Publisher[RawVideo]):
-    """Publishes pictures as `video/H264` and `video/VP8`, in several sizes.
+    """Publisher of pictures as `video/H264` and `video/VP8`, in several sizes.
 
     Args:
         source: where the pictures come from.
         clock: the media clock that the source's capture times are of.
-        stamp: whether each picture carries its number and the wall time of its capture, see `stamp`; one that is too
-            small for that goes without.
-        frame_rate: frames per second that the source is expected to give.
-        size: width and height that it is expected to give, until the first frame shows what it does.
-        max_bitrate: the most that a rendition is encoded with, in bit/s; None: as much as is of use for its size.
-        max_encoders: renditions that are encoded at a time, see `encoder_limit`.
-        name: what it is called in the log.
+        stamp: whether each picture carries its number and the wall time of its capture, see `stamp`; too small pictures
+            carry none.
+        frame_rate: expected frames per second of the source.
+        size: expected width and height, until the first frame.
+        max_bitrate: the highest bit rate of a rendition, in bit/s; None: as much as is of use for its size.
+        max_encoders: limit on renditions that are encoded at a time, see `encoder_limit`.
+        name: its name in the log.
     """
 
     def __init__(
@@ -188,25 +187,25 @@ class VideoPublisher(Publisher[RawVideo]):
         self._frame_rate, self._size = frame_rate, size
 
     def renditions(self, mime_type: str, fps: float | None = None) -> tuple[Rendition, ...]:
-        """The renditions of a media type, the largest first: the same ones for all who ask.
+        """Return the renditions of a media type, the largest first: the same ones for all viewers.
 
         Args:
             mime_type: "video/H264" or "video/VP8".
-            fps: pictures per second that are enough; None: all there are.
+            fps: pictures per second that are enough; None: all of them.
 
         Raises:
-            CodecUnavailable: this source cannot be encoded so, here or at all.
+            CodecUnavailable: this source cannot be encoded in this media type.
             NoEncoder: all encoders are in use, and none of them has this media type.
         """
         codec = codec_named(mime_type)
         if not codec.startswith("video/"):
-            raise CodecUnavailable(f"pictures cannot be encoded as {codec}")
+            raise CodecUnavailable(f"{codec} is no video codec: use video/H264 or video/VP8")
         asked = self._ladder(codec, every_for(self._frame_rate, fps))
         first = asked[0] if fps is None else self._ladder(codec, 1)[0]
         return within_limit(asked, first, self._made.values(), self._max_encoders, len(_video_codecs()))
 
     def has_room(self, mime_type: str) -> bool:
-        """Whether a viewer can be played something in that media type now."""
+        """Tell whether a viewer can be sent that media type now."""
         try:
             return bool(self.renditions(mime_type))
         except NoEncoder:
@@ -235,13 +234,13 @@ class VideoPublisher(Publisher[RawVideo]):
 
 
 class AudioPublisher(Publisher[RawAudio]):
-    """Publishes sound as `audio/opus`.
+    """Publisher of sound as `audio/opus`.
 
     Args:
         source: where the sound comes from.
         clock: the media clock that the source's capture times are of.
         bitrate: of the rendition, in bit/s.
-        name: what it is called in the log.
+        name: its name in the log.
     """
 
     def __init__(
@@ -251,10 +250,10 @@ class AudioPublisher(Publisher[RawAudio]):
         self._bitrate = bitrate
 
     def renditions(self, mime_type: str, fps: float | None = None) -> tuple[Rendition, ...]:
-        """The one rendition of a media type; `fps` says nothing about sound.
+        """Return the only rendition of a media type; `fps` is ignored for sound.
 
         Raises:
-            CodecUnavailable: this source cannot be encoded so, here or at all.
+            CodecUnavailable: this source cannot be encoded in this media type.
         """
         codec = codec_named(mime_type)
         if (codec,) not in self._made:
@@ -295,7 +294,7 @@ def _video_encoding(mime_type: str, demands: Demands) -> Encoding[RawVideo]:
 
 def _audio_encoding(mime_type: str) -> Encoding[RawAudio]:
     if not mime_type.startswith("audio/"):
-        raise CodecUnavailable(f"sound cannot be encoded as {mime_type}")
+        raise CodecUnavailable(f"{mime_type} is no audio codec: use audio/opus")
     return Encoding(
         mime_type=mime_type,
         clock_rate=AUDIO_CLOCK_RATE,

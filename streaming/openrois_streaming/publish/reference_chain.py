@@ -1,15 +1,15 @@
-"""Which frames of a rendition can be decoded after what was sent before. Pure."""
+"""Decodability of the frames of a rendition after those that were sent before. Pure."""
 
 from openrois_streaming.encoded import EncodedFrame
 
 REPEAT_REQUEST = 1.0
-"""Seconds of media after which a key frame is asked for again when none has come."""
+"""Seconds of media after which a key frame is requested again if none has come."""
 
 
 class ReferenceChain:
-    """Which frames of a rendition can be decoded after what was sent before.
+    """Chain of the frames of a rendition that can be decoded after those that were sent before.
 
-    Pictures are predicted from the ones before them, so nothing is of use after a gap until the next key frame.
+    Pictures are predicted from earlier ones, so none is of use after a gap until the next key frame.
     """
 
     __slots__ = ("_asked", "_next", "_predicted")
@@ -20,7 +20,7 @@ class ReferenceChain:
         self._asked: float | None = None
 
     def admits(self, frame: EncodedFrame) -> bool:
-        """Whether `frame` can be decoded by somebody who decoded what was admitted before."""
+        """Tell whether `frame` can be decoded after the frames that were admitted before."""
         if self._predicted and not frame.keyframe and frame.sequence != self._next:
             self._next = None
             return False
@@ -29,7 +29,7 @@ class ReferenceChain:
         return True
 
     def should_ask(self, frame: EncodedFrame) -> bool:
-        """After `frame` was not admitted: whether to ask for a key frame now. Once, and then once in a while."""
+        """Tell whether to request a key frame after `frame` was not admitted: once, then every `REPEAT_REQUEST`."""
         due = self._asked is None or frame.captured_at - self._asked >= REPEAT_REQUEST
         if due:
             self._asked = frame.captured_at

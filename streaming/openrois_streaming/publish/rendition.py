@@ -1,4 +1,4 @@
-"""One encoding of one source, made once and shared by every viewer that plays it."""
+"""Rendition: one encoding of one source, made once and shared by every viewer that plays it."""
 
 from __future__ import annotations
 
@@ -22,25 +22,24 @@ from openrois_streaming.source.source import MediaSource
 
 RawT = TypeVar("RawT")
 
-# Smaller changes of the bit rate are not worth telling the encoder.
+# Smaller changes of the bit rate are not passed to the encoder.
 _TOLERANCE = 0.03
 
 _log = logging.getLogger(__name__)
 
 
-class WholePictures:
-    """The mailbox of a viewer of predicted pictures: what it hands out can be decoded without what it lost.
+class KeyFrameMailbox:
+    """Mailbox of a viewer of predicted pictures: those it hands out can be decoded without those it lost.
 
-    Nothing comes before the first key frame. When `maxsize` pictures are waiting and another one comes, all are lost,
-    up to the next key frame. `ask` is called for one when the reader is back: for a reader that is not, it would only
-    burden the others.
+    It begins with the first key frame. When `maxsize` pictures are waiting and another one comes, all are lost, up to
+    the next key frame. `ask` is called for one when the reader is back: before, it would only burden the other viewers.
     """
 
     __slots__ = ("_ask", "_items", "_lossy", "_maxsize", "_waiting")
 
     def __init__(self, maxsize: int, ask: Callable[[], None]) -> None:
         if maxsize < 1:
-            raise ValueError(f"a mailbox holds at least one item, not {maxsize}")
+            raise ValueError(f"maxsize must be 1 or more, not {maxsize}")
         self._items: deque[EncodedFrame] = deque()
         self._maxsize = maxsize
         self._ask = ask
@@ -62,12 +61,12 @@ class WholePictures:
         self._items.append(item)
         return lost
 
-    def take(self) -> EncodedFrame:
+    def pop(self) -> EncodedFrame:
         """Remove and return the oldest picture."""
         return self._items.popleft()
 
     def awaited(self) -> None:
-        """Ask for a key frame, if there was a loss and none has come since."""
+        """Request a key frame, if there was a loss and none has come since."""
         if self._waiting and self._lossy:
             self._ask()
 
@@ -75,23 +74,23 @@ class WholePictures:
         return len(self._items)
 
 
-class HandedOn:
-    """The mailbox of a viewer that takes each frame at once: nothing waits, and nothing is lost here."""
+class DirectMailbox:
+    """Mailbox of a viewer that is sent each frame at once: none waits, and none is lost here."""
 
-    __slots__ = ("_take",)
+    __slots__ = ("_on_frame",)
 
-    def __init__(self, take: Callable[[EncodedFrame], None]) -> None:
-        self._take = take
+    def __init__(self, on_frame: Callable[[EncodedFrame], None]) -> None:
+        self._on_frame = on_frame
 
     def put(self, item: EncodedFrame) -> int:
-        """Hand `item` on; a failure to take it is the viewer's own."""
+        """Pass `item` on; a failure to do so affects this viewer alone."""
         try:
-            self._take(item)
+            self._on_frame(item)
         except Exception:
-            _log.exception("a viewer could not take a frame")
+            _log.exception("a frame could not be passed to a viewer")
         return 0
 
-    def take(self) -> EncodedFrame:
+    def pop(self) -> EncodedFrame:
         """Never called: it is always empty."""
         raise LookupError
 
@@ -104,20 +103,20 @@ class HandedOn:
 
 @dataclass(frozen=True, slots=True)
 class RenditionFigures:
-    """What a rendition has done since it was made; its encoder may have run several times."""
+    """Figures of a rendition since it was made; its encoder may have run several times."""
 
     mime_type: str
     running: bool
     """Whether the encoder runs now."""
     viewers: int
-    """Subscriptions that are open now."""
+    """Number of open subscriptions."""
     bitrate: int
     """The target in bit/s."""
     encoded: int
-    """Frames that were put out."""
+    """Frames encoded."""
     encoded_bytes: int
     key_frames: int
-    """All key frames that were put out; each block of sound counts as one."""
+    """Key frames encoded; each block of sound counts as one."""
     starts: int
     """Key frames forced for viewers that started."""
     repairs: int
@@ -131,7 +130,7 @@ class RenditionFigures:
 
 
 class FrameKind(Protocol):
-    """What a rendition has to know of its frames."""
+    """Kind of a rendition's frames."""
 
     @property
     def mime_type(self) -> str:
@@ -150,7 +149,7 @@ class FrameKind(Protocol):
 
 
 class FrameSource(MediaSource[EncodedFrame], Protocol):
-    """Makes the frames of a rendition, or passes them on; its counters are those of `RenditionFigures`."""
+    """Source of a rendition's frames, encoded or passed on; its counters are those of `RenditionFigures`."""
 
     bitrate: int
     encoded: int
@@ -169,7 +168,7 @@ class FrameSource(MediaSource[EncodedFrame], Protocol):
         ...
 
     def request_key_frame(self, cause: KeyFrameCause) -> None:
-        """Have one of the next frames be a key frame, as soon as the budget of `cause` allows."""
+        """Make one of the next frames a key frame, as soon as the budget of `cause` allows."""
         ...
 
     def set_bitrate(self, bitrate: int) -> None:
@@ -185,16 +184,16 @@ def encoded_rendition(
     bitrate: int,
     demands: Demands | None = None,
 ) -> Rendition:
-    """A rendition of raw frames, with an encoder of its own."""
+    """Return a rendition of raw frames, with an encoder of its own."""
     source = EncodedSource(raw, encoding, clock=clock, bitrate=bitrate)
     return Rendition(source, encoding, name=f"{raw.name} {encoding.mime_type}", clock=clock, demands=demands)
 
 
 class Rendition:
-    """One media type and bit rate of one source.
+    """Rendition of one source: one media type, size and bit rate.
 
     Its encoder runs, in a thread of its own, from the first subscription to the last. When the encoder or the source
-    fails, every subscription ends with `SourceEnded` and the failure as its cause; the next one starts both anew.
+    fails, every subscription ends with `SourceEnded` and the failure as its cause; the next one restarts both.
     """
 
     def __init__(
@@ -220,27 +219,27 @@ class Rendition:
 
     @property
     def running(self) -> bool:
-        """Whether the encoder runs: somebody is subscribed and nothing has failed."""
+        """Whether the encoder runs: there is a subscription, and no failure."""
         return self._fanout.running
 
     @property
     def failure(self) -> Exception | None:
-        """Why it ended last, if its encoder or its source has failed, no frame has come since, and it is `wanted`."""
+        """The last failure of the encoder or the source, until a frame comes or it is no longer `wanted`."""
         return self._fanout.failure if self._wanted else None
 
     @property
     def was_played(self) -> bool:
-        """Whether its encoder runs or has ever put out a frame."""
+        """Whether its encoder runs or has encoded a frame."""
         return self.running or self._source.encoded > 0
 
     @property
     def is_wanted(self) -> bool:
-        """Whether somebody plays it, or tries to."""
+        """Whether a viewer plays it, or tries to."""
         return self._wanted > 0
 
     @contextmanager
     def wanted(self) -> Iterator[None]:
-        """Somebody plays it while the context lasts, or tries again and again; what failed before is over."""
+        """Count it as played while the context lasts, also between two tries; earlier failures are cleared."""
         if not self._wanted:
             self._fanout.failure = None
         self._wanted += 1
@@ -253,13 +252,13 @@ class Rendition:
     async def subscribe(self, maxsize: int = 8) -> AsyncIterator[Subscription[EncodedFrame]]:
         """Play this rendition while the context lasts; a viewer that is suspended leaves it.
 
-        A subscription to video begins with a key frame, which is asked for here. A reader that lets more than `maxsize`
-        frames wait loses some: of sound the oldest, of video all up to the next key frame, which is asked for, as a
+        A subscription to video begins with a key frame, which is requested here. A reader that lets more than `maxsize`
+        frames wait loses some: of sound the oldest, of video all up to the next key frame, which is requested, as a
         repair, when it reads again.
         """
         mailbox: Mailbox[EncodedFrame]
         if self._kind.predicted:
-            mailbox = WholePictures(maxsize, partial(self.request_key_frame, KeyFrameCause.REPAIR))
+            mailbox = KeyFrameMailbox(maxsize, partial(self.request_key_frame, KeyFrameCause.REPAIR))
         else:
             mailbox = DropOldest(maxsize)
         with self.wanted():
@@ -269,33 +268,33 @@ class Rendition:
 
     @property
     def rung(self) -> Rung | None:
-        """Its size, pace and bounds of bit rate; None if there is nothing to choose."""
+        """Size, pace and bounds of the bit rate; None for sound."""
         return None if self._demands is None else self._demands.rung
 
     def suit(self, rung: Rung, tolerance: float) -> None:
-        """The source has another size than before, or may have: what follows from it for this rendition."""
+        """Set the rung and tolerance of this rendition, which follow from the size of the source."""
         if self._demands is not None and self._demands.suit(rung, tolerance):
             self._follow()
 
     @asynccontextmanager
     async def play(
-        self, viewer: Hashable, take: Callable[[EncodedFrame], None], bitrate: float | None = None
+        self, viewer: Hashable, on_frame: Callable[[EncodedFrame], None], bitrate: float | None = None
     ) -> AsyncIterator[Subscription[EncodedFrame]]:
-        """Play this rendition while the context lasts: `take` is called in the loop with each frame as it is there.
+        """Play this rendition while the context lasts: `on_frame` is called in the loop with each frame at once.
 
-        A key frame is asked for here, but `take` gets what comes before it too. What is yielded has nothing to read:
-        its `get` raises `SourceEnded` when the source or the encoder has ended.
+        A key frame is requested here, but `on_frame` gets what comes before it too. The yielded subscription has no
+        items: its `get` raises `SourceEnded` when the source or the encoder has ended.
 
         Args:
-            viewer: who it is.
-            take: must not wait.
-            bitrate: what the viewer can take, in bit/s.
+            viewer: key of the viewer.
+            on_frame: gets each frame; must not block.
+            bitrate: the viewer's demand, in bit/s.
         """
         try:
             if bitrate is not None:
                 self.demand(viewer, bitrate)
             with self.wanted():
-                async with self._fanout.subscribe(mailbox=HandedOn(take)) as subscription:
+                async with self._fanout.subscribe(mailbox=DirectMailbox(on_frame)) as subscription:
                     self.request_key_frame(KeyFrameCause.START)
                     yield subscription
         finally:
@@ -305,19 +304,19 @@ class Rendition:
 
     @asynccontextmanager
     async def prepare(self) -> AsyncIterator[None]:
-        """Have source and encoder run while the context lasts, for a viewer that cannot be sent anything yet."""
+        """Run source and encoder while the context lasts, for a viewer without a media path yet."""
         with self.wanted():
-            async with self._fanout.subscribe(mailbox=HandedOn(lambda _frame: None)):
+            async with self._fanout.subscribe(mailbox=DirectMailbox(lambda _frame: None)):
                 yield
 
     def demand(self, viewer: Hashable, bitrate: float) -> None:
-        """`viewer`, who plays it, can take `bitrate` (bit/s) from now on."""
+        """Set the demand of `viewer` to `bitrate` (bit/s)."""
         if self._demands is not None:
             self._demands.put(viewer, bitrate)
             self._follow()
 
     def least(self, viewer: Hashable) -> float:
-        """Bit/s that `viewer` must be able to take, so as not to be sent more than that."""
+        """Return the least demand (bit/s) with which `viewer` can play this rendition."""
         return 0.0 if self._demands is None else self._demands.least(viewer)
 
     def _follow(self) -> None:
@@ -330,7 +329,7 @@ class Rendition:
             self._source.set_bitrate(bitrate)
 
     def request_key_frame(self, cause: KeyFrameCause) -> None:
-        """Ask for a key frame; it comes as soon as the budget of `cause` allows, and serves all who wait for one."""
+        """Request a key frame; it comes as soon as the budget of `cause` allows, and serves all waiting viewers."""
         self._source.request_key_frame(cause)
 
     def set_bitrate(self, bitrate: int) -> None:
@@ -342,7 +341,7 @@ class Rendition:
         self._source.set_bitrate(bitrate)
 
     def figures(self) -> RenditionFigures:
-        """A snapshot of the counters."""
+        """Return a snapshot of the counters."""
         source = self._source
         return RenditionFigures(
             mime_type=self.mime_type,

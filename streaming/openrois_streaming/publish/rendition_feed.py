@@ -1,4 +1,4 @@
-"""Brings the frames of a shared source to one viewer: of one rendition, and from its first key frame on of another."""
+"""Feed of one viewer with the frames of a shared source; it changes rendition at a key frame."""
 
 import logging
 from collections.abc import Callable, Hashable, Sequence
@@ -15,86 +15,86 @@ from openrois_streaming.stats import Counters
 from openrois_streaming.tasks import OwnedTasks, Task
 
 FIRST_RETRY = 0.5
-"""Seconds after which a source that ended or failed is opened again: with its start, viewers wait less than one."""
+"""Seconds after which a source that ended or failed is opened again; with its start, viewers wait less than 1 s."""
 
 RETRY = 1.0
 """Seconds between further tries, while no frame comes."""
 
 STILL_INTERVAL = 1.5
-"""Seconds between two pictures for a viewer whose path carries nothing else. After 2 s our SDK wants another path."""
+"""Seconds between two pictures for a viewer whose path carries no more. After 2 s our SDK wants another path."""
 
 STILL_LEAST = 0.9
-"""Seconds after which a key frame that is there anyway is taken as the next of these pictures: one is asked for
+"""Seconds after which a key frame made for others is sent as the next of these pictures: one is requested
 `keyframes.STILL_SPACING` later."""
 
 _log = logging.getLogger(__name__)
 
 
 class Playing(Protocol):
-    """A rendition that is played."""
+    """Rendition that is being played."""
 
     async def get(self) -> object:
-        """Raise when the source or the encoder has ended or failed; return never."""
+        """Raise when the source or the encoder has ended or failed; never return."""
         ...
 
 
 class SharedRendition(Protocol):
-    """One encoding of a source, which runs while somebody plays it."""
+    """Encoding of a source, which runs while a viewer plays it."""
 
     @property
     def rung(self) -> Rung | None:
-        """Its size, pace and bounds of bit rate; None if it has no others beside it."""
+        """Size, pace and bounds of the bit rate; None if it is the only rendition."""
         ...
 
     def play(
-        self, viewer: Hashable, take: Callable[[EncodedFrame], None], bitrate: float | None = None
+        self, viewer: Hashable, on_frame: Callable[[EncodedFrame], None], bitrate: float | None = None
     ) -> AbstractAsyncContextManager[Playing]:
-        """Have `take` called with each frame while the context lasts; a key frame is asked for, to start with."""
+        """Call `on_frame` with each frame while the context lasts; a key frame is requested at the start."""
         ...
 
     def prepare(self) -> AbstractAsyncContextManager[None]:
-        """Have source and encoder run while the context lasts, for a viewer that cannot be sent anything yet."""
+        """Run source and encoder while the context lasts, for a viewer without a media path yet."""
         ...
 
     def wanted(self) -> AbstractContextManager[None]:
-        """Have it count as played while the context lasts, also between two tries to play what fails."""
+        """Count it as played while the context lasts, also between two tries."""
         ...
 
     def request_key_frame(self, cause: KeyFrameCause) -> None:
-        """Have the next frame encoded as a key frame, within the budget of the cause."""
+        """Request a key frame, within the budget of the cause."""
         ...
 
     def demand(self, viewer: Hashable, bitrate: float) -> None:
-        """`viewer`, who plays it, can take `bitrate` (bit/s) from now on."""
+        """Set the demand of `viewer` to `bitrate` (bit/s)."""
         ...
 
     def least(self, viewer: Hashable) -> float:
-        """Bit/s that `viewer` must be able to take to play it."""
+        """Return the least demand (bit/s) with which `viewer` can play it."""
         ...
 
 
 class MediaPublisher(Protocol):
-    """A source that can be had in several encodings."""
+    """Source that is published in several encodings."""
 
     def renditions(self, mime_type: str, fps: float | None = None) -> Sequence[SharedRendition]:
-        """Its encodings of that media type, the best first, with at most so many pictures a second.
+        """Return its encodings of that media type, the best first, with at most `fps` pictures a second.
 
         Raises:
-            NoEncoder: there is none, and all encoders are in use.
+            NoEncoder: none runs, and all encoders are in use.
         """
         ...
 
     def has_room(self, mime_type: str) -> bool:
-        """Whether a viewer can be played something in that media type now."""
+        """Tell whether a viewer can be sent that media type now."""
         ...
 
     def can_encode(self, mime_type: str) -> bool:
-        """Whether its encoders of that media type work, as far as is known: not while they fail again and again."""
+        """Tell whether encoders of that media type work: false while they fail again and again."""
         ...
 
 
 class _Part:
-    """A rendition that is played, and wanted until the part is left: what others may have follows from it."""
+    """Rendition that is played, and counts as wanted until the part is left."""
 
     __slots__ = ("_wanting", "chain", "rendition", "task")
 
@@ -106,30 +106,30 @@ class _Part:
         self._wanting.enter_context(rendition.wanted())
 
     def leave(self) -> None:
-        """Play it no more."""
+        """Stop playing it."""
         self._wanting.close()
         if self.task is not None:
             self.task.cancel()
 
 
 class RenditionFeed:
-    """Gives one viewer the frames of one rendition at a time, in growing times, and never one it could not decode.
+    """Feed of one viewer: frames of one rendition at a time, in growing times, and only decodable ones.
 
-    When another rendition is to be played, the present one goes on until the first key frame of the other is there.
+    A change of rendition takes effect at the first key frame of the new one; until then the present one goes on.
 
     Args:
         kind: "video" or "audio".
-        send: takes a frame, at once.
-        counters: where lost frames are counted.
-        tasks: what the renditions are played in.
-        clock: for the time between two tries.
+        send: sends a frame, at once.
+        counters: count lost frames.
+        tasks: run the players of renditions.
+        clock: times the tries.
     """
 
     def __init__(
         self, kind: str, send: Callable[[EncodedFrame], None], counters: Counters, tasks: OwnedTasks, clock: MediaClock
     ) -> None:
         self.stills = False
-        """Whether key frames alone are sent: one is asked for after each `STILL_INTERVAL`, two are never closer than
+        """Whether key frames alone are sent: one is requested after each `STILL_INTERVAL`, two are never closer than
         `STILL_LEAST`."""
         self._kind = kind
         self._send = send
@@ -143,11 +143,11 @@ class RenditionFeed:
 
     @property
     def rendition(self) -> SharedRendition | None:
-        """The one whose frames are sent; None before the first one."""
+        """The rendition whose frames are sent; None before the first one."""
         return None if self._present is None else self._present.rendition
 
     def play(self, rendition: SharedRendition, bitrate: float | None = None) -> None:
-        """Play `rendition`, from its next key frame on. The viewer can take `bitrate` (bit/s)."""
+        """Play `rendition`, from its next key frame on, with a demand of `bitrate` (bit/s)."""
         if self._present is not None and rendition is self._present.rendition:
             self._leave(self._next)
             self._next = None
@@ -158,17 +158,17 @@ class RenditionFeed:
             rendition.demand(self, bitrate)
 
     def repair(self) -> None:
-        """The viewer needs a key frame. Of single pictures the next is one, and would come later if asked for early."""
+        """Request a key frame for the viewer. Single pictures are key frames, and the next is not brought forward."""
         if self._present is None:
             return
         if self.stills:
-            # Should they end before that one, what is predicted is of no use.
+            # Should single pictures end before the next one, predicted pictures are of no use.
             self._present.chain = ReferenceChain(self._kind)
         else:
             self._present.rendition.request_key_frame(KeyFrameCause.REPAIR)
 
     def close(self) -> None:
-        """Play nothing. The renditions are left at once, so that their encoders can rest."""
+        """Stop playing. The renditions are left at once, so that their encoders can stop."""
         self._leave(self._present)
         self._leave(self._next)
         self._present = self._next = None
@@ -185,53 +185,53 @@ class RenditionFeed:
     async def _keep_playing(self, part: _Part, bitrate: float | None) -> None:
         failing = False
 
-        def take(frame: EncodedFrame) -> None:
+        def play_frame(frame: EncodedFrame) -> None:
             nonlocal failing
             failing = False
-            self._take(part, frame)
+            self._play_frame(part, frame)
 
         while True:
             part.chain, pause = ReferenceChain(self._kind), RETRY
             try:
-                async with part.rendition.play(self, take, bitrate) as playing:
+                async with part.rendition.play(self, play_frame, bitrate) as playing:
                     await playing.get()
             except Exception as error:
                 pause = RETRY if failing else FIRST_RETRY
                 if not failing:
-                    told = "a %s source stopped; it is tried again every %.0f s: %r"
-                    _log.warning(told, self._kind, RETRY, error.__cause__ or error)
+                    text = "a %s source has failed and is opened again every %.0f s: %r"
+                    _log.warning(text, self._kind, RETRY, error.__cause__ or error)
                 failing = True
             await self._clock.sleep_until(self._clock.now() + pause)
 
-    def _take(self, part: _Part, frame: EncodedFrame) -> None:
+    def _play_frame(self, part: _Part, frame: EncodedFrame) -> None:
         if part is self._next and frame.keyframe:
             self._leave(self._present)
             self._present, self._next = part, None
         if part is not self._present:
             return
         if self.stills and self._kind == "video":
-            self._take_still(part, frame)
+            self._play_still(part, frame)
         elif part.chain.admits(frame):
-            self._give(frame)
+            self._send_frame(frame)
         else:
             self._counters.frames_dropped += 1
             if part.chain.should_ask(frame):
                 part.rendition.request_key_frame(KeyFrameCause.REPAIR)
 
-    def _take_still(self, part: _Part, frame: EncodedFrame) -> None:
+    def _play_still(self, part: _Part, frame: EncodedFrame) -> None:
         since = frame.captured_at - self._key_at
         if frame.keyframe and since >= STILL_LEAST:
             part.chain.admits(frame)
-            self._give(frame)
+            self._send_frame(frame)
             return
         self._counters.frames_dropped += 1
         if since >= STILL_INTERVAL:
             part.rendition.request_key_frame(KeyFrameCause.STILL)
 
-    def _give(self, frame: EncodedFrame) -> None:
+    def _send_frame(self, frame: EncodedFrame) -> None:
         if frame.keyframe:
             self._key_at = frame.captured_at
-        # Another rendition may be behind the one that was played before; no two frames have the same time.
+        # The new rendition may be behind the previous one; no two frames have the same time.
         if frame.pts <= self._last_pts:
             frame = replace(frame, pts=self._last_pts + 1)
         self._last_pts = frame.pts

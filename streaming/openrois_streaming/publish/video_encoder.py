@@ -1,4 +1,4 @@
-"""H.264 and VP8 for live pictures: one packet out for each frame in, and a key frame only when one is asked for."""
+"""H.264 and VP8 for live pictures: one packet for each frame, and key frames only on request."""
 
 from fractions import Fraction
 from typing import Any, cast
@@ -32,12 +32,12 @@ _RESTART_SHARE = 0.35
 
 
 class VideoEncoder:
-    """Encodes the frames of one rendition with H.264 (`video/H264`) or VP8 (`video/VP8`).
+    """Encoder of one rendition with H.264 (`video/H264`) or VP8 (`video/VP8`).
 
-    The size follows the frames, halved `halvings` times: a frame of another size starts the codec anew, with a key
-    frame. Odd sizes lose their last row or column. `frame_rate` is the pace expected of the source; the bit rate is met
-    at another pace too, and is never above `max_bitrate`. For a `size` (width and height after halving) that is
-    expected the codec is opened at once: the first picture need not wait for that.
+    The size follows the frames, halved `halvings` times: a frame of another size restarts the codec, with a key frame.
+    Odd sizes lose their last row or column. `frame_rate` is the pace expected of the source; the bit rate is met at
+    another pace too, and is never above `max_bitrate`. For an expected `size` (width and height after halving) the
+    codec is opened at once, so that the first picture need not wait for it.
 
     Raises:
         av.FFmpegError: the codec cannot be opened for this size.
@@ -115,9 +115,9 @@ class VideoEncoder:
         return context
 
     def _must_restart(self) -> bool:
-        """Whether the bit rate cannot be had with the codec as it is.
+        """Tell whether the codec must restart to meet the bit rate.
 
-        libvpx takes no other one later through FFmpeg; x264 does, but its bounds of bursts stay those of its start.
+        libvpx accepts no other rate later through FFmpeg; x264 does, but keeps the burst bounds of its start.
         """
         if self._mime_type == H264:
             return self._bitrate < _RESTART_SHARE * self._opened_bitrate
@@ -129,7 +129,7 @@ class VideoEncoder:
         self._captured_at = captured_at
 
     def _steer(self, context: VideoCodecContext) -> None:
-        """Give x264, which without delay counts frames and not time, the rate that makes the right one at this pace."""
+        """Set the rate of x264, which without delay counts frames and not time, for the pace of the source."""
         rate = min(round(self._bitrate * self._interval * self._frame_rate), self._max_bitrate)
         if abs(rate - self._rate) > _TOLERANCE * self._rate:
             context.bit_rate = self._rate = rate
@@ -139,12 +139,12 @@ class VideoEncoder:
 
 
 def planar(raw: RawVideo, halvings: int = 0) -> NDArray[np.uint8]:
-    """The picture in contiguous I420, its width and height halved so many times, and each even then.
+    """Return the picture in contiguous I420, its width and height halved so many times, and even.
 
-    What is left over, by an odd number of rows or columns, is cut off below and on the right.
+    An odd row or column is cut off below or on the right.
     """
-    # Each halving takes the mean of four pixels, which OpenCV does many times faster than any other step; and the fewer
-    # pixels there are the less their conversion costs.
+    # Each halving averages four pixels, which OpenCV does many times faster than any other step; and fewer pixels cost
+    # less to convert.
     if raw.format == "i420":
         data = np.ascontiguousarray(raw.data)
         width, height = raw.width, raw.height
@@ -165,7 +165,7 @@ def _half(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _half_i420(data: NDArray[np.uint8], width: int, height: int) -> tuple[NDArray[np.uint8], int, int]:
-    """A contiguous I420 picture of half the width and height, and these."""
+    """Return a contiguous I420 picture of half the width and height, and these."""
     even = (width & ~3, height & ~3)
     half = (even[0] // 2, even[1] // 2)
     small = np.empty((half[1] * 3 // 2, half[0]), np.uint8)
@@ -178,8 +178,8 @@ def _half_i420(data: NDArray[np.uint8], width: int, height: int) -> tuple[NDArra
 
 
 def _prepare_h264(context: VideoCodecContext, bitrate: int, max_bitrate: int, frame_rate: float) -> None:
-    # x264 changes its rate while it runs only if it starts at a constant one, and then never above that one: start at
-    # the highest, and let the first frame take it down.
+    # x264 changes its rate while it runs only if it starts at a constant rate, and never above that: start at the
+    # highest, and let the first frame lower it.
     context.bit_rate = max_bitrate
     context.options = {
         "preset": "ultrafast",

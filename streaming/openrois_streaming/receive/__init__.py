@@ -1,1 +1,1 @@
-"""Receiving what an application sends: its microphone and its camera, as sources that whoever likes can open."""
+"""Reception of an application's microphone and camera, as media sources."""

@@ -1,4 +1,4 @@
-"""From RTP packets to whole pictures, in order and decodable, and what to ask the sender for meanwhile. Pure."""
+"""Assembly of RTP packets into whole pictures, in order and decodable, with requests to the sender. Pure."""
 
 from typing import NamedTuple
 
@@ -7,21 +7,21 @@ from openrois_streaming.receive.repair import KeyFrameWish, Losses, RoundTrip
 
 PACKETS_LIMIT = 2048
 BYTES_LIMIT = 4 << 20
-"""What is held of pictures that are not whole yet."""
+"""Limits on the packets and bytes of incomplete pictures."""
 
 KEY_FRAME_LIMIT = 4.0
-"""Seconds that the rest of a key frame may take which nothing can be shown without."""
+"""Seconds that the rest of an awaited key frame may take."""
 
 _LOSSES_LIMIT = 256
-# A packet that is so far from the others belongs to a sender that has started anew.
+# A packet so far from the others belongs to a sender that has restarted.
 _LEAP = 1000
 _SPOILT = Piece(b"", False, False, False)
-# A sender that is silent is not asked for anything.
+# A silent sender gets no requests.
 _SILENCE = 1.0
 
 
 class VideoPacket(NamedTuple):
-    """An RTP packet; `sequence` and `timestamp` are unwrapped, `marker` ends a picture."""
+    """RTP packet; `sequence` and `timestamp` are unwrapped, `marker` ends a picture."""
 
     sequence: int
     timestamp: int
@@ -30,9 +30,9 @@ class VideoPacket(NamedTuple):
 
 
 class Picture(NamedTuple):
-    """A whole encoded picture.
+    """Whole encoded picture.
 
-    A picture that is not `decodable` refers to one that was lost, and no decoder may see it.
+    A picture that is not `decodable` refers to a lost one, and no decoder may get it.
     """
 
     data: bytes
@@ -42,7 +42,7 @@ class Picture(NamedTuple):
 
 
 class Request(NamedTuple):
-    """What to ask the sender for: the packets with these sequence numbers, and a key frame."""
+    """Request to the sender: the packets with these sequence numbers, and a key frame."""
 
     packets: tuple[int, ...]
     key_frame: bool
@@ -56,21 +56,21 @@ class _Held(NamedTuple):
 
 
 class VideoAssembly:
-    """Puts the packets of one source together.
+    """Assembly of the pictures of one source.
 
     A picture is released with its last packet: the one with the marker, or the one before another picture's. Pictures
     come in order; behind a gap they wait for the lost packets, until these come, until a key frame is whole, or until
-    the patience is over: then everything up to the next key frame is lost, and one is asked for. Of a key frame that is
-    waited for, the patience begins anew with each packet that is repaired, for `KEY_FRAME_LIMIT` seconds at most.
+    the patience is over: then everything up to the next key frame is lost, and one is requested. For an awaited key
+    frame the patience begins anew with each repaired packet, for `KEY_FRAME_LIMIT` seconds at most.
 
-    `watched`: whether somebody decodes. If not, nothing is waited for and nothing asked for.
+    `watched`: whether the pictures are decoded. If not, there is no waiting and no request.
     """
 
     def __init__(self, depacketize: Depacketizer) -> None:
         self.round_trip = RoundTrip()
         self.duplicates = 0
         self.given_up = 0
-        """Gaps that were not repaired in time."""
+        """Number of gaps that were not repaired in time."""
         self._depacketize = depacketize
         self._watched = False
         self._losses = Losses(self.round_trip)
@@ -79,16 +79,16 @@ class VideoAssembly:
         self._packets: dict[int, _Held] = {}
         self._bytes = 0
         self._first: int | None = None
-        """The packet that the next picture begins with."""
+        """Number of the first packet of the next picture."""
         self._cursor = 0
-        """The first packet from there on that is missing."""
+        """Number of the first missing packet from there on."""
         self._newest = 0
-        self._heard_at = 0.0
+        self._last_packet_at = 0.0
         self._silent = False
 
     @property
     def watched(self) -> bool:
-        """Whether somebody decodes."""
+        """Whether the pictures are decoded."""
         return self._watched
 
     @watched.setter
@@ -100,20 +100,20 @@ class VideoAssembly:
         self._wish.wanted = watched and self._first is not None
 
     def lose_reference(self) -> None:
-        """The decoder begins, or has lost what the next pictures refer to: only a key frame is of use."""
+        """Wait for a key frame: the decoder begins, or lacks the pictures that the next ones refer to."""
         self._broken = True
         self._wish.wanted = self._watched
 
     def pause(self) -> None:
-        """No packets will be added for a while; what comes after that has nothing to do with what was before."""
+        """Drop incomplete pictures: packets after a pause have no relation to earlier ones."""
         self._packets.clear()
         self._bytes = 0
         self._first = None
         self._losses.forget_before(self._newest + 1)
 
     def add(self, packet: VideoPacket, now: float) -> list[Picture]:
-        """Take a packet in; returns the pictures that are whole by it."""
-        self._heard_at, self._silent = now, False
+        """Add a packet; returns the pictures that it completes."""
+        self._last_packet_at, self._silent = now, False
         sequence = packet.sequence
         began = self._first is None or abs(sequence - self._newest) > _LEAP or self._full
         if began:
@@ -130,10 +130,10 @@ class VideoAssembly:
         self._newest = max(self._newest, sequence)
         return self._release(now)
 
-    def attend(self, now: float) -> tuple[list[Picture], Request]:
-        """To be called after each packet and at `next_at`; returns what is whole by giving up, and what to ask for."""
+    def check_deadlines(self, now: float) -> tuple[list[Picture], Request]:
+        """Give up gaps that are due, after each packet and at `next_at`; returns the freed pictures, and requests."""
         pictures = self._release(now)
-        self._silent = now - self._heard_at > _SILENCE
+        self._silent = now - self._last_packet_at > _SILENCE
         if self._silent or not self._watched:
             return pictures, Request((), key_frame=False)
         lost = self._losses.to_ask_for(now)
@@ -141,7 +141,7 @@ class VideoAssembly:
 
     @property
     def next_at(self) -> float | None:
-        """When `attend` has something to do; None if only a packet can bring that."""
+        """Time of the next `check_deadlines`; None if only a packet can make it due."""
         if not self._watched or self._silent:
             return None
         wish = None if self._is_served else self._wish.next_at
@@ -150,13 +150,13 @@ class VideoAssembly:
 
     @property
     def _is_served(self) -> bool:
-        """Whether the key frame that is wanted is on its way: its beginning is there."""
+        """Whether the wanted key frame is arriving: its first packet is there."""
         first = self._packets.get(self._first) if self._first is not None else None
         return self._broken and first is not None and first.piece is not None and first.piece.opens_key
 
     @property
     def _given_up_at(self) -> float | None:
-        """When the gap at the cursor is left behind, if it was noticed."""
+        """Time at which the gap at the cursor is given up, if it was noticed."""
         gap = self._losses.noticed_at(self._cursor)
         if gap is None:
             return None
@@ -190,7 +190,7 @@ class VideoAssembly:
         pictures: list[Picture] = []
         while self._first is not None:
             if self._reach_end():
-                picture = self._take()
+                picture = self._finish_picture()
                 if picture is not None:
                     pictures.append(picture)
             elif not self._skip(now):
@@ -198,7 +198,7 @@ class VideoAssembly:
         return pictures
 
     def _reach_end(self) -> bool:
-        """Move the cursor on; whether it stands behind a picture's last packet."""
+        """Advance the cursor; whether it stands behind a picture's last packet."""
         first = self._packets.get(self._first) if self._first is not None else None
         while (held := self._packets.get(self._cursor)) is not None and first is not None:
             if held.timestamp != first.timestamp:
@@ -208,7 +208,7 @@ class VideoAssembly:
                 return True
         return False
 
-    def _take(self) -> Picture | None:
+    def _finish_picture(self) -> Picture | None:
         assert self._first is not None, "a picture has a first packet"
         held = [self._packets.pop(sequence) for sequence in range(self._first, self._cursor)]
         self._first = self._cursor
@@ -229,7 +229,7 @@ class VideoAssembly:
         return Picture(data, held[0].timestamp, key_frame, not self._broken)
 
     def _skip(self, now: float) -> bool:
-        """Leave a gap behind that is not worth waiting for; whether that was done."""
+        """Give up a gap that is not worth waiting for; whether that was done."""
         if self._newest < self._cursor:
             return False
         whole = self._whole_key_frame()
@@ -245,13 +245,13 @@ class VideoAssembly:
         return True
 
     def _hopeless(self) -> bool:
-        """Whether what stands before the gap cannot be decoded anyway."""
+        """Tell whether the pictures before the gap cannot be decoded anyway."""
         first = self._packets.get(self._first) if self._first is not None else None
         return self._broken and (first is None or first.piece is None or not first.piece.opens_key)
 
     def _whole_key_frame(self) -> int | None:
-        """The first packet of a key frame behind the gap of which everything is there."""
-        # Once through all of them: who sends decides how many there are, and each may be the first of a key frame.
+        """Return the first packet of a whole key frame behind the gap; None if there is none."""
+        # One pass over all of them: the sender decides how many there are, and each may be the first of a key frame.
         start: int | None = None
         following, timestamp = 0, 0
         for sequence in sorted(each for each in self._packets if each > self._cursor):

@@ -1,6 +1,6 @@
-"""The RTCP packets that a receiver sends (RFC 3550 section 6.4.2, RFC 4585 section 6, draft-alvestrand-rmcat-remb).
+"""RTCP packets that a receiver sends (RFC 3550 section 6.4.2, RFC 4585 section 6, draft-alvestrand-rmcat-remb).
 
-All are pure functions of numbers.
+Pure.
 """
 
 import struct
@@ -13,14 +13,14 @@ _NACK, _PLI, _APPLICATION = 1, 1, 15
 
 
 def receiver_report(ssrc: int, source: int, reception: Reception) -> bytes:
-    """What `ssrc` has received of `source`."""
+    """Return a report of `ssrc` on what it has received of `source`."""
     lost = (reception.fraction_lost << 24) | (reception.packets_lost & 0xFFFFFF)
     rest = (reception.highest_sequence, reception.jitter, reception.last_report, reception.delay)
     return _packet(_RECEIVER_REPORT, 1, struct.pack("!7I", ssrc, source, lost, *rest))
 
 
 def nack(ssrc: int, source: int, sequences: Iterable[int]) -> bytes:
-    """Asks for packets of `source` by their 16-bit sequence numbers, which are in the order of sending."""
+    """Return a request for packets of `source` by their 16-bit sequence numbers, in the order of sending."""
     entries: list[list[int]] = []
     for sequence in sequences:
         distance = (sequence - entries[-1][0]) & 0xFFFF if entries else 0
@@ -33,12 +33,12 @@ def nack(ssrc: int, source: int, sequences: Iterable[int]) -> bytes:
 
 
 def picture_loss(ssrc: int, source: int) -> bytes:
-    """Asks `source` for a key frame."""
+    """Return a request for a key frame of `source`."""
     return _packet(_PAYLOAD_FEEDBACK, _PLI, struct.pack("!II", ssrc, source))
 
 
 def bitrate_limit(ssrc: int, source: int, bitrate: int) -> bytes:
-    """Says that the path carries `bitrate` (bit/s) from `source`, rounded down to 18 bits."""
+    """Return an estimate that the path carries `bitrate` (bit/s) from `source`, rounded down to 18 bits."""
     exponent = max(bitrate.bit_length() - 18, 0)
     limit = exponent << 18 | bitrate >> exponent
     body = struct.pack("!II4sII", ssrc, 0, b"REMB", 1 << 24 | limit, source)

@@ -1,20 +1,19 @@
-"""Which of the packets that arrive are of the source that is received, with their wraps and their RTX undone. Pure."""
+"""Selection of the packets of the received source, with wraps and RTX undone. Pure."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from openrois_streaming.receive.reception import SourceReception
 from openrois_streaming.receive.remote_time import CaptureTimes, RemoteClock
-from openrois_streaming.receive.sequence import Unwrapped
 
 RTX = "video/rtx"
 
 SILENCE = 0.1
-"""Seconds: another source of the same kind is listened to when the one before has been silent for so long."""
+"""Seconds of silence of a source after which another one of the same kind replaces it."""
 
 
 class Arrived(NamedTuple):
-    """An RTP packet, as far as a receiver needs it; `send_time` is abs-send-time as it stands in the packet."""
+    """RTP packet, as far as a receiver needs it; `send_time` is abs-send-time as it stands in the packet."""
 
     payload_type: int
     sequence: int
@@ -28,7 +27,7 @@ class Arrived(NamedTuple):
 
 
 class SenderReport(NamedTuple):
-    """What a sender says: `ntp` (64 bits) and `timestamp` are one moment; `moment` is `ntp` in seconds since 1970."""
+    """Sender report: `ntp` (64 bits) and `timestamp` are one moment; `moment` is `ntp` in seconds since 1970."""
 
     ssrc: int
     ntp: int
@@ -37,7 +36,7 @@ class SenderReport(NamedTuple):
 
 
 class Codec(NamedTuple):
-    """A payload type that was negotiated. For RTX, `repairs` is the payload type of what it repeats."""
+    """Negotiated payload type. For RTX, `repairs` is the payload type of the repeated packets."""
 
     payload_type: int
     mime_type: str
@@ -46,7 +45,7 @@ class Codec(NamedTuple):
 
 
 class Negotiated(NamedTuple):
-    """What the other end will send; `sources` and `repairs` are announced SSRCs, the latter by those that repeat."""
+    """Negotiated parameters of the other end; `sources` are announced SSRCs, `repairs` maps those of RTX to them."""
 
     codecs: Sequence[Codec]
     sources: Sequence[int]
@@ -54,7 +53,7 @@ class Negotiated(NamedTuple):
 
 
 class MediaPacket(NamedTuple):
-    """An RTP packet of the source that is received; numbers are unwrapped, and RTX is taken off."""
+    """RTP packet of the received source; numbers are unwrapped, and RTX is removed."""
 
     mime_type: str
     sequence: int
@@ -64,11 +63,11 @@ class MediaPacket(NamedTuple):
 
 
 class Source:
-    """One SSRC, for as long as it is received."""
+    """Received source (SSRC)."""
 
     def __init__(self, ssrc: int, clock_rate: int, remote: RemoteClock) -> None:
         self.ssrc = ssrc
-        self.heard_at = 0.0
+        self.last_packet_at = 0.0
         self.sequence = Unwrapped(16)
         self.timestamp = Unwrapped(32)
         self.reception = SourceReception(clock_rate)
@@ -76,10 +75,10 @@ class Source:
 
 
 class Inbound:
-    """Receives one source at a time, in one of the codecs of `decodable`.
+    """Inbound packets of one source at a time, in one of the codecs of `decodable`.
 
-    `on_change` is called when another source takes its place, `on_unused` with each SSRC that was not announced and is
-    of no use.
+    `on_change` is called when another source replaces it, `on_unused` with each SSRC that was not announced and is not
+    received.
     """
 
     def __init__(
@@ -98,18 +97,18 @@ class Inbound:
         self._repairs: dict[int, int] = {}
 
     def negotiated(self, parameters: Negotiated) -> None:
-        """An answer says what comes."""
+        """Apply the parameters of an answer."""
         usable = {*self._decodable, RTX}
         self._codecs = {each.payload_type: each for each in parameters.codecs if each.mime_type in usable}
         self._announced = frozenset((*parameters.sources, *parameters.repairs))
         self._repairs = parameters.repairs
 
     def knows(self, packet: Arrived) -> bool:
-        """Whether its payload type was negotiated."""
+        """Tell whether the payload type of a packet was negotiated."""
         return packet.payload_type in self._codecs
 
-    def take(self, packet: Arrived, now: float) -> MediaPacket | None:
-        """Count a packet; returns it as the source sent it, None if it is of no use."""
+    def receive_packet(self, packet: Arrived, now: float) -> MediaPacket | None:
+        """Count a packet; returns it as the source sent it, None if it is not received."""
         codec = self._codecs.get(packet.payload_type)
         if codec is None:
             return None
@@ -124,18 +123,18 @@ class Inbound:
         return MediaPacket(codec.mime_type, sequence, timestamp, packet.marker, packet.payload)
 
     def reported(self, report: SenderReport, now: float) -> None:
-        """A sender report came."""
+        """Apply a sender report."""
         source = self.source
         if source is not None and report.ssrc == source.ssrc:
             source.reception.reported(report.ntp, now)
             source.capture.reported(report.moment, source.timestamp.nearest(report.timestamp), now)
 
     def captured_at(self, timestamp: int, now: float) -> float:
-        """When what has this timestamp was captured, `now` at the latest."""
+        """Return the capture time of a timestamp, `now` at the latest."""
         return now if self.source is None else self.source.capture.captured_at(timestamp, now)
 
     def _repaired(self, packet: Arrived, codec: Codec) -> MediaPacket | None:
-        """What was sent again (RFC 4588 section 4)."""
+        """Return the packet in a retransmission (RFC 4588 section 4)."""
         source = self.source
         original = None if codec.repairs is None else self._codecs.get(codec.repairs)
         if source is None or original is None or original.mime_type == RTX or len(packet.payload) < 2:
@@ -147,19 +146,44 @@ class Inbound:
         return MediaPacket(original.mime_type, sequence, timestamp, packet.marker, packet.payload[2:])
 
     def _source_of(self, packet: Arrived, codec: Codec, now: float) -> Source | None:
-        """The source that is received, if the packet is of it."""
+        """Return the received source, if the packet belongs to it."""
         source = self.source
         if source is None or source.ssrc != packet.ssrc:
-            if source is not None and now - source.heard_at < SILENCE:
-                self._forget(packet.ssrc)
+            if source is not None and now - source.last_packet_at < SILENCE:
+                self._report_unused(packet.ssrc)
                 return None
             if source is not None:
-                self._forget(source.ssrc)
+                self._report_unused(source.ssrc)
                 self._on_change()
             source = self.source = Source(packet.ssrc, codec.clock_rate, self._remote)
-        source.heard_at = now
+        source.last_packet_at = now
         return source
 
-    def _forget(self, ssrc: int) -> None:
+    def _report_unused(self, ssrc: int) -> None:
         if ssrc not in self._announced:
             self._on_unused(ssrc)
+
+
+class Unwrapped:
+    """Counter of `bits` bits, as RTP's sequence numbers and timestamps (RFC 3550 section 5.1), without wraps."""
+
+    __slots__ = ("_modulus", "_newest")
+
+    def __init__(self, bits: int) -> None:
+        self._modulus = 1 << bits
+        self._newest: int | None = None
+
+    def __call__(self, value: int) -> int:
+        """Return `value` without wraps: of all numbers with these low bits, the one nearest to the newest so far."""
+        number = self.nearest(value)
+        if self._newest is None or number > self._newest:
+            self._newest = number
+        return number
+
+    def nearest(self, value: int) -> int:
+        """Return `value` without wraps, and leave the counter as it is."""
+        if self._newest is None:
+            # Far enough from 0 that earlier numbers stay positive.
+            return self._modulus + value
+        distance = (value - self._newest) % self._modulus
+        return self._newest + distance - (self._modulus if distance >= self._modulus // 2 else 0)

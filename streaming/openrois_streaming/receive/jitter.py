@@ -1,43 +1,42 @@
-"""How long sound has to wait so that nearly all of it is there in time. Pure."""
+"""Delay of sound that lets nearly all packets arrive in time. Pure."""
 
 from collections import deque
 
 from openrois_streaming.receive.remote_time import LowestOffset
 
 WINDOW = 3.0
-"""Seconds for which late packets are remembered: so long the delay stays high after the path has become quiet."""
+"""Seconds for which late packets are remembered, and the delay stays high after the path has become quiet."""
 
 LONGEST_DELAY = 0.5
-"""Seconds; what is later than that counts as lost."""
+"""Seconds; later packets count as lost."""
 
-# Packets that come together are one event: after a stall many are late, but that was one time only.
+# Packets that come together are one event: after a stall many are late at once.
 _TOGETHER = 0.1
-# The share of the times in which no packet may be too late.
+# Share of the intervals in which no packet may be too late.
 _SHARE = 0.9
 _RESTART = 2.0
-# What a thread that is woken by a timer is late by.
+# Lateness of a thread that is woken by a timer.
 _MARGIN = 0.002
 
 
 class TargetDelay:
-    """Follows the arrival of packets, each by how much later it came than the fastest of the last seconds.
+    """Target delay by the arrival of packets, each compared with the fastest of the last seconds.
 
-    `base` is what is to be added to a media time for the moment at which its packet arrives if nothing delays it;
-    `seconds` are to be added to that. A path that stands still once is not waited for, one that does so again and again
-    is.
+    Media time plus `base` is the moment at which an undelayed packet arrives; `seconds` are added to that. The delay
+    follows repeated stalls of a path, not a single one.
     """
 
     def __init__(self) -> None:
         self.seconds = _MARGIN
         self._offset = LowestOffset(WINDOW)
         self._slowest: deque[tuple[float, float]] = deque(maxlen=round(WINDOW / _TOGETHER))
-        """The largest offset of each time in which packets came, and when that began."""
+        """Largest offset of each interval in which packets came, and the start of that interval."""
 
     def arrived(self, media_time: float, arrival: float) -> bool:
-        """A packet whose first sample is at `media_time` (seconds of the RTP clock) came at `arrival`.
+        """Note a packet whose first sample is at `media_time` (seconds of the RTP clock) and that came at `arrival`.
 
         Returns:
-            Whether its time has nothing to do with those before: the source has started anew.
+            Whether its time is unrelated to earlier ones: the source has restarted.
         """
         offset = arrival - media_time
         known = self._offset.value
@@ -54,7 +53,7 @@ class TargetDelay:
 
     @property
     def base(self) -> float:
-        """The least difference between arrival and media time; 0 before the first packet."""
+        """Least difference between arrival and media time; 0 before the first packet."""
         return self._offset.value or 0.0
 
     def _remember(self, arrival: float, offset: float) -> None:

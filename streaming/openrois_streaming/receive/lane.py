@@ -1,4 +1,4 @@
-"""The way of one source's packets through a receiver: pictures are assembled, sound is played out."""
+"""Processing of one source's packets in a receiver: pictures are assembled, sound is played out."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,14 +17,14 @@ from openrois_streaming.source.source import SAMPLE_RATE
 _DEPACKETIZERS: dict[str, Depacketizer] = {H264: h264_piece, VP8: vp8_piece}
 
 CaptureTime = Callable[[int, float], float]
-"""The capture time of an unwrapped timestamp, and now."""
+"""Returns the capture time of an unwrapped timestamp, given the present time."""
 
 NOTHING = Request((), key_frame=False)
 
 
 @dataclass(frozen=True)
 class LaneFigures:
-    """What became of the packets so far; seconds where it says delay or concealed."""
+    """Counts of one lane; delay and concealed sound in seconds."""
 
     decoded: int
     dropped: int
@@ -34,39 +34,39 @@ class LaneFigures:
 
 
 class Lane(Protocol):
-    """What a receiver does with the packets of its kind of media."""
+    """Processing of packets of one kind of media."""
 
     def add(self, packet: MediaPacket, arrival: float) -> int:
-        """Take a packet in; returns how many whole frames that makes."""
+        """Add a packet; returns how many frames it completes."""
         ...
 
-    def attend(self, now: float) -> tuple[int, Request]:
-        """Do what is due, when a packet came or `next_at` has come; returns whole frames and what to ask for."""
+    def check_deadlines(self, now: float) -> tuple[int, Request]:
+        """Process deadlines after a packet and at `next_at`; returns the number of completed frames, and requests."""
         ...
 
     @property
     def next_at(self) -> float | None:
-        """When `attend` has something to do without a packet."""
+        """Time of the next `check_deadlines` without a packet; None for never."""
         ...
 
     def pause(self) -> None:
-        """What comes next has nothing to do with what was before."""
+        """Note that later packets have no relation to earlier ones."""
         ...
 
-    def end(self) -> None:
-        """Nothing more will come."""
+    def end_input(self) -> None:
+        """End the source."""
         ...
 
     @property
     def figures(self) -> LaneFigures:
-        """What was counted."""
+        """Counts so far."""
         ...
 
 
 class VideoLane:
-    """Pictures: assembled, repaired, and decoded while somebody reads `source`.
+    """Lane of pictures: assembled, repaired, and decoded while `source` is open.
 
-    `on_wish` is called, from any thread, when there is something to ask the sender for.
+    `on_wish` is called, from any thread, when there is a request to the sender.
     """
 
     def __init__(self, captured_at: CaptureTime, on_wish: Callable[[], None]) -> None:
@@ -78,35 +78,35 @@ class VideoLane:
         self._key_frames = 0
 
     def add(self, packet: MediaPacket, arrival: float) -> int:
-        """Take a packet in."""
+        """Add a packet."""
         self._see(packet.mime_type)
         return self._pass(self._assembly.add(VideoPacket(*packet[1:]), arrival), arrival)
 
-    def attend(self, now: float) -> tuple[int, Request]:
-        """Give up what is not repaired in time, and ask for what is missing."""
+    def check_deadlines(self, now: float) -> tuple[int, Request]:
+        """Give up gaps that were not repaired in time, and request missing packets."""
         if self._reference_lost:
             self._reference_lost = False
             self._assembly.lose_reference()
-        pictures, request = self._assembly.attend(now)
+        pictures, request = self._assembly.check_deadlines(now)
         return self._pass(pictures, now), request
 
     @property
     def next_at(self) -> float | None:
-        """When a request or the end of the patience is due."""
+        """Time of the next request, or of giving up a gap."""
         return self._assembly.next_at
 
     def pause(self) -> None:
-        """Forget what is not whole; go on with a key frame."""
+        """Drop incomplete pictures, and wait for a key frame."""
         self._assembly.pause()
         self._assembly.lose_reference()
 
-    def end(self) -> None:
-        """The source ends."""
-        self.source.end()
+    def end_input(self) -> None:
+        """End the source."""
+        self.source.end_input()
 
     @property
     def figures(self) -> LaneFigures:
-        """Pictures decoded, and dropped because they could not be or were not read in time; key frames that arrived."""
+        """Pictures decoded, and dropped as undecodable or not read in time; key frames that arrived."""
         return LaneFigures(self.source.decoded, self.source.dropped, key_frames=self._key_frames)
 
     def _see(self, mime_type: str) -> None:
@@ -137,39 +137,39 @@ class VideoLane:
 
 
 class AudioLane:
-    """Sound: played out while somebody reads `source`."""
+    """Lane of sound: played out while `source` is open."""
 
     def __init__(self, clock: MediaClock, captured_at: CaptureTime) -> None:
         self.source = AudioSource(clock, captured_at)
 
     def add(self, packet: MediaPacket, arrival: float) -> int:
-        """Take a packet in."""
+        """Add a packet."""
         if packet.payload:
             self.source.offer(SoundPacket(packet.timestamp, packet.payload), arrival)
         return 1
 
-    def attend(self, now: float) -> tuple[int, Request]:
-        """Nothing is asked for: a lost packet would come too late."""
+    def check_deadlines(self, now: float) -> tuple[int, Request]:
+        """Request nothing: a lost packet would come too late."""
         return 0, NOTHING
 
     @property
     def next_at(self) -> float | None:
-        """Never."""
+        """None: sound has no deadlines here."""
         return None
 
     def pause(self) -> None:
-        """Nothing to do: the playout makes up for what is missing."""
+        """Do nothing: the playout conceals missing sound."""
 
-    def end(self) -> None:
-        """The source ends."""
-        self.source.end()
+    def end_input(self) -> None:
+        """End the source."""
+        self.source.end_input()
 
     @property
     def figures(self) -> LaneFigures:
-        """Blocks played and not read in time, and what was done to the sound."""
+        """Blocks played and not read in time, and concealed sound."""
         concealed = self.source.figures.concealed / SAMPLE_RATE
         return LaneFigures(self.source.decoded, self.source.dropped, self.source.delay, concealed)
 
 
 DECODABLE = {"video": frozenset(_DEPACKETIZERS), "audio": frozenset({OPUS})}
-"""The media types that can be received, by kind."""
+"""Media types that can be received, by kind."""

@@ -1,28 +1,27 @@
-"""The bit rate that a sender of pictures is told to keep to (REMB), so that its path does not fill up. Pure."""
+"""Bit rate limit for a sender of pictures (REMB), so that its path does not fill up. Pure."""
 
 START = 1_500_000
-"""Bit/s that are told before anything is known; browsers begin with 300,000 by themselves and take long to rise."""
+"""Initial limit in bit/s; browsers begin with 300,000 by themselves and rise slowly."""
 
 LEAST, MOST = 100_000, 4_000_000
-"""Bounds of what is told, in bit/s."""
+"""Bounds of the limit, in bit/s."""
 
-# Per second, while nothing speaks against it.
+# Relative rise per second, unless losses or delays limit it.
 _RISE = 0.08
 _LONGEST_STEP = 1.0
 
-# More than random loss, which is repaired and which sending less would not end; and of how many packets.
+# Loss above random loss, which is repaired and which a lower rate would not end; and its least sample of packets.
 _HEAVY_LOSS = 0.15
 _LEAST_PACKETS = 60
 _BELOW = 0.85
 
 
 class BitrateLimit:
-    """Follows estimates of what a path carries.
+    """Limit by estimates of a path's bit rate.
 
-    An estimate made of a path that is not full says no more than how much was sent, and a camera that sees little
-    sends little: only where the path is full the limit follows it; else it rises by 8 % a second. A queue that is full
-    all the time delays all packets alike, which no estimate notices: there the losses say it
-    (draft-ietf-rmcat-gcc-02 section 6).
+    An estimate of a path that is not full only measures the sent rate, and a camera with little motion sends little:
+    the limit follows the estimate only on a full path; else it rises by 8 % a second. A queue that stays full delays
+    all packets alike, which no estimate notices: then losses lower the limit (draft-ietf-rmcat-gcc-02 section 6).
     """
 
     def __init__(self) -> None:
@@ -31,7 +30,7 @@ class BitrateLimit:
         self._counted: tuple[int, int, int, float] | None = None
 
     def estimated(self, bitrate: int, now: float, *, full: bool) -> int:
-        """The path carries `bitrate` (bit/s) as far as it was used, and is `full` or not; returns the limit."""
+        """Apply an estimate of `bitrate` (bit/s) for a path that is `full` or not; returns the limit."""
         since = 0.0 if self._estimated_at is None else min(now - self._estimated_at, _LONGEST_STEP)
         self._estimated_at = now
         wanted = min(self.bitrate, bitrate) if full else round(self.bitrate * (1 + _RISE * since))
@@ -39,7 +38,7 @@ class BitrateLimit:
         return self.bitrate
 
     def counted(self, highest: int, lost: int, octets: int, now: float) -> int:
-        """So many packets have been sent and lost so far, and bytes arrived, repetitions too; returns the limit."""
+        """Apply total counts of packets sent and lost, and of bytes received with repetitions; returns the limit."""
         before = self._counted
         if before is None or highest < before[0] or now <= before[3]:
             self._counted = (highest, lost, octets, now)

@@ -1,4 +1,4 @@
-"""What one RTP packet holds of a picture, in H.264 (RFC 6184) and in VP8 (RFC 7741). Pure."""
+"""Depacketizers of H.264 (RFC 6184) and VP8 (RFC 7741). Pure."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -9,15 +9,15 @@ _STAP_A, _FU_A = 24, 28
 
 
 class MalformedPayload(ValueError):
-    """The payload is none of its codec's. The text says what is wrong and holds nothing of it."""
+    """Payload that violates its format. The text says what is wrong and quotes nothing of it."""
 
 
 class Piece(NamedTuple):
-    """A part of an encoded picture.
+    """Part of an encoded picture in one RTP packet.
 
-    `data` is what a decoder takes, the pieces of a picture one after another. `begins`: a picture may begin with this
-    piece. `key`: the picture is a key frame; where it is not set, another piece may. `opens_key`: a key frame surely
-    begins here.
+    `data` is for the decoder, all pieces of a picture concatenated. `begins`: a picture may begin with this piece.
+    `key`: the picture is a key frame; if unset, another piece may set it. `opens_key`: a key frame certainly begins
+    here.
     """
 
     data: bytes
@@ -30,10 +30,10 @@ Depacketizer = Callable[[bytes], Piece]
 
 
 def vp8_piece(payload: bytes) -> Piece:
-    """A part of a VP8 frame (RFC 7741 sections 4.2 and 4.3).
+    """Return the part of a VP8 frame in a payload (RFC 7741 sections 4.2 and 4.3).
 
     Raises:
-        MalformedPayload: the descriptor is longer than the payload, or nothing comes after it.
+        MalformedPayload: the descriptor is longer than the payload, or no data follows it.
     """
     if not payload:
         raise MalformedPayload("an empty VP8 payload")
@@ -47,9 +47,9 @@ def vp8_piece(payload: bytes) -> Piece:
 
 
 def _vp8_extension(payload: bytes) -> int:
-    """The length of the extended control bits and of what they announce."""
+    """Return the length of the extended control bits and of the fields they announce."""
     if len(payload) < 3:
-        raise MalformedPayload("a VP8 descriptor that is cut off")
+        raise MalformedPayload("a truncated VP8 descriptor")
     bits = payload[1]
     length = 1
     if bits & 0x80:
@@ -62,13 +62,13 @@ def _vp8_extension(payload: bytes) -> int:
 
 
 def h264_piece(payload: bytes) -> Piece:
-    """A part of an H.264 access unit in Annex B form: a NAL unit, a STAP-A or an FU-A (RFC 6184 section 5.6 to 5.8).
+    """Return the part of an access unit (Annex B) in a payload: a NAL unit, STAP-A or FU-A (RFC 6184 section 5.6).
 
     Raises:
-        MalformedPayload: it is cut off, or of another kind.
+        MalformedPayload: it is truncated, or of another kind.
     """
     if len(payload) < 2:
-        raise MalformedPayload("an H.264 payload that is cut off")
+        raise MalformedPayload("a truncated H.264 payload")
     kind = payload[0] & 0x1F
     if kind == _FU_A:
         return _fragment(payload)
@@ -80,9 +80,9 @@ def h264_piece(payload: bytes) -> Piece:
 
 
 def _begins(kind: int, first: int) -> bool:
-    """Whether a NAL unit is the first of a picture; `first` is its first byte after the header.
+    """Tell whether a NAL unit begins a picture; `first` is its first byte after the header.
 
-    A slice is if it begins with macroblock 0, which is the single bit 1 there (ITU-T H.264 section 7.3.3).
+    A slice does if it begins with macroblock 0, which is the single bit 1 there (ITU-T H.264 section 7.3.3).
     """
     return kind > _IDR or bool(first & 0x80)
 
@@ -105,7 +105,7 @@ def _aggregate(payload: bytes) -> Piece:
         end = position + 2 + int.from_bytes(payload[position : position + 2], "big")
         unit = payload[position + 2 : end]
         if end > len(payload) or not unit:
-            raise MalformedPayload("an H.264 aggregate that is cut off")
+            raise MalformedPayload("a truncated H.264 aggregate")
         units.append(unit)
         position = end
     kinds = {unit[0] & 0x1F for unit in units}

@@ -1,4 +1,4 @@
-"""Sound that arrives in packets, played without a break: late, lost and superfluous ones are made up for. Pure."""
+"""Playout of sound packets without a break, with late, lost and superfluous ones concealed. Pure."""
 
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
@@ -10,51 +10,51 @@ from openrois_streaming.receive.stretch import Samples, longer, shorter
 from openrois_streaming.source.source import SAMPLE_RATE
 
 BLOCK = SAMPLE_RATE // 100
-"""Samples that are played at a time, at most: 10 ms."""
+"""Most samples that are played at a time: 10 ms."""
 
 PACKETS_LIMIT = 128
-"""Packets that wait to be played."""
+"""Limit on packets that wait to be played."""
 
-# The delay may be so much above what is needed before sound is shortened, and so much below before it is made longer.
-# Together they are more than is put in at once, so that this is not taken out again.
+# Excess of the delay above which sound is shortened, and shortage below which it is lengthened. Together they exceed
+# one insertion, so that it is not taken out again.
 _ABOVE, _BELOW = 0.008, 0.001
 _PUT_IN = round(0.0075 * SAMPLE_RATE)
-# With so much too much, not only where sound is periodic or quiet; and with so much, whole packets are left out.
+# Excess above which sound is shortened even where it is neither periodic nor quiet, and whole packets are skipped.
 _FAR_ABOVE, _ABSURD = 0.03, 0.1
-# Samples that are made up as loud as the sound was, and after how many there is silence.
+# Concealed samples at full loudness, and the number after which there is silence.
 _LOUD, _SILENT = round(0.04 * SAMPLE_RATE), round(0.24 * SAMPLE_RATE)
 _FADE = SAMPLE_RATE // 200
 
 
 class SoundDecoder(Protocol):
-    """Decodes the packets of one source in their order, in stereo."""
+    """Decoder of the packets of one source in their order, in stereo."""
 
     def decode(self, payload: bytes) -> Samples:
-        """The sound of a packet.
+        """Decode a packet.
 
         Raises:
-            UndecodableSound: it has none.
+            UndecodableSound: it cannot be decoded.
         """
         ...
 
     def conceal(self) -> Samples:
-        """A block that goes on as the sound did before."""
+        """Return a block that continues the sound before it."""
         ...
 
 
 class UndecodableSound(ValueError):
-    """A packet without sound in it."""
+    """Packet that cannot be decoded into sound."""
 
 
 class SoundPacket(NamedTuple):
-    """`timestamp` is unwrapped, in samples."""
+    """Sound packet; `timestamp` is unwrapped, in samples."""
 
     timestamp: int
     payload: bytes
 
 
 class Block(NamedTuple):
-    """`BLOCK` samples at most, and the timestamp of the first of them."""
+    """Block of `BLOCK` samples at most, and the timestamp of its first one."""
 
     samples: Samples
     timestamp: int
@@ -62,40 +62,40 @@ class Block(NamedTuple):
 
 @dataclass
 class PlayoutFigures:
-    """What was done to the sound so far; in samples, packets where it says so."""
+    """Counts of changes to the sound, in samples, or packets where noted."""
 
     concealed: int = 0
     shortened: int = 0
     lengthened: int = 0
     late: int = 0
-    """Packets that came when their time was over."""
+    """Packets that came too late."""
     skipped: int = 0
-    """Packets that were left out to catch up."""
+    """Packets that were skipped to catch up."""
 
 
 class Playout:
-    """The playout buffer of one source.
+    """Playout buffer of one source.
 
-    Packets go in with `add` when they arrive. `play` is called whenever the block before is over: a block ends with its
-    packet where the next one may not be there yet. A packet is played when the delay that `TargetDelay` asks for is
-    over. Where the delay is higher, periods of the sound are left out; where it has to be higher, some are repeated.
+    `add` queues packets when they arrive. `play` is called whenever the block before is over: a block ends with its
+    packet if the next one may still be missing. A packet is played after the delay of `TargetDelay`. If the delay is
+    higher, periods of the sound are left out; if it has to rise, some are repeated.
     """
 
     def __init__(self, decoder: SoundDecoder) -> None:
         self.figures = PlayoutFigures()
         self.target = TargetDelay()
         self.played_delay = 0.0
-        """The delay of the block that was played last, in seconds."""
+        """Delay of the last played block, in seconds."""
         self._decoder = decoder
         self._waiting: dict[int, bytes] = {}
         self._pending: Samples = np.empty((0, 2), np.int16)
         self._position: int | None = None
-        """The timestamp behind what was decoded last."""
+        """Timestamp behind the last decoded sample."""
         self._concealing = 0
-        """Samples that were made up since the last ones that are real."""
+        """Samples concealed since the last decoded ones."""
 
     def add(self, packet: SoundPacket, arrival: float) -> None:
-        """A packet came at `arrival` (seconds)."""
+        """Add a packet that came at `arrival` (seconds)."""
         if self.target.arrived(packet.timestamp / SAMPLE_RATE, arrival) and self._position is not None:
             self._waiting.clear()
             self._position = packet.timestamp
@@ -107,11 +107,11 @@ class Playout:
             del self._waiting[min(self._waiting)]
 
     def delay(self, now: float) -> float:
-        """Seconds from the earliest arrival possible to `now`, where the sound of now is played; 0 before the first."""
+        """Return the seconds from the earliest possible arrival of the present sound to `now`; 0 before the first."""
         return 0.0 if self._position is None else self._delay_of(self._position - len(self._pending), now)
 
     def play(self, now: float) -> Block | None:
-        """The block to be played now; None before the first packet's time has come."""
+        """Return the block to be played now; None before the first packet is due."""
         if self._position is None:
             if not self._due(now):
                 return None
@@ -133,11 +133,11 @@ class Playout:
         return now - timestamp / SAMPLE_RATE - self.target.base
 
     def _due(self, now: float) -> bool:
-        """Whether the oldest packet that waits has its time."""
+        """Tell whether the oldest waiting packet is due."""
         return bool(self._waiting) and self._delay_of(min(self._waiting), now) >= self.target.seconds
 
     def _next(self, now: float) -> Samples | None:
-        """The sound of the next packet; None if it is not there, or its time has not come."""
+        """Return the sound of the next packet; None if it is missing or not due."""
         if self._waiting:
             timestamp = min(self._waiting)
             if timestamp == self._position or self._due(now):
@@ -168,7 +168,7 @@ class Playout:
         return samples
 
     def _catch_up(self, now: float) -> None:
-        """Leave out what would be played far too late."""
+        """Skip packets that would be played far too late."""
         while self._waiting and self.delay(now) - self.target.seconds > _ABSURD:
             timestamp = min(self._waiting)
             if len(self._waiting) == 1 or self._delay_of(timestamp, now) - self.target.seconds < _ABSURD / 2:
@@ -199,7 +199,7 @@ class Playout:
 
 
 def _falling(samples: Samples, made_up: int) -> Samples:
-    """The sound, ever less loud; so many samples were made up before."""
+    """Return the sound, fading out; so many samples were concealed before."""
     if made_up + len(samples) <= _LOUD:
         return samples
     left = (_SILENT - made_up - np.arange(len(samples), dtype=np.float32)) / (_SILENT - _LOUD)
@@ -207,6 +207,6 @@ def _falling(samples: Samples, made_up: int) -> Samples:
 
 
 def _risen(samples: Samples) -> Samples:
-    """The sound, rising from silence."""
+    """Return the sound, fading in from silence."""
     ramp = np.minimum(np.arange(len(samples), dtype=np.float32) / _FADE, 1)[:, np.newaxis]
     return np.asarray(np.rint(samples * ramp), np.int16)

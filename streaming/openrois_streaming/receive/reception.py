@@ -1,4 +1,4 @@
-"""What a receiver reports of one source: losses and jitter (RFC 3550 sections 6.4.1, A.3 and A.8). Pure."""
+"""Reception report of one source: losses and jitter (RFC 3550 sections 6.4.1, A.3 and A.8). Pure."""
 
 from typing import NamedTuple
 
@@ -7,7 +7,7 @@ _DELAY_LIMIT = (1 << 32) - 1
 
 
 class Reception(NamedTuple):
-    """One report block, as its fields stand in the packet: `last_report` and `delay` are LSR and DLSR."""
+    """Report block, as its fields stand in the packet: `last_report` and `delay` are LSR and DLSR."""
 
     fraction_lost: int
     packets_lost: int
@@ -18,9 +18,9 @@ class Reception(NamedTuple):
 
 
 class SourceReception:
-    """Counts the packets of one source, whose RTP clock has `clock_rate` ticks a second.
+    """Counts of the packets of one source, whose RTP clock has `clock_rate` ticks a second.
 
-    `received` are all packets, repeated ones too, as the standard has it.
+    `received` counts all packets, repeated ones too, as the standard has it.
     """
 
     def __init__(self, clock_rate: int) -> None:
@@ -35,7 +35,7 @@ class SourceReception:
         self._report: tuple[int, float] | None = None
 
     def add(self, sequence: int, timestamp: int, arrival: float) -> None:
-        """A packet came at `arrival` (seconds); its sequence number and its timestamp are unwrapped."""
+        """Count a packet that came at `arrival` (seconds), with unwrapped sequence number and timestamp."""
         self.received += 1
         if self._first is None:
             self._first = self._highest = sequence
@@ -43,7 +43,7 @@ class SourceReception:
             return
         self._highest = sequence
         if timestamp == self._timestamp:
-            # The packets of one picture leave one after another: that they do not come at once is no jitter.
+            # The packets of one picture leave one after another, so their spacing is no jitter.
             return
         transit = arrival * self._clock_rate - timestamp
         if self._transit is not None:
@@ -51,21 +51,21 @@ class SourceReception:
         self._transit, self._timestamp = transit, timestamp
 
     def reported(self, ntp: int, arrival: float) -> None:
-        """A sender report with the 64-bit NTP time `ntp` came."""
+        """Note a sender report with the 64-bit NTP time `ntp`."""
         self._report = (ntp >> 16 & 0xFFFFFFFF, arrival)
 
     @property
     def lost(self) -> int:
-        """Packets that were sent and have not come; negative where more repeated ones came."""
+        """Packets sent and not received; negative if more repeated ones came."""
         return self._expected - self.received
 
     @property
     def jitter_seconds(self) -> float:
-        """The interarrival jitter."""
+        """Interarrival jitter in seconds."""
         return self._jitter / self._clock_rate
 
     def report(self, now: float) -> Reception | None:
-        """The block for a report that leaves now, None before the first packet. Losses are since the one before."""
+        """Return the report block, with losses since the one before; None before the first packet."""
         if self._first is None:
             return None
         expected, received = self._expected - self._expected_before, self.received - self._received_before

@@ -1,16 +1,16 @@
-"""When what arrives was captured, on our media clock, from the sender's reports (RFC 3550 section 6.4.1). Pure."""
+"""Capture times of received media on our clock, from the sender's reports (RFC 3550 section 6.4.1). Pure."""
 
 _WINDOW = 30.0
-# A clock that was stepped, or a sender whose reports are not to be believed.
+# A greater change is a stepped clock, or a sender whose reports are not credible.
 _STEP = 1.0
-# What is said to be older has a wrong date.
+# Older capture times are wrong.
 _OLDEST = 5.0
 
 
 class LowestOffset:
-    """The least of what was put in during the last `window` seconds, and up to as long before that.
+    """Least offset of the last `window` seconds, and up to as long before that.
 
-    The difference between two clocks is what is least delayed.
+    The difference between two clocks is that of the least delayed packet.
     """
 
     def __init__(self, window: float = _WINDOW) -> None:
@@ -20,7 +20,7 @@ class LowestOffset:
         self._before: float | None = None
 
     def add(self, offset: float, at: float) -> None:
-        """`offset` was measured at `at` (seconds)."""
+        """Add an `offset` measured at `at` (seconds)."""
         if self._now is None:
             self._began, self._now = at, offset
         elif at - self._began >= self._window:
@@ -34,24 +34,24 @@ class LowestOffset:
 
     @property
     def value(self) -> float | None:
-        """The least offset, None before the first."""
-        # Threads that play ask, while the event loop may forget: what is compared must not change meanwhile.
+        """Least offset, None before the first."""
+        # Playing threads read this while the event loop may reset it: the compared values must not change meanwhile.
         now, before = self._now, self._before
         return now if now is None or before is None else min(now, before)
 
 
 class RemoteClock:
-    """The clock of the other end, which its reports about all of its sources share.
+    """Clock of the other end, which its reports about all of its sources share.
 
-    What is captured there is taken to have arrived at once where it was fastest: sound and pictures are in time with
-    each other, and both late by the least time that a packet needs.
+    The fastest packet counts as undelayed: sound and pictures are in sync, and both late by the least travel time of a
+    packet.
     """
 
     def __init__(self) -> None:
         self._offset = LowestOffset()
 
-    def heard(self, remote: float, arrival: float) -> None:
-        """A report that was written at `remote` (seconds of their clock) came at `arrival` (seconds of ours)."""
+    def add_report(self, remote: float, arrival: float) -> None:
+        """Add a report written at `remote` (seconds of their clock), which came at `arrival` (seconds of ours)."""
         offset = arrival - remote
         known = self._offset.value
         if known is not None and abs(offset - known) > _STEP:
@@ -59,13 +59,13 @@ class RemoteClock:
         self._offset.add(offset, arrival)
 
     def local(self, remote: float) -> float | None:
-        """`remote` on our clock; None before the first report."""
+        """Return `remote` on our clock; None before the first report."""
         offset = self._offset.value
         return None if offset is None else remote + offset
 
 
 class CaptureTimes:
-    """Turns the RTP timestamps of one source into capture times; `clock_rate` in ticks a second."""
+    """Capture times of the RTP timestamps of one source; `clock_rate` in ticks a second."""
 
     def __init__(self, clock_rate: int, remote: RemoteClock) -> None:
         self._clock_rate = clock_rate
@@ -74,12 +74,12 @@ class CaptureTimes:
         self._offset = LowestOffset()
 
     def reported(self, remote: float, timestamp: int, arrival: float) -> None:
-        """A sender report pairs `remote` (seconds of their clock) with `timestamp`, unwrapped."""
+        """Apply a sender report, which pairs `remote` (seconds of their clock) with `timestamp`, unwrapped."""
         self._report = (remote, timestamp)
-        self._remote.heard(remote, arrival)
+        self._remote.add_report(remote, arrival)
 
     def arrived(self, timestamp: int, arrival: float) -> None:
-        """A packet with `timestamp`, unwrapped, came at `arrival`."""
+        """Note a packet with `timestamp`, unwrapped, that came at `arrival`."""
         offset = arrival - timestamp / self._clock_rate
         known = self._offset.value
         if known is not None and abs(offset - known) > _STEP:
@@ -87,7 +87,7 @@ class CaptureTimes:
         self._offset.add(offset, arrival)
 
     def captured_at(self, timestamp: int, now: float) -> float:
-        """When it was captured, `now` at the latest. Without a credible report: when the fastest would have come."""
+        """Return the capture time, `now` at the latest; without a credible report by the fastest packet."""
         if self._report is not None:
             remote, reference = self._report
             moment = self._remote.local(remote + (timestamp - reference) / self._clock_rate)

@@ -1,4 +1,4 @@
-"""What is asked of a sender whose pictures do not arrive whole: lost packets again, or a key frame. Pure."""
+"""Requests to a sender whose pictures arrive incomplete: lost packets, or a key frame. Pure."""
 
 _FIRST_GUESS = 0.1
 # As in RFC 6298 section 2.
@@ -11,12 +11,12 @@ _LONGEST_WAIT, _SHORTEST_WAIT = 0.2, 0.1
 _LONGEST_KEY_FRAME_WAIT = 1.0
 _KEY_FRAME_INTERVAL, _LONGEST_KEY_FRAME_INTERVAL = 0.3, 2.4
 
-# Packets that may be asked for and not yet be there: at least what passes through 1 Mbit/s in 0.3 s.
+# Bounds of the packets under request: at least those that pass through 1 Mbit/s in 0.3 s.
 _LEAST_WINDOW, _LARGEST_WINDOW = 32, 256
 
 
 class RoundTrip:
-    """The time from a request to what was asked for, in seconds, with all that waits on the way."""
+    """Time from a request to the requested packet, in seconds, with all queues on the path."""
 
     def __init__(self) -> None:
         self.seconds = _FIRST_GUESS
@@ -25,7 +25,7 @@ class RoundTrip:
         self._back_off = 1
 
     def measure(self, seconds: float) -> None:
-        """The answer to a request that was made once took `seconds`."""
+        """Add a measurement: the answer to a request that was made once took `seconds`."""
         self._back_off = 1
         if self.measured:
             self._variation += _VARIATION_SMOOTHING * (abs(seconds - self.seconds) - self._variation)
@@ -34,31 +34,31 @@ class RoundTrip:
             self.seconds, self._variation, self.measured = seconds, seconds / 2, True
 
     def timed_out(self) -> None:
-        """A request was not answered in time: perhaps that is too short."""
+        """Back off: a request was not answered in time."""
         self._back_off = min(2 * self._back_off, _MOST_BACK_OFF)
 
     @property
     def patience(self) -> float:
-        """How long a lost packet is waited for: 100 to 200 ms."""
+        """Seconds that a lost packet is awaited: 0.1 to 0.2."""
         return max(_SHORTEST_WAIT, min(2.5 * self.seconds, _LONGEST_WAIT))
 
     @property
     def retry(self) -> float:
-        """When a request is worth repeating: an answer to it would be there, even behind the usual jitter."""
+        """Seconds after which a request is repeated: an answer would be there, even behind the usual jitter."""
         waits = self.seconds + max(_LEAST_JITTER, _VARIATIONS * self._variation)
         return max(_SHORTEST_RETRY, min(waits * self._back_off, _LONGEST_RETRY))
 
     @property
     def key_frame_patience(self) -> float:
-        """How long the next repaired packet of a key frame is waited for: another one would cost more than that."""
+        """Seconds that the next repaired packet of a key frame is awaited: another key frame would cost more."""
         return max(self.patience, min(2 * self.retry, _LONGEST_KEY_FRAME_WAIT))
 
 
 class RepairWindow:
-    """How many packets may be on their way again at a time, so that a path that is full is not filled by repetitions.
+    """Window of packets under repair at a time, so that repetitions do not fill a full path.
 
     It grows by each packet that comes, and is halved once per round trip in which one does not; after that it grows by
-    one in the time in which all of it come (as in RFC 5681 section 3.1).
+    one in the time in which a whole window comes (as in RFC 5681 section 3.1).
     """
 
     def __init__(self) -> None:
@@ -67,11 +67,11 @@ class RepairWindow:
         self._halved_at = float("-inf")
 
     def came(self) -> None:
-        """A packet came that was asked for."""
+        """Grow: a requested packet came."""
         self.packets = min(self.packets + (1 if self.packets < self._threshold else 1 / self.packets), _LARGEST_WINDOW)
 
     def failed(self, asked_at: float, now: float) -> bool:
-        """A packet that was asked for at `asked_at` did not come in time; returns whether that is news."""
+        """Shrink after a packet requested at `asked_at` did not come; whether that is the first of its round trip."""
         news = asked_at > self._halved_at
         if news:
             self.packets = self._threshold = max(self.packets / 2, _LEAST_WINDOW)
@@ -88,15 +88,15 @@ class _Lost:
 
 
 class Losses:
-    """The packets that are missing, by unwrapped sequence number, and when each is asked for (RFC 4585 section 6.2.1).
+    """Missing packets, by unwrapped sequence number, and the times to request each (RFC 4585 section 6.2.1).
 
-    At once when it is noticed, and again when an answer would be there, after longer and longer times, ten times at
-    most; and no more at a time than the path is seen to repair.
+    A packet is requested when its loss is noticed, and again when an answer would be there, after longer and longer
+    times, ten times at most; and no more at a time than the repair window.
     """
 
     def __init__(self, round_trip: RoundTrip) -> None:
         self.repaired_at = float("-inf")
-        """When something came last that was asked for."""
+        """Time at which a requested packet came last."""
         self._round_trip = round_trip
         self._window = RepairWindow()
         self._held_back_at: float | None = None
@@ -106,12 +106,12 @@ class Losses:
         return len(self._lost)
 
     def add(self, sequences: range, now: float) -> None:
-        """They are missing."""
+        """Add missing packets."""
         for sequence in sequences:
             self._lost[sequence] = _Lost(now)
 
     def arrived(self, sequence: int, now: float) -> None:
-        """It came after all."""
+        """Remove a packet that came after all."""
         lost = self._lost.pop(sequence, None)
         if lost is not None and lost.tries:
             if lost.tries == 1:
@@ -121,17 +121,17 @@ class Losses:
             self.repaired_at = now
 
     def forget_before(self, sequence: int) -> None:
-        """What is older is not waited for any more."""
+        """Stop waiting for packets before `sequence`."""
         for old in [each for each in self._lost if each < sequence]:
             del self._lost[old]
 
     def noticed_at(self, sequence: int) -> float | None:
-        """When it was missed; None if it is not."""
+        """Return when a packet was noticed to be missing; None if it is not."""
         lost = self._lost.get(sequence)
         return None if lost is None else lost.noticed_at
 
     def to_ask_for(self, now: float) -> tuple[int, ...]:
-        """The packets to ask for now, in order; they count as asked for."""
+        """Return the packets to request now, in order; they count as requested."""
         due = sorted(sequence for sequence, lost in self._lost.items() if lost.tries < _TRIES and lost.next_at <= now)
         for lost in map(self._lost.__getitem__, due):
             if lost.tries and self._window.failed(lost.asked_at, now):
@@ -140,7 +140,7 @@ class Losses:
         for lost in map(self._lost.__getitem__, chosen):
             lost.asked_at, lost.next_at = now, now + min(self._round_trip.retry * 2**lost.tries, _LONGEST_RETRY)
             lost.tries += 1
-        # The others are asked for when there is room: what is on its way comes, or counts as lost.
+        # The others are requested when there is room: packets under way come, or count as lost.
         self._held_back_at = now if len(chosen) < len(due) else None
         return tuple(chosen)
 
@@ -149,7 +149,7 @@ class Losses:
 
     @property
     def next_at(self) -> float | None:
-        """When there is something to ask for next."""
+        """Time of the next request; None without missing packets."""
         times = [lost.next_at for lost in self._lost.values() if lost.tries < _TRIES]
         if self._held_back_at is not None:
             times = [at for at in times if at > self._held_back_at] or times
@@ -157,10 +157,10 @@ class Losses:
 
 
 class KeyFrameWish:
-    """Whether a key frame is wanted, and when to say so (RFC 4585 section 6.3.1).
+    """Wish for a key frame, and the times to request it (RFC 4585 section 6.3.1).
 
-    At once, and after longer and longer times if none comes: where key frames do not get through, more of them do not
-    either.
+    It is requested at once, and after longer and longer times if none comes: where key frames are lost, more of them
+    are lost too.
     """
 
     def __init__(self, round_trip: RoundTrip) -> None:
@@ -170,13 +170,13 @@ class KeyFrameWish:
         self.wanted = False
 
     def fulfilled(self) -> None:
-        """One came."""
+        """Clear the wish: a key frame came."""
         self.wanted = False
         self._asked_at, self._pause = None, _KEY_FRAME_INTERVAL
 
     @property
     def next_at(self) -> float | None:
-        """When to ask; None if none is wanted."""
+        """Time of the next request; None if no key frame is wanted."""
         if not self.wanted:
             return None
         if self._asked_at is None:
@@ -184,7 +184,7 @@ class KeyFrameWish:
         return self._asked_at + max(self._pause, 2 * self._round_trip.seconds)
 
     def due(self, now: float) -> bool:
-        """Whether to ask now; if so, it counts as asked."""
+        """Tell whether to request a key frame now; it then counts as requested."""
         at = self.next_at
         if at is None or at > now:
             return False

@@ -1,25 +1,24 @@
-"""The microphone of an application as a source: what arrives is played out in a thread while somebody reads it."""
+"""Microphone of an application as a source: played out in a thread while the source is open."""
 
 import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.receive.decoder_audio import OpusDecoder
-from openrois_streaming.receive.handover import Handover
+from openrois_streaming.receive.decoders import OpusDecoder
 from openrois_streaming.receive.playout import Block, Playout, PlayoutFigures, SoundPacket
-from openrois_streaming.receive.worker import Worker
+from openrois_streaming.receive.worker import Handover, Worker
 from openrois_streaming.source.source import SAMPLE_RATE, RawAudio
 
 _BLOCKS_WAITING = 20
-# A thread that is later than this does not catch up: what it missed is left out by the playout.
+# A thread that is later than this does not catch up: the playout skips what it missed.
 _LATE = 0.1
-# How often it is looked whether the first packet's time has come.
+# Interval of checks whether the first packet is due.
 _BEGINNING = 0.001
 
 
 class AudioSource:
-    """A `MediaSource` of sound, stereo, in blocks of 10 ms at most that come at a steady pace from the first packet on.
+    """`MediaSource` of sound, stereo, in blocks of 10 ms at most that come at a steady pace from the first packet on.
 
     `captured_at` turns the timestamp of a block into a capture time; it is called in the thread.
     """
@@ -30,57 +29,57 @@ class AudioSource:
         self._playing: _Playing | None = None
         self._ended = False
         self.decoded = 0
-        """Blocks that were played."""
+        """Number of blocks played."""
         self.dropped = 0
-        """Blocks that were not read in time."""
+        """Number of blocks not read in time."""
 
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[RawAudio]]:
-        """Play until the context is left; the iterator ends when the sender is gone for good.
+        """Play while the context lasts; the iterator ends when the sender is gone for good.
 
         Raises:
             RuntimeError: it is open already.
         """
         if self._playing is not None:
-            raise RuntimeError("a source is never open twice at once")
+            raise RuntimeError("the source is open already: close it first")
         blocks = Handover[RawAudio](_BLOCKS_WAITING)
         playing = self._playing = _Playing(self, blocks)
         try:
-            async with Worker("decode audio", playing.run, playing.stop, blocks.end):
+            async with Worker("decode audio", playing.run, playing.stop, blocks.end_input):
                 if self._ended:
-                    blocks.end()
+                    blocks.end_input()
                 yield blocks
         finally:
             self._playing = None
             self.dropped += blocks.lost
 
     def offer(self, packet: SoundPacket, arrival: float) -> None:
-        """A packet that came at `arrival`, to be played if somebody reads."""
+        """Offer a packet that came at `arrival`; it is played while the source is open."""
         if self._playing is not None:
             self._playing.offer(packet, arrival)
 
-    def end(self) -> None:
-        """No more will be offered."""
+    def end_input(self) -> None:
+        """End the input: no more packets will be offered."""
         self._ended = True
         if self._playing is not None:
-            self._playing.blocks.end()
+            self._playing.blocks.end_input()
 
     @property
     def delay(self) -> float:
-        """Seconds that the sound of now was held back; 0 while nobody reads."""
+        """Playout delay of the present sound in seconds; 0 while the source is closed."""
         return 0.0 if self._playing is None else self._playing.delay
 
     @property
     def figures(self) -> PlayoutFigures:
-        """What is done to the sound since somebody reads it."""
+        """Changes to the sound since the source was opened."""
         return PlayoutFigures() if self._playing is None else self._playing.playout.figures
 
     def now(self) -> float:
-        """The time of the media clock."""
+        """Return the time of the media clock."""
         return self._clock.now()
 
     def date(self, block: Block, now: float) -> RawAudio:
-        """The block as the source yields it."""
+        """Return the block as the source yields it."""
         self.decoded += 1
         return RawAudio(block.samples, self._captured_at(block.timestamp, now))
 
@@ -92,7 +91,7 @@ class _Playing:
         self.blocks = blocks
         self.delay = 0.0
         self._source = source
-        # Both threads touch what follows, under this condition.
+        # Both threads use the following attributes, under this condition.
         self._changed = threading.Condition()
         self.playout = Playout(OpusDecoder())
         self._arrived = self._stopping = False
@@ -127,7 +126,7 @@ class _Playing:
                 due += len(block.samples) / SAMPLE_RATE
 
     def _wait_until(self, due: float) -> bool:
-        """Whether to go on, when `due` has come."""
+        """Wait until `due`; whether to go on."""
         with self._changed:
             while not self._stopping and (left := due - self._source.now()) > 0:
                 self._changed.wait(left)

@@ -1,4 +1,4 @@
-"""The camera of an application as a source: what arrives is decoded in a thread, for as long as somebody reads it."""
+"""Camera of an application as a source: decoded in a thread while the source is open."""
 
 import logging
 import threading
@@ -7,19 +7,18 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import NamedTuple
 
-from openrois_streaming.receive.decoder_video import UndecodablePicture, VideoDecoder
-from openrois_streaming.receive.handover import Handover
-from openrois_streaming.receive.worker import Worker
+from openrois_streaming.receive.decoders import UndecodablePicture, VideoDecoder
+from openrois_streaming.receive.worker import Handover, Worker
 from openrois_streaming.source.source import RawVideo
 
 WAITING_LIMIT = 16
-"""Pictures that wait to be decoded. Where there are more the decoder is too slow, and goes on with a key frame."""
+"""Pictures that wait to be decoded. If there are more the decoder is too slow, and goes on with a key frame."""
 
 _log = logging.getLogger(__name__)
 
 
 class EncodedPicture(NamedTuple):
-    """A picture that can be decoded after the one before it, or by itself if it is a key frame."""
+    """Picture that can be decoded after the one before it, or by itself if it is a key frame."""
 
     data: bytes
     key_frame: bool
@@ -27,38 +26,38 @@ class EncodedPicture(NamedTuple):
 
 
 class VideoSource:
-    """A `MediaSource` of pictures in I420. A reader that is slower than the sender gets the newest picture.
+    """`MediaSource` of pictures in I420. A reader that is slower than the sender gets the newest picture.
 
     `on_open` is called when it is opened: pictures are to be offered from then on, beginning with a key frame.
-    `on_lost` is called, from any thread, when the next picture that is offered has to be a key frame. `on_close` is
-    called when none are wanted any more.
+    `on_lost` is called, from any thread, when the next offered picture has to be a key frame. `on_close` is called when
+    it is closed.
     """
 
     def __init__(self, on_open: Callable[[], None], on_lost: Callable[[], None], on_close: Callable[[], None]) -> None:
         self.mime_type = ""
-        """What the pictures that are offered next are encoded in."""
+        """Media type of the pictures that are offered next."""
         self.decoded = 0
         self.dropped = 0
-        """Pictures that were not decoded, could not be, or were not read in time."""
+        """Pictures that were not decoded, or not read in time."""
         self._on_open, self._on_lost, self._on_close = on_open, on_lost, on_close
         self._decoding: _Decoding | None = None
         self._ended = False
 
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[RawVideo]]:
-        """Decode until the context is left; the iterator ends when the sender is gone for good.
+        """Decode while the context lasts; the iterator ends when the sender is gone for good.
 
         Raises:
             RuntimeError: it is open already.
         """
         if self._decoding is not None:
-            raise RuntimeError("a source is never open twice at once")
+            raise RuntimeError("the source is open already: close it first")
         pictures = Handover[RawVideo](1)
         decoding = self._decoding = _Decoding(self, pictures)
         try:
-            async with Worker("decode video", decoding.run, decoding.stop, pictures.end):
+            async with Worker("decode video", decoding.run, decoding.stop, pictures.end_input):
                 if self._ended:
-                    pictures.end()
+                    pictures.end_input()
                 self._on_open()
                 yield pictures
         finally:
@@ -67,23 +66,23 @@ class VideoSource:
             self._on_close()
 
     def offer(self, picture: EncodedPicture) -> None:
-        """A picture to be decoded, if somebody reads."""
+        """Offer a picture, which is decoded while the source is open."""
         if self._decoding is not None and not self._decoding.offer(picture, self.mime_type):
             self._on_lost()
 
-    def end(self) -> None:
-        """No more will be offered."""
+    def end_input(self) -> None:
+        """End the input: no more pictures will be offered."""
         self._ended = True
         if self._decoding is not None:
-            self._decoding.pictures.end()
+            self._decoding.pictures.end_input()
 
     def lost(self) -> None:
-        """Tell that a key frame is needed; from any thread."""
+        """Request a key frame; callable from any thread."""
         self._on_lost()
 
 
 class _Decoding:
-    """One opening of the source: its thread, and what waits for it."""
+    """One opening of the source: its thread, and the pictures that wait for it."""
 
     def __init__(self, source: VideoSource, pictures: Handover[RawVideo]) -> None:
         self.pictures = pictures
@@ -91,14 +90,14 @@ class _Decoding:
         self._sequence = 0
         self._decoder: VideoDecoder | None = None
         self._decodes = ""
-        # Both threads touch what follows, under this condition.
+        # Both threads use the following attributes, under this condition.
         self._changed = threading.Condition()
         self._waiting: deque[tuple[EncodedPicture, str]] = deque()
         self._needs_key_frame = True
         self._stopping = False
 
     def offer(self, picture: EncodedPicture, mime_type: str) -> bool:
-        """Hand a picture over; whether it is of use."""
+        """Queue a picture; False if the queue overflows, so that a key frame is needed."""
         with self._changed:
             if self._needs_key_frame and not picture.key_frame:
                 self._source.dropped += 1

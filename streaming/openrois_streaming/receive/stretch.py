@@ -1,4 +1,4 @@
-"""Sound made a few milliseconds shorter or longer by one of its own periods, which the ear does not notice. Pure."""
+"""Shortening and lengthening of sound by one of its periods, which is inaudible. Pure."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,18 +10,18 @@ SHORTEST_PERIOD = 120
 LONGEST_PERIOD = 480
 """Samples: 2.5 and 10 ms, 400 and 100 Hz."""
 
-# Every 6th sample is enough to find a period, at 8 kHz.
+# Every 6th sample, 8 kHz, is enough to find a period.
 _STEP = 6
 _ALIKE = 0.8
-# Mean square of sound that nobody misses: -54 dB.
+# Mean square of inaudible sound: -54 dB.
 _QUIET = (32768 * 0.002) ** 2
 
 
 def shorter(samples: Samples, most: int, *, force: bool = False) -> Samples:
-    """`samples` without one period of `most` samples at most.
+    """Return `samples` without one period of `most` samples at most.
 
-    As they were, where they are too short for that or have no period; in quiet parts, and where `force` is set, any
-    length will do.
+    They stay as they are if they are too short or have no period; in quiet parts, and with `force`, any length counts
+    as one.
     """
     period = _period(samples, most, force=force)
     if not period:
@@ -31,7 +31,7 @@ def shorter(samples: Samples, most: int, *, force: bool = False) -> Samples:
 
 
 def longer(samples: Samples, most: int) -> Samples:
-    """`samples` with one period of `most` samples at most played twice; as they were where there is none."""
+    """Return `samples` with one period of `most` samples at most repeated; unchanged if there is none."""
     period = _period(samples, most, force=True)
     if not period:
         return samples
@@ -40,7 +40,7 @@ def longer(samples: Samples, most: int) -> Samples:
 
 
 def _faded(first: Samples, second: Samples) -> Samples:
-    """Begins as `first` and ends as `second`; of their length."""
+    """Return a cross-fade from `first` to `second`, of their length."""
     ramp = np.linspace(0.0, 1.0, len(first), endpoint=False, dtype=np.float32)[:, np.newaxis]
     mixed = first * (1 - ramp) + second * ramp
     return np.rint(mixed).astype(np.int16)

@@ -1,1 +1,1 @@
-"""RTP as it leaves here: payload formats, headers, retransmission and reports. All of it is pure."""
+"""Outgoing RTP: payload formats, headers, retransmission and reports. All modules are pure."""

@@ -1,28 +1,27 @@
-"""Header extensions of the one-byte form (RFC 8285 section 4.2), as each packet of a sender carries them. Pure."""
+"""Header extensions of a sender's packets, in the one-byte form (RFC 8285 section 4.2). Pure."""
 
 from openrois_streaming.rtp.ntp import abs_send_time, capture_time
 
 MID = "urn:ietf:params:rtp-hdrext:sdes:mid"
-"""Which m-section a packet belongs to (RFC 9143 section 15)."""
+"""The m-section of a packet (RFC 9143 section 15)."""
 
 ABS_SEND_TIME = "http://www.webrtc.org/experiments/rtp-hdrext/abs-send-time"
-"""When a packet left, from which a receiver estimates what its path can carry."""
+"""Sending time of a packet, by which a receiver estimates its path."""
 
 PLAYOUT_DELAY = "http://www.webrtc.org/experiments/rtp-hdrext/playout-delay"
-"""How long a browser shall hold pictures back at least and at most: 12 bits each, in units of 10 ms."""
+"""Least and greatest playout delay of pictures in a browser: 12 bits each, in units of 10 ms."""
 
 ABS_CAPTURE_TIME = "http://www.webrtc.org/experiments/rtp-hdrext/abs-capture-time"
-"""When what a packet belongs to was captured, as 64 bits of NTP."""
+"""Capture time of a packet's frame, as 64 bits of NTP."""
 
 _AT_ONCE = bytes(3)
 _AS_IT_LIKES = (1000).to_bytes(3, "big")  # 0 to 10 s
 
 
 class Extensions:
-    """The extension block of a sender's packets.
+    """Extension block of a sender's packets.
 
-    A receiver that is told to play at once shows each picture as soon as it is decoded, and does not wait for the sound
-    of the same moment.
+    With a playout delay of 0 a receiver shows each picture as soon as it is decoded, without waiting for its sound.
 
     Args:
         mid_id: the negotiated id of MID; None to leave it out.
@@ -46,35 +45,35 @@ class Extensions:
         self._time = b"" if abs_send_time_id is None else bytes((abs_send_time_id << 4 | 2,))
         name = mid.encode()[:16]
         element = b"" if mid_id is None or not name else bytes((mid_id << 4 | len(name) - 1,)) + name
-        self._delays = (b"", b"")  # by whether to play at once, and so is what follows
+        self._delays = (b"", b"")  # indexed by whether to play at once, as are the following
         if playout_delay_id is not None:
             header = bytes((playout_delay_id << 4 | 2,))
             self._delays = (header + _AS_IT_LIKES, header + _AT_ONCE)
         self._name(element)
 
     def acknowledged(self) -> None:
-        """The receiver knows the sender by its SSRC: MID is left out from now on."""
+        """Leave MID out from now on: the receiver knows the sender by its SSRC."""
         self._name(b"")
 
     def block(self, moment: float, *, at_once: bool = False, captured: float | None = None) -> bytes:
-        """The block of a packet that leaves at `moment` (epoch seconds); empty, and no extension then, if unused.
+        """Return the block of a packet that leaves at `moment` (epoch seconds); empty without extensions.
 
-        It says that the packet's frame was `captured` then (epoch seconds), if that is given and the receiver takes it.
+        It has the capture time of the frame, `captured` (epoch seconds), if that is given and negotiated.
         """
         before, after = self._prepared[at_once]
         if captured is not None and self._capture:
-            told = self._capture + capture_time(captured)
-            before, after = _framed(self._time, told + self._others[at_once])
+            element = self._capture + capture_time(captured)
+            before, after = _framed(self._time, element + self._others[at_once])
         return before + abs_send_time(moment) + after if self._time else before
 
     def _name(self, element: bytes) -> None:
-        """Prepare blocks with this element of MID."""
+        """Prepare blocks with this MID element."""
         self._others = tuple(delay + element for delay in self._delays)
         self._prepared = tuple(_framed(self._time, others) for others in self._others)
 
 
 def _framed(time_header: bytes, others: bytes) -> tuple[bytes, bytes]:
-    """What stands before and after the three bytes of the time."""
+    """Return the bytes before and after the three bytes of the sending time."""
     length = (len(time_header) and 4) + len(others)
     if not length:
         return b"", b""

@@ -1,7 +1,6 @@
-"""What an H.264 access unit holds, looked at before it is passed on: its NAL units, its profile, and its size. Pure.
+"""Check of an H.264 access unit before it is passed on: its NAL units, profile and size. Pure.
 
-Numbers of sections and tables are those of ITU-T H.264; whoever decodes what is passed on has hardware that expects
-no less than what is checked here.
+Numbers of sections and tables are those of ITU-T H.264. Hardware decoders of viewers rely on these checks.
 """
 
 from collections.abc import Iterator
@@ -9,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 MAX_UNITS: Final = 1_000
-"""Most NAL units of an access unit."""
+"""Limit on the NAL units of an access unit."""
 _START_CODE: Final = b"\0\0\1"
 _SLICE, _IDR, _SEI, _SPS, _PPS, _DELIMITER, _FILLER = 1, 5, 6, 7, 8, 9, 12
 _KNOWN: Final = frozenset({_SLICE, _IDR, _SEI, _SPS, _PPS, _DELIMITER, _FILLER})
@@ -22,37 +21,37 @@ _CROP: Final = 2  # pixels of a unit of the crop rectangle in 4:2:0
 
 
 class NotPassable(ValueError):
-    """An access unit that cannot be passed on; the text says why."""
+    """Access unit that cannot be passed on; the text says why."""
 
 
 @dataclass(frozen=True, slots=True)
 class AccessUnit:
-    """What was found: `keyframe` is whether it can be decoded by itself, `size` its width and height if it says."""
+    """Checked access unit: `keyframe` is whether it can be decoded by itself, `size` its width and height if given."""
 
     keyframe: bool
     size: tuple[int, int] | None
 
 
 def access_unit(data: bytes | bytearray | memoryview) -> AccessUnit:
-    """Look at an access unit in Annex B form: one picture in constrained baseline, as WebRTC endpoints decode it.
+    """Check an access unit in Annex B form: one picture in constrained baseline, as WebRTC endpoints decode it.
 
     Raises:
-        NotPassable: it is none, or of another profile; or it is an IDR picture without the parameter sets it needs.
+        NotPassable: it is malformed, of another profile, or an IDR picture without its parameter sets.
     """
     kinds: list[int] = []
     size: tuple[int, int] | None = None
     for unit in _units(bytes(data)):
         kind = unit[0] & 0x1F
         if unit[0] & 0x80 or kind not in _KNOWN:
-            raise NotPassable(f"a NAL unit of type {kind} has no place in constrained baseline")
+            raise NotPassable(f"a NAL unit of type {kind} is not allowed in constrained baseline")
         if kind == _SPS:
             size = _size(unit)
         kinds.append(kind)
     pictures = {kind for kind in kinds if kind in (_SLICE, _IDR)}
     if not pictures:
-        raise NotPassable("there is no picture in it")
+        raise NotPassable("it has no picture: send each with its slices")
     if len(pictures) > 1:
-        raise NotPassable("an IDR picture has other slices too")
+        raise NotPassable("an IDR picture also has non-IDR slices: send them apart")
     keyframe = _IDR in pictures
     if keyframe:
         before = set(kinds[: kinds.index(_IDR)])
@@ -62,7 +61,7 @@ def access_unit(data: bytes | bytearray | memoryview) -> AccessUnit:
 
 
 def _units(data: bytes) -> Iterator[bytes]:
-    """The NAL units between start codes (annex B)."""
+    """Yield the NAL units between start codes (annex B)."""
     start = data.find(_START_CODE)
     if start < 0 or data[:start].strip(b"\0"):
         raise NotPassable("it does not begin with a start code: Annex B is expected")
@@ -79,7 +78,7 @@ def _units(data: bytes) -> Iterator[bytes]:
 
 
 def _size(unit: bytes) -> tuple[int, int]:
-    """Width and height of a sequence parameter set (section 7.3.2.1.1), which has to be of constrained baseline."""
+    """Return width and height of a sequence parameter set (section 7.3.2.1.1) of constrained baseline."""
     if len(unit) < 4:
         raise NotPassable("the SPS is too short")
     profile, constraints, level = unit[1:4]
@@ -113,7 +112,7 @@ def _macroblocks(bits: "_Bits") -> int:
 
 
 def _skip_order_count(bits: "_Bits") -> None:
-    """Everything about pic_order_cnt_type."""
+    """Skip all fields of pic_order_cnt_type."""
     kind = bits.number()
     if kind == 0:
         bits.number()
@@ -126,14 +125,14 @@ def _skip_order_count(bits: "_Bits") -> None:
 
 
 class _Bits:
-    """Reads flags and Exp-Golomb codes (section 9.1) from the first bit on."""
+    """Reader of flags and Exp-Golomb codes (section 9.1) from the first bit on."""
 
     def __init__(self, data: bytes) -> None:
         self._data = data
         self._position = 0
 
     def one(self) -> int:
-        """The next bit."""
+        """Read the next bit."""
         byte, bit = divmod(self._position, 8)
         if byte >= len(self._data):
             raise NotPassable("the SPS is too short")
@@ -141,7 +140,7 @@ class _Bits:
         return self._data[byte] >> (7 - bit) & 1
 
     def number(self) -> int:
-        """The next ue(v), up to 17 bits."""
+        """Read the next ue(v), up to 17 bits."""
         zeros = 0
         while not self.one():
             zeros += 1

@@ -1,35 +1,35 @@
-"""What was sent lately, to be sent again, and how much of that may be. Pure."""
+"""History of sent packets for retransmission, and the budget of retransmissions. Pure."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
 
 DEPTH = 1024
-"""Packets that are remembered: 2 s of 4 Mbit/s."""
+"""Packets that are kept: 2 s of 4 Mbit/s."""
 
 SHARE = 0.5
-"""Bytes that may be repeated for each byte of media."""
+"""Bytes that may be retransmitted for each byte of media."""
 
 RESERVE = 100_000
-"""Bytes that may be repeated at once: half a second of 1.6 Mbit/s that were lost together."""
+"""Bytes that may be retransmitted at once: half a second of 1.6 Mbit/s lost together."""
 
 KEY_FRAME_TIMES = 2
-"""How many times a key frame may be repeated whole, whatever was repeated before it: nothing is seen without it."""
+"""Times that a whole key frame may be retransmitted, whatever was before: it is needed for every picture."""
 
 OBSOLETE_SHARE = 0.5
-"""Of RESERVE, what is kept for the newest key frame and what follows it: most viewers need nothing before it."""
+"""Share of RESERVE kept for the newest key frame and later packets: most viewers need no earlier ones."""
 
 SHORTEST_WAIT = 0.02
-"""Seconds before a packet is repeated again where the round trip is shorter, or unknown."""
+"""Seconds before a packet is retransmitted again if the round trip is shorter, or unknown."""
 
 LONGEST_WAIT = 0.5
-"""Seconds before a packet may be repeated again however long the round trip is."""
+"""Seconds before a packet may be retransmitted again, however long the round trip is."""
 
 
 class SentFrame(NamedTuple):
-    """Packets that left one after the other; their payloads are shared with every other viewer."""
+    """Consecutive packets; their payloads are shared with every other viewer."""
 
     sequence: int
-    """Of the first packet."""
+    """Sequence number of the first packet."""
     timestamp: int
     marked: bool
     """Whether the last packet has the marker bit."""
@@ -37,7 +37,7 @@ class SentFrame(NamedTuple):
 
 
 class SentPacket(NamedTuple):
-    """A packet as it was sent."""
+    """Sent packet."""
 
     sequence: int
     timestamp: int
@@ -46,29 +46,29 @@ class SentPacket(NamedTuple):
 
 
 class History:
-    """The last `DEPTH` packets of one sender, and the budget of their repetition.
+    """Last `DEPTH` packets of one sender, and the budget of their retransmission.
 
-    A receiver names what it misses; one that lies, or whose path is full, must not multiply what is sent. So a packet
-    is repeated once per round trip, and all repetitions together stay below SHARE of what was sent, plus RESERVE.
+    A receiver that asks for more than it misses, or whose path is full, must not multiply the sent bytes. So a packet
+    is retransmitted once per round trip, and all retransmissions stay below SHARE of the sent bytes, plus RESERVE.
     """
 
     __slots__ = ("_budget", "_frames", "_key_frame", "_repeated", "exhausted", "refused")
 
     def __init__(self) -> None:
         self.refused = 0
-        """Packets that were asked for and not sent again, although they are remembered."""
+        """Packets that were requested and not retransmitted, although they are kept."""
         self.exhausted = False
-        """Whether, since the newest key frame, something that came with it or after it was refused for the budget.
+        """Whether the budget refused a packet of the newest key frame or later.
 
-        A viewer that still misses it can only be helped by another key frame.
+        A viewer that still misses it needs another key frame.
         """
-        self._key_frame: int | None = None  # its first packet, while any before it is remembered
+        self._key_frame: int | None = None  # its first packet, while an earlier one is kept
         self._frames: list[SentFrame | None] = [None] * DEPTH
         self._repeated: dict[int, float] = {}
         self._budget: float = RESERVE
 
     def add(self, frame: SentFrame, octets: int) -> None:
-        """`frame` was sent, with so many bytes in it."""
+        """Add a sent `frame` of so many bytes."""
         frames, first, count = self._frames, frame.sequence, len(frame.payloads)
         slot = first % DEPTH
         frames[slot : slot + count] = [frame] * count
@@ -81,13 +81,13 @@ class History:
         self._budget = min(self._budget + octets * SHARE, max(RESERVE, self._budget))
 
     def key_frame(self, sequence: int, octets: int) -> None:
-        """A key frame of so many bytes begins with packet `sequence`, which is added next."""
+        """Note that a key frame of so many bytes begins with packet `sequence`, which is added next."""
         self._key_frame = sequence
         self._budget = max(self._budget, octets * KEY_FRAME_TIMES)
         self.exhausted = False
 
     def again(self, sequence: int, now: float, round_trip: float | None) -> SentPacket | None:
-        """The packet `sequence`, if it is to be sent again now."""
+        """Return the packet `sequence` if it is to be retransmitted now."""
         packet = self.find(sequence)
         if packet is None:
             return None
@@ -106,11 +106,11 @@ class History:
         return packet
 
     def _is_obsolete(self, sequence: int) -> bool:
-        """Whether a packet that is remembered was sent before the newest key frame."""
+        """Tell whether a kept packet was sent before the newest key frame."""
         return self._key_frame is not None and (sequence - self._key_frame) & 0xFFFF >= 0x8000
 
     def find(self, sequence: int) -> SentPacket | None:
-        """The packet `sequence`, if it is remembered; its budget is not asked."""
+        """Return the packet `sequence` if it is kept, regardless of the budget."""
         frame = self._frames[sequence % DEPTH]
         if frame is None:
             return None

@@ -1,23 +1,23 @@
-"""Times as RTP has them: 64 bits of NTP, their middle, and 24 bits of sending time. Pure."""
+"""Time formats of RTP: 64 bits of NTP, their middle, and 24 bits of sending time. Pure."""
 
 _TO_1900 = 2_208_988_800  # seconds from 1900, where NTP begins, to 1970
 
 
 def ntp(moment: float) -> int:
-    """`moment` (epoch seconds) in 64 bits (RFC 3550 section 4)."""
+    """Return `moment` (epoch seconds) in 64 bits (RFC 3550 section 4)."""
     return round((moment + _TO_1900) * 2**32) & (2**64 - 1)
 
 
 def capture_time(moment: float) -> bytes:
-    """`moment` (epoch seconds) as the eight bytes of abs-capture-time."""
+    """Return `moment` (epoch seconds) as the eight bytes of abs-capture-time."""
     return ntp(moment).to_bytes(8, "big")
 
 
 def middle(timestamp: int) -> int:
-    """The middle 32 bits of an NTP timestamp, by which a report is recognised (RFC 3550 section 6.4.1)."""
+    """Return the middle 32 bits of an NTP timestamp, which identify a report (RFC 3550 section 6.4.1)."""
     return timestamp >> 16 & 0xFFFFFFFF
 
 
 def abs_send_time(moment: float) -> bytes:
-    """`moment` (epoch seconds) as three bytes of seconds modulo 64, 18 of the bits for the fraction."""
+    """Return `moment` (epoch seconds) as three bytes of seconds modulo 64, 18 bits of them fraction."""
     return (int(moment * 2**18) & 0xFFFFFF).to_bytes(3, "big")

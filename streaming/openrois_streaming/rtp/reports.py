@@ -1,4 +1,4 @@
-"""Reports of a sender and about it (RFC 3550 section 6): written, and turned into a round-trip time. Pure."""
+"""Sender reports, and receiver reports with the round-trip time from them (RFC 3550 section 6). Pure."""
 
 import struct
 from collections import OrderedDict
@@ -9,17 +9,17 @@ from openrois_streaming.rtp.ntp import middle, ntp
 _SENDER_REPORT = struct.Struct("!BBHLQLLL")
 _REMEMBERED = 8
 _SMOOTHING = 0.15
-# A longer round trip than any path has is a mistake or a lie.
+# A longer round trip is not credible.
 _LONGEST = 10.0
 
 
 @dataclass(frozen=True, slots=True)
 class ReceiverReport:
-    """What a receiver says about one of our senders (RFC 3550 section 6.4.1).
+    """Receiver report on one of our senders (RFC 3550 section 6.4.1).
 
     `highest_sequence` is extended to 32 bits, `fraction_lost` is 0..1 since the report before, `packets_lost` counts
     from the start, `jitter` is in units of the RTP clock, `round_trip_time` in seconds, smoothed; None if unknown.
-    `latest_round_trip` is the newest one, with all that waits on the way now.
+    `latest_round_trip` is the newest one, with all present queues.
     """
 
     highest_sequence: int
@@ -31,7 +31,7 @@ class ReceiverReport:
 
 
 class RoundTrip:
-    """The round-trip time to a receiver, from the reports that were sent to it and its answers to them."""
+    """Round-trip time to a receiver, by the reports sent to it and its answers."""
 
     __slots__ = ("_sent", "latest", "smoothed")
 
@@ -39,17 +39,17 @@ class RoundTrip:
         self.smoothed: float | None = None
         """Seconds; None before the first answer."""
         self.latest: float | None = None
-        """The same of the newest answer alone."""
+        """Seconds by the newest answer alone."""
         self._sent: OrderedDict[int, float] = OrderedDict()
 
     def sent(self, timestamp: int, now: float) -> None:
-        """A report with this NTP timestamp left at `now`."""
+        """Note that a report with this NTP timestamp left at `now`."""
         self._sent[middle(timestamp)] = now
         if len(self._sent) > _REMEMBERED:
             self._sent.popitem(last=False)
 
     def answered(self, last_report: int, delay: int, now: float) -> None:
-        """A receiver names the report it had last, and how long ago that came, in units of 1/65536 s."""
+        """Apply the last report that a receiver names, and its age in units of 1/65536 s."""
         sent = self._sent.get(last_report)
         if sent is None:
             return
@@ -60,7 +60,7 @@ class RoundTrip:
 
 
 def sender_report(ssrc: int, moment: float, timestamp: int, packets: int, octets: int, cname: str) -> bytes:
-    """A sender report and the source's name: at `moment` (epoch seconds) the RTP clock of `ssrc` was at `timestamp`."""
+    """Return a sender report with the source's name: `moment` (epoch seconds) is RTP `timestamp` of `ssrc`."""
     report = _SENDER_REPORT.pack(0x80, 200, 6, ssrc, ntp(moment), timestamp, packets & 0xFFFFFFFF, octets & 0xFFFFFFFF)
     name = cname.encode()[:255]
     chunk = struct.pack("!LBB", ssrc, 1, len(name)) + name + b"\0"
@@ -69,5 +69,5 @@ def sender_report(ssrc: int, moment: float, timestamp: int, packets: int, octets
 
 
 def bye(ssrc: int) -> bytes:
-    """`ssrc` sends no more (section 6.6); to follow a report."""
+    """Return a BYE of `ssrc` (section 6.6), to follow a report."""
     return struct.pack("!BBHL", 0x81, 203, 1, ssrc)

@@ -1,1 +1,1 @@
-"""Sending: one frame, encoded once, to each of its viewers."""
+"""Sends one frame, encoded once, to each of its viewers."""

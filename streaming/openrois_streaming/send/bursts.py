@@ -1,4 +1,4 @@
-"""Datagrams of one length in one system call, which the kernel or the network card cuts apart again (UDP GSO)."""
+"""Sending of datagrams of one length in one system call, which kernel or network card segment (UDP GSO)."""
 
 import errno
 import socket
@@ -17,17 +17,17 @@ Address = tuple[str, int]
 
 
 class BurstSocket:
-    """A further handle to a socket of a media transport, which sends and does not wait. To be closed.
+    """Second handle to a socket of a media transport, for sending without waiting. To be closed.
 
-    Where the system cannot send several datagrams in one call, each has one of its own. What the socket does not take
-    is lost, as on any other part of its way.
+    If the system cannot send several datagrams in one call, each has a call of its own. Datagrams that the socket
+    refuses are lost, as anywhere on their path.
     """
 
     __slots__ = ("_segmenting", "_socket", "lost")
 
     def __init__(self, descriptor: int, family: int) -> None:
         self.lost = 0
-        """Datagrams that the socket did not take."""
+        """Datagrams that the socket refused."""
         self._socket = socket.socket(family, socket.SOCK_DGRAM, socket.IPPROTO_UDP, fileno=descriptor)
         self._socket.setblocking(False)
         self._segmenting = True
@@ -37,7 +37,7 @@ class BurstSocket:
             self._segmenting = False
 
     def send(self, datagrams: Sequence[bytes], address: Address) -> None:
-        """Send them in their order; never waits, never raises OSError."""
+        """Send datagrams in order; never waits, never raises OSError."""
         if not self._segmenting:
             self._send_each(datagrams, address)
             return
@@ -48,7 +48,7 @@ class BurstSocket:
                 self._send_run(datagrams[first:end], address)
 
     def close(self) -> None:
-        """Let the socket go; what it was made of is still open."""
+        """Close this handle; the original socket stays open."""
         self._socket.close()
 
     def _send_run(self, datagrams: Sequence[bytes], address: Address) -> None:
@@ -71,7 +71,7 @@ class BurstSocket:
 
 
 def runs(lengths: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Cut `lengths` into runs that can go together: all of one length, but for a shorter last one. Pure."""
+    """Split `lengths` into runs for one call each: all of one length, but for a shorter last one. Pure."""
     first = 0
     while first < len(lengths):
         step, end = lengths[first], first + 1

@@ -1,59 +1,67 @@
-"""The pace at which packets leave for one viewer: a large picture is spread out, and sound never waits for it.
+"""Pacing of one viewer's packets: a large picture is spread out, and sound never waits for it.
 
 A burst of some dozen packets overflows the queue of a home's access link, which costs sound as well as the picture.
 """
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, Self, TypeAlias
 
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.rtp.payloads import PAYLOAD_LIMIT
-from openrois_streaming.send.probe import Later, Probe, Timer
 
 FIRST_RATE = 20_000_000
-"""Bit/s as long as nothing is known of the path."""
+"""Bit/s before the first estimate of the path."""
 
 HEADROOM = 2.5
-"""How many times what the path is said to carry: a picture must not take longer than until the next one."""
+"""Factor on the estimate of the path: a picture must not take longer than until the next one."""
 
 LEAST_RATE, MOST_RATE = 5_000_000, 100_000_000
-"""Bounds of the pace in bit/s. With the lower one an ordinary picture leaves before the next one comes, however little
-the path is said to carry: a pace is no limit of the bit rate."""
+"""Bounds of the pace in bit/s. With the lower one an ordinary picture leaves before the next one comes, however low the
+estimate: a pace is no limit of the bit rate."""
 
 BURST = 20_000
-"""Bytes that may leave at once, ordinary pictures whole."""
+"""Bytes that may leave at once, so that ordinary pictures leave whole."""
 
 BURST_SECONDS = 0.01
-"""Or as much as the pace makes of this time, where that is more."""
+"""Or the bytes of this time at the pace, if that is more."""
 
 LONGEST_BACKLOG = 0.5
-"""Seconds that pictures may wait; then they are too late, and the next key frame is waited for instead."""
+"""Seconds that pictures may wait; later ones are dropped up to the next key frame."""
 
 SHORTEST_PAUSE = 0.001
-"""Seconds between two looks; the timers of event loops are not finer."""
+"""Least seconds between two releases; the timers of event loops are not finer."""
+
+
+class Timer(Protocol):
+    """Pending call."""
+
+    def cancel(self) -> None:
+        """Cancel the call."""
+        ...
+
+
+Later: TypeAlias = Callable[[float, Callable[[], None]], Timer]
+"""Calls a function after so many seconds, as the event loop's `call_later` does."""
 
 
 class Paced(Protocol):
-    """A sender, as its pacer sees it."""
+    """Sender whose frames are paced."""
 
     def release(self, frame: EncodedFrame, first: int, end: int) -> None:
-        """Send the payloads `first` to `end` of a frame, now."""
+        """Send the payloads `first` to `end` of a frame now."""
         ...
 
     def discard(self, frames: int, *, repair: bool) -> None:
-        """So many frames are too late and will not be released; a key frame is needed if `repair`."""
-        ...
-
-    def pad(self, octets: int) -> int:
-        """Send about so many bytes that nobody needs; returns how many."""
+        """Note that so many frames were dropped as too late; a key frame is needed if `repair`."""
         ...
 
 
 @dataclass(slots=True)
 class _Waiting:
-    """A frame that has to wait, from payload `next` on."""
+    """Frame that waits, from payload `next` on."""
 
     source: Paced
     frame: EncodedFrame
@@ -61,15 +69,13 @@ class _Waiting:
 
 
 class Pacer:
-    """Decides when the packets of all senders of one viewer leave. To be closed.
+    """Pacer of all senders of one viewer. To be closed.
 
     Args:
         later: the event loop's `call_later`.
     """
 
     def __init__(self, clock: MediaClock, later: Later) -> None:
-        self.octets = 0
-        """Bytes that have left so far, without headers."""
         self.rate: float = FIRST_RATE
         """The pace in bit/s."""
         self._clock = clock
@@ -79,20 +85,19 @@ class Pacer:
         self._most = _burst(FIRST_RATE)
         self._filled = clock.now()
         self._timer: Timer | None = None
-        self._probe: Probe | None = None
 
     @property
     def backlog(self) -> float:
-        """Seconds until what waits now has left."""
+        """Seconds until the waiting frames have left."""
         return sum(_rest(each) for each in self._waiting) * 8 / self.rate
 
     def estimated(self, bitrate: int) -> None:
-        """The viewer says that its path carries `bitrate` (bit/s)."""
+        """Apply the viewer's estimate of its path, in bit/s."""
         self.rate = min(max(bitrate * HEADROOM, LEAST_RATE), MOST_RATE)
         self._most = _burst(self.rate)
 
     def send(self, source: Paced, frame: EncodedFrame, *, urgent: bool) -> None:
-        """Have `source` release a frame as soon as the pace allows; at once if it is `urgent`."""
+        """Let `source` release a frame as soon as the pace allows; at once if it is `urgent`."""
         octets = len(frame.data)
         self._fill()
         if urgent or (not self._waiting and octets <= self._allowance):
@@ -107,27 +112,13 @@ class Pacer:
         self._release()
 
     def spend(self, octets: int) -> None:
-        """So many bytes leave beside those that wait."""
-        self.octets += octets
+        """Charge bytes that leave besides the waiting ones."""
         self._allowance -= octets
 
     def close(self) -> None:
-        """Forget what waits, and pad no more."""
-        self._stop_probe()
+        """Drop the waiting frames."""
         self._waiting.clear()
         self._stop_timer()
-
-    def probe(self, source: Paced, bitrate: int, seconds: float) -> None:
-        """Have `source` pad for `seconds`, so that `bitrate` (bit/s) leaves; instead of what is padded now."""
-        self._stop_probe()
-        self._probe = Probe(
-            bitrate, seconds, pad=source.pad, left=lambda: self.octets, now=self._clock.now, later=self._later
-        )
-
-    def _stop_probe(self) -> None:
-        if self._probe is not None:
-            self._probe.stop()
-            self._probe = None
 
     def _fill(self) -> None:
         now = self._clock.now()
@@ -135,7 +126,7 @@ class Pacer:
         self._filled = now
 
     def _release(self) -> None:
-        """Let go what the allowance covers, and come back for the rest."""
+        """Release what the allowance covers, and set the timer for the rest."""
         self._stop_timer()
         while self._waiting and self._allowance >= PAYLOAD_LIMIT:
             self._release_some(self._waiting[0])
@@ -162,7 +153,7 @@ class Pacer:
             self._timer = None
 
     def _drop_late(self, source: Paced, frame: EncodedFrame) -> None:
-        """Drop the pictures of `source` that wait, but for one that has begun, and `frame` unless it is a key frame."""
+        """Drop the waiting pictures of `source`, but for one that has begun, and `frame` unless it is a key frame."""
         kept = [each for each in self._waiting if each.next or each.source is not source]
         dropped = len(self._waiting) - len(kept) + (not frame.keyframe)
         self._waiting = deque(kept)
@@ -170,10 +161,38 @@ class Pacer:
 
 
 def _burst(rate: float) -> float:
-    """Bytes that may leave at once with a pace of `rate`."""
+    """Return the bytes that may leave at once with a pace of `rate`."""
     return max(BURST, rate / 8 * BURST_SECONDS)
 
 
 def _rest(waiting: _Waiting) -> int:
-    """Bytes that have not left."""
+    """Return the bytes that have not left."""
     return sum(map(len, waiting.frame.payloads[waiting.next :]))
+
+
+SILENCE = 30.0
+"""Seconds without sound after which pictures are not synchronised with it; longer than a pause between words."""
+
+
+@dataclass(slots=True)
+class Outlet:
+    """Outlet of one viewer: clock and pace that its senders share.
+
+    `wall_offset` is the time of day (epoch seconds) at which the media clock was 0, the same for all senders of a
+    viewer, by which the viewer synchronises pictures and sound.
+    """
+
+    clock: MediaClock
+    wall_offset: float
+    pacer: Pacer
+    sound_at: float = float("-inf")
+    """Time of the last packet of sound, on the media clock."""
+
+    @classmethod
+    def made(cls, clock: MediaClock, wall_offset: float, later: Later) -> Self:
+        """Return an outlet with a pacer of its own; `later` is the event loop's `call_later`."""
+        return cls(clock, wall_offset, Pacer(clock, later))
+
+    def sounds(self, now: float) -> bool:
+        """Tell whether present pictures are to be synchronised with sound."""
+        return now - self.sound_at < SILENCE

@@ -1,4 +1,4 @@
-"""Sends the frames of one m-section to one viewer: the payloads are everybody's, headers and repetition its own."""
+"""RTP sender of one m-section to one viewer: payloads are shared, headers and retransmission its own."""
 
 import logging
 import secrets
@@ -13,60 +13,60 @@ from openrois_streaming.rtp.extensions import Extensions
 from openrois_streaming.rtp.history import DEPTH, History, SentFrame, SentPacket
 from openrois_streaming.rtp.ntp import ntp
 from openrois_streaming.rtp.reports import ReceiverReport, RoundTrip, bye, sender_report
-from openrois_streaming.send.outlet import Outlet
+from openrois_streaming.send.pacer import Outlet
 
 _EXTENDED = 0x90  # version 2, with a header extension (RFC 3550 section 5.1)
 _PLAIN = 0x80
 _MARKER = 0x80
 
-# Seconds between two packets that say when their frame was captured, between which a receiver counts on by timestamps.
+# Seconds between two packets with the capture time of their frame; in between a receiver uses timestamps.
 _CAPTURE_INTERVAL = 1.0
 
-# Packets of padding at once: 10 ms of 40 Mbit/s.
+# Packets of padding at a time: 10 ms of 40 Mbit/s.
 _PADDING_LIMIT = 48
 
 _log = logging.getLogger(__name__)
 
 
 class Wire(Protocol):
-    """The encrypted way to one viewer, shared by its senders."""
+    """Encrypted path to one viewer, shared by its senders."""
 
     def send(self, packets: Sequence[bytes]) -> None:
-        """Protect RTP packets and let them go, now; they are lost if the way is closed."""
+        """Protect and send RTP packets now; they are lost if the path is closed."""
         ...
 
     def send_report(self, packet: bytes) -> None:
-        """The same for one compound RTCP packet."""
+        """Protect and send one compound RTCP packet."""
         ...
 
 
 class SenderListener(Protocol):
-    """Who hears of a sender. All calls are made in the event loop and must not block."""
+    """Listener to a sender. All calls are made in the event loop and must not block."""
 
     def sent(self, frame: EncodedFrame) -> None:
-        """The last packet of `frame` was handed to the network."""
+        """Note that the last packet of `frame` was handed to the network."""
         ...
 
     def left_out(self, frames: int, *, repair: bool) -> None:
-        """`frames` were not sent; if `repair`, nothing will be before the next key frame, and one is needed."""
+        """Note that `frames` were not sent; if `repair`, a key frame is needed before anything else is sent."""
         ...
 
     def reported(self, report: ReceiverReport) -> None:
-        """The viewer says what it has received."""
+        """Note a receiver report of the viewer."""
         ...
 
     def estimated(self, bitrate: int) -> None:
-        """The viewer says that its path carries `bitrate` (bit/s) of all that it is sent (REMB)."""
+        """Note the viewer's estimate of its path (REMB), in bit/s of everything sent."""
         ...
 
     def key_frame_wanted(self) -> None:
-        """The viewer cannot decode (PLI or FIR, RFC 4585 and RFC 5104)."""
+        """Note the viewer's request for a key frame (PLI or FIR, RFC 4585 and RFC 5104)."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class Negotiated:
-    """What was negotiated for one sender. An id or a payload type is None where the viewer does not know it."""
+    """Negotiated parameters of one sender. An id or a payload type is None if the viewer does not support it."""
 
     ssrc: int
     payload_type: int
@@ -82,18 +82,18 @@ class Negotiated:
 
 @dataclass(slots=True)
 class SenderFigures:
-    """What one sender has done so far."""
+    """Figures of one sender."""
 
     packets: int = 0
-    """Packets of media, without repetitions."""
+    """Packets of media, without retransmissions."""
     octets: int = 0
     """Bytes of payload in them."""
     retransmitted: int = 0
-    """Packets that were sent again."""
+    """Packets that were retransmitted."""
     refused: int = 0
-    """Packets that were asked for again in vain, because the budget of repetitions was spent."""
+    """Packets that were requested in vain, because the budget of retransmissions was spent."""
     padded: int = 0
-    """Packets that were sent again although nobody missed them, to see what the path carries."""
+    """Packets that were sent again as padding, to measure the path."""
     dropped: int = 0
     """Frames that were not sent."""
     round_trip_time: float | None = None
@@ -101,18 +101,18 @@ class SenderFigures:
 
 
 class RtpSender:
-    """Sends `EncodedFrame`s as RTP to one viewer. It never blocks and never raises.
+    """Sender of `EncodedFrame`s as RTP to one viewer. It never blocks and never raises.
 
-    It has no task: reports are sent with frames. Until `start` nothing can be sent.
+    It has no task: reports are sent with frames. Frames before `start` are dropped.
 
     Args:
-        kind: "video", of which most frames can only be decoded after those before them, or "audio".
+        kind: "video", whose frames are mostly predicted, or "audio".
         outlet: shared by the senders of a viewer.
     """
 
     def __init__(self, kind: str, listener: SenderListener, outlet: Outlet) -> None:
         self.failed = False
-        """Whether something went wrong that is not expected to get right again."""
+        """Whether the sender has failed for good."""
         self._predicted = kind == "video"
         self._listener = listener
         self._outlet = outlet
@@ -133,20 +133,20 @@ class RtpSender:
 
     @property
     def figures(self) -> SenderFigures:
-        """What it has done so far, as a copy."""
+        """A copy of the figures so far."""
         return replace(self._figures, refused=self._history.refused, round_trip_time=self._round_trip.smoothed)
 
     @property
     def ssrc(self) -> int | None:
-        """The source that it sends as (RFC 3550 section 3); None before it was started."""
+        """SSRC of the sender (RFC 3550 section 3); None before it was started."""
         return None if self._wire is None else self._negotiated.ssrc
 
     def timestamp(self, pts: int) -> int:
-        """Return the RTP timestamp of what has this `EncodedFrame.pts`."""
+        """Return the RTP timestamp of an `EncodedFrame.pts`."""
         return (self._timestamp_origin + pts) & 0xFFFFFFFF
 
     def start(self, negotiated: Negotiated, wire: Wire) -> None:
-        """From now on frames can be sent over `wire`."""
+        """Start sending over `wire`."""
         self._negotiated = negotiated
         self._extensions = Extensions(
             negotiated.mid_id,
@@ -160,7 +160,7 @@ class RtpSender:
             self._listener.left_out(0, repair=True)
 
     def stop(self) -> None:
-        """Say that nothing more is coming."""
+        """Stop sending, with an RTCP BYE."""
         wire, self._wire = self._wire, None
         if wire is not None:
             try:
@@ -169,7 +169,7 @@ class RtpSender:
                 self._fail()
 
     def send(self, frame: EncodedFrame) -> None:
-        """Send a frame as soon as the pace allows, if it can be decoded after what was sent before."""
+        """Send a frame as soon as the pace allows, if it can be decoded after the frames sent before."""
         if self._wire is None:
             self._figures.dropped += 1
             self._broken = self._predicted
@@ -184,7 +184,7 @@ class RtpSender:
                 self._broken = False
 
     def release(self, frame: EncodedFrame, first: int, end: int) -> None:
-        """Send the payloads `first` to `end` of `frame` now, as the pacer says."""
+        """Send the payloads `first` to `end` of `frame` now, called by the pacer."""
         wire = self._wire
         if wire is None:
             return
@@ -210,18 +210,18 @@ class RtpSender:
         if last:
             self._listener.sent(frame)
             if now >= self._next_report:
-                # RFC 3550 section 6.3.1 has the interval vary, so that reports of many do not come together.
+                # The interval varies (RFC 3550 section 6.3.1), so that reports of many senders do not come together.
                 self._next_report = now + 0.5 + secrets.randbelow(1000) / 1000
                 wire.send_report(self._report(now))
 
     def discard(self, frames: int, *, repair: bool) -> None:
-        """The pacer found so many frames too late."""
+        """Note frames that the pacer has dropped."""
         self._figures.dropped += frames
         self._broken = True
         self._listener.left_out(frames, repair=repair)
 
     def reported(self, report: ReceiverReport, last_report: int, delay: int) -> None:
-        """A receiver report came, which names our last report, and how long ago that was (1/65536 s)."""
+        """Apply a receiver report, which names our last report and its age (1/65536 s)."""
         self._round_trip.answered(last_report, delay, self._clock.now())
         if self._wire is not None:
             self._extensions.acknowledged()
@@ -229,21 +229,17 @@ class RtpSender:
         self._listener.reported(replace(report, round_trip_time=trip.smoothed, latest_round_trip=trip.latest))
 
     def missed(self, sequences: Sequence[int]) -> None:
-        """The viewer asks for packets again (generic NACK, RFC 4585 section 6.2.1); for more than there are in vain."""
+        """Retransmit the kept ones of the packets that a generic NACK names (RFC 4585 section 6.2.1)."""
         now = self._clock.now()
         found = [self._history.again(sequence, now, self._round_trip.smoothed) for sequence in sequences[:DEPTH]]
         self._figures.retransmitted += self._repeat([packet for packet in found if packet is not None], now)
         if self._history.exhausted and self._predicted and not self._broken:
-            # What follows would be of no use to the viewer, and would be in the way of the key frame that is.
+            # Later frames would be of no use to the viewer, and would delay the key frame.
             self._broken = True
             self._listener.left_out(0, repair=True)
 
-    def probe(self, bitrate: int, seconds: float) -> None:
-        """See for `seconds` whether the path carries `bitrate` (bit/s) of everything: packets are sent twice."""
-        self._pacer.probe(self, bitrate, seconds)
-
     def pad(self, octets: int) -> int:
-        """Send packets of media again, about so many bytes, over the repairing stream; returns how many bytes."""
+        """Send about so many bytes of media again over RTX, as padding; returns how many."""
         if self._wire is None or self._negotiated.rtx_payload_type is None:
             return 0
         chosen: list[SentPacket] = []
@@ -259,16 +255,16 @@ class RtpSender:
         return sent
 
     def estimated(self, bitrate: int) -> None:
-        """The viewer estimates what its path carries, in bit/s."""
+        """Apply the viewer's estimate of its path, in bit/s."""
         self._pacer.estimated(bitrate)
         self._listener.estimated(bitrate)
 
     def undecodable(self) -> None:
-        """The viewer needs a key frame."""
+        """Note the viewer's request for a key frame."""
         self._listener.key_frame_wanted()
 
     def _written(self, frame: SentFrame, now: float, captured: float | None) -> list[bytes]:
-        """The packets of a frame; the first says when it was `captured` (epoch seconds), if that is given."""
+        """Return the packets of a frame; the first has its capture time (epoch seconds), if that is given."""
         negotiated = self._negotiated
         extensions = self._block(now)
         first, kind = _EXTENDED if extensions else _PLAIN, negotiated.payload_type
@@ -282,17 +278,17 @@ class RtpSender:
             last = (sequence + len(packets) - 1) & 0xFFFF
             packets[-1] = pack(first, _MARKER | kind, last, timestamp, ssrc, extensions) + frame.payloads[-1]
         if captured is not None and negotiated.capture_time_id is not None:
-            told = self._block(now, captured)
+            block = self._block(now, captured)
             header, payload = packets[0][1:12], packets[0][12 + len(extensions) :]
-            packets[0] = bytes((_EXTENDED,)) + header + told + payload
+            packets[0] = bytes((_EXTENDED,)) + header + block + payload
         return packets
 
     def _block(self, now: float, captured: float | None = None) -> bytes:
-        """The header extensions of packets that leave now. Pictures that no sound belongs to are shown at once."""
+        """Return the header extensions of packets that leave now. Pictures without sound are shown at once."""
         return self._extensions.block(now + self._wall_offset, at_once=not self._outlet.sounds(now), captured=captured)
 
     def _report(self, now: float) -> bytes:
-        """Pairs the time of day with the RTP clock as it is now, going by when the last frame was captured."""
+        """Return a report that pairs the time of day with the RTP clock, by the capture time of the last frame."""
         moment, timestamp = now + self._wall_offset, 0
         if self._last is not None:
             passed = round((now - self._last.captured_at) * self._last.clock_rate)
@@ -302,7 +298,7 @@ class RtpSender:
         return sender_report(negotiated.ssrc, moment, timestamp, figures.packets, figures.octets, negotiated.cname)
 
     def _repeat(self, packets: Sequence[SentPacket], now: float) -> int:
-        """Send `packets` again, as retransmissions (RFC 4588 section 4) or as they were; returns their number."""
+        """Send `packets` again, as retransmissions (RFC 4588 section 4) or unchanged; returns their number."""
         wire = self._wire
         if wire is None or not packets:
             return 0
@@ -329,7 +325,7 @@ class RtpSender:
         return len(packets)
 
     def _fail(self) -> None:
-        """What went wrong is told by `failed`: it must not reach who brought the frame."""
+        """Note the failure in `failed`; it must not reach the caller that brought the frame."""
         if not self.failed:
             _log.exception("a sender has failed")
         self.failed = True
@@ -337,5 +333,5 @@ class RtpSender:
 
 @cache
 def _packing(extensions: int) -> Callable[..., bytes]:
-    """Packs an RTP header with so many bytes of extensions (RFC 3550 section 5.1)."""
+    """Return a packer of RTP headers with so many bytes of extensions (RFC 3550 section 5.1)."""
     return struct.Struct(f"!BBHLL{extensions}s").pack

@@ -1,1 +1,1 @@
-"""Streams of applications, and the sessions that they belong to; what carries them is in `peer`."""
+"""Streams of applications, and the sessions that they belong to; `peer` carries them."""

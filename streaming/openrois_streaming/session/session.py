@@ -1,4 +1,4 @@
-"""What one application plays and sends: its streams, over one peer connection."""
+"""Stream session of one application: its streams, over one peer connection."""
 
 import logging
 from collections.abc import Callable, Sequence
@@ -7,7 +7,7 @@ from typing import Final, Self
 
 from openrois_signaling.messages import Answer, Candidate, Direction, Downward, IceServer, MediaKind
 
-from openrois_streaming.adaptation.caps import Caps
+from openrois_streaming.adaptation.viewer import Caps
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.errors import NoEncoder
 from openrois_streaming.network.guard import GuardFigures
@@ -24,41 +24,42 @@ from openrois_streaming.stats import Counters, StreamStats
 from openrois_streaming.tasks import OwnedTasks, Task
 
 TICK = 0.125
-"""Seconds between two looks at deadlines, signs of life and progress; a power of two, whose multiples are exact."""
+"""Seconds between two checks of deadlines, signs of life and progress; a power of two, whose multiples are exact."""
 
 LATE = 1.0
-"""Seconds a look may be late before the delay counts as this process's own: it was stopped, or the machine slept."""
+"""Seconds that a check may be late before the delay counts as this process's own: it was stopped, or the machine
+slept."""
 
 CODECS_APART = 20.0
-"""Seconds between two peer connections that bring another codec; one that is not answered ends after 15."""
+"""Seconds between two peer connections for another codec; an unanswered one ends after 15."""
 
 IDLE = 30.0
-"""Seconds for which a peer connection is kept when no stream is left: the next stream can take its section over."""
+"""Seconds for which a peer connection without streams is kept: the next stream can reuse its section."""
 
 DIRECTIONS: Final[tuple[Direction, ...]] = ("recvonly", "sendonly", "sendrecv")
-"""All that a stream can have."""
+"""Directions that a stream can have."""
 
 _log = logging.getLogger(__name__)
 
 
 class StreamSession:
-    """The streams of one application, as m-sections of one peer connection (of two while one replaces the other).
+    """Streams of one application, as m-sections of one peer connection (of two while one replaces the other).
 
     To be used inside `async with`; leaving it ends everything. `send` gets offers, candidates and byes, `on_change`
     every change of a stream's status. Both are called in the event loop and must neither block nor raise. They are not
-    called from within the methods that answer a request (so that the reply can go first), except that `answer` and
-    `restart` may say bye to a peer connection that they end.
+    called from within the methods that answer a request (so that the reply can go first), except that `apply_answer`
+    and `restart` may send a bye for a peer connection that they end.
 
     Args:
         mint: makes a new peer id.
         ice_servers: for the peer connections that are made from now on; may be set at any time.
-        network: what of the network the peer connections use.
-        guarded: where is counted what they do not let in; sessions may share it.
-        ingress: how much they let in, all sessions together; one of its own if there is none given.
-        clock: for all deadlines.
-        name: in logs and task names.
-        sink: hears what a person does, once `input` is opened; None: nobody wants to know.
-        channels: makes the data channels over which that comes.
+        network: network settings of the peer connections.
+        guarded: counts dropped datagrams; sessions may share it.
+        ingress: limits on received datagrams of all sessions; one of its own if none is given.
+        clock: times all deadlines.
+        name: its name in logs and tasks.
+        sink: gets operator input, once `input` is opened; None: input is ignored.
+        channels: makes the data channels of input.
     """
 
     def __init__(
@@ -79,12 +80,12 @@ class StreamSession:
 
         def failed(error: BaseException) -> None:
             _log.error("%s: an internal error ends it", name, exc_info=error)
-            self._peers.end("an internal error of the engine")
-            self._streams.tell()
+            self._peers.end_all("an internal error of the engine")
+            self._streams.notify_changes()
 
         self.ice_servers = tuple(ice_servers)
         self.guarded = guarded or GuardFigures()
-        """What did not get in."""
+        """Counts of dropped datagrams."""
         network = network or NetworkSettings()
         admitting = ingress or Ingress(network.admission)
         self._clock = clock
@@ -92,7 +93,7 @@ class StreamSession:
         self._tasks = OwnedTasks(name, failed)
         self._streams = StreamTable(on_change, clock)
         self.report_playout = self._streams.report_playout
-        """Notes how late a viewer plays a stream, see `StreamTable.report_playout`."""
+        """Notes the playout delay of a stream, see `StreamTable.report_playout`."""
 
         def make_peer(replaces: str | None, owner: PeerOwner) -> Peer:
             return Peer(
@@ -108,9 +109,9 @@ class StreamSession:
                 channels=channels,
             )
 
-        self._peers = Peers(self._streams, make_peer, send, self._look_soon, sink)
+        self._peers = Peers(self._streams, make_peer, send, self._update_soon, sink)
         self.input = self._peers.input
-        """What the application's person does; it is `open`ed when the application wants to tell it."""
+        """Operator input of the application; it is `open`ed when the application wants to send it."""
         self._supervisor: Task[None] | None = None
         self._held: dict[str, frozenset[Direction]] = {}
         self._closed = False
@@ -127,26 +128,26 @@ class StreamSession:
 
     @property
     def stream_ids(self) -> tuple[str, ...]:
-        """The streams that have not ended."""
+        """Ids of the streams that have not ended."""
         return tuple(stream.stream_id for stream in self._streams)
 
     @property
     def peer_ids(self) -> tuple[str, ...]:
-        """The peer connections that have not ended, the present one first."""
+        """Ids of the peer connections that have not ended, the present one first."""
         return tuple(peer.peer_id for peer in self._peers.all())
 
     @property
     def is_over(self) -> bool:
-        """Whether there is neither a stream nor a peer connection."""
+        """Whether no peer connection is left."""
         return not self._peers.all()
 
     @property
     def round_trip_time(self) -> float | None:
-        """Seconds that a packet takes to the viewer and back, smoothed; None where it has not reported yet."""
+        """Round-trip time to the viewer in seconds, smoothed; None before its first report."""
         return self._peers.round_trip_time
 
     def unanswered_for(self) -> float | None:
-        """Seconds since it was made, where none of its peer connections was ever answered; None where one was."""
+        """Return the seconds since the session was made; None once one of its peer connections was answered."""
         return None if self._peers.was_answered else self._clock.now() - self._made_at
 
     def connect(
@@ -165,30 +166,31 @@ class StreamSession:
         """Add a stream; an offer follows.
 
         Args:
-            stream_id: unique for ever.
-            component_ref: whose stream it is.
-            publisher: where the frames that the application receives come from; None if it only sends.
+            stream_id: an id that is never used again.
+            component_ref: the component of the stream.
+            publisher: source of the frames that the application receives; None if it only sends.
             kind: "video" or "audio".
-            codecs: what the application can decode, and encode if it sends, as media types or their subtypes; None if
-                it did not say.
+            codecs: codecs that the application can decode, and encode if it sends, as media types or their subtypes;
+                None if it named none.
             direction: seen from the application (W3C's RTCRtpTransceiverDirection); `sendrecv` for audio only.
-            inlet: where what the application sends arrives; None if it only receives.
-            caps: what it is sent at most; None for as much as its path carries.
-            stereo: whether it is asked to send two channels of sound, where it sends any.
+            inlet: sink of the application's media; None if it only receives.
+            caps: limits of what it is sent; None for as much as its path carries.
+            stereo: whether it is asked to send two channels of sound, if it sends any.
 
         Raises:
-            NoCommonCodec: it can use nothing of what can be had here.
-            NoEncoder: what it can use would need one more encoder than there may be.
-            TooManySections: the peer connection is full.
-            ValueError: the session is closed, or has the stream already, or the direction and its ends do not agree.
+            NoCommonCodec: it can use none of the available codecs.
+            NoEncoder: its codecs would need one more encoder than the limit.
+            TooManySections: all sections of the peer connection are in use.
+            ValueError: the session is closed, has the stream already, or the direction does not fit publisher and
+                inlet.
         """
         if self._closed or stream_id in self._streams:
-            raise ValueError("a stream is connected once, and only to an open session")
+            raise ValueError("a stream is connected once, to an open session: use a new id")
         if (publisher is None) is not (direction == "sendonly") or (inlet is None) is not (direction == "recvonly"):
-            raise ValueError(f"a {direction} stream has other ends")
+            raise ValueError(f"a {direction} stream has other ends: see publisher and inlet")
         if direction == "sendrecv" and kind != "audio":
-            raise ValueError("only audio goes both ways in one stream")
-        intake = None if inlet is None else UplinkSelector(stream_id, inlet)
+            raise ValueError("sendrecv is for audio alone: connect two streams of video")
+        selector = None if inlet is None else UplinkSelector(stream_id, inlet)
         known = chosen = choose_codecs(kind, codecs)
         if publisher is not None:
             names = ", ".join(chosen)
@@ -206,7 +208,7 @@ class StreamSession:
             chosen if codecs is None else chosen[:1],
             Counters(),
             direction,
-            intake,
+            selector,
             caps or Caps(),
             stereo,
             () if codecs is None else known,
@@ -220,81 +222,81 @@ class StreamSession:
             self._supervisor = self._tasks.start(self._supervise(), "supervisor")
 
     def suspend(self, stream_id: str) -> None:
-        """Pass nothing more of a stream until it is resumed. Suspending twice is fine. Raises UnknownStream."""
+        """Suspend a stream for the application; repeating it has no effect. Raises UnknownStream."""
         self._streams[stream_id].suspend(Party.APPLICATION)
-        self._look_soon()
+        self._update_soon()
 
     def resume(self, stream_id: str) -> None:
-        """Go on, from a key frame on, without a negotiation. Resuming twice is fine. Raises UnknownStream.
+        """Resume a stream from a key frame on, without a negotiation; repeating it has no effect. Raises UnknownStream.
 
         While the engine holds its component the stream stays suspended, and goes on when that is released.
         """
         self._streams[stream_id].resume(Party.APPLICATION)
-        self._look_soon()
+        self._update_soon()
 
     def hold(self, component_ref: str, *directions: Direction) -> None:
-        """Suspend the streams of a component, those to come included, because the engine wants it so.
+        """Suspend the present and later streams of a component for the engine.
 
-        Only those of `directions`, if there are any.
+        Only those of `directions`, if any are given.
         """
         held = self._held[component_ref] = frozenset(directions or DIRECTIONS)
         for stream in self._streams:
             if stream.component_ref == component_ref and stream.direction in held:
                 stream.suspend(Party.ENGINE)
-        self._look_soon()
+        self._update_soon()
 
     def release(self, component_ref: str) -> None:
-        """Let go what `hold` holds; streams that the application has suspended stay so."""
+        """Resume the streams that `hold` has suspended; those that the application has suspended stay so."""
         self._held.pop(component_ref, None)
         for stream in self._streams:
             if stream.component_ref == component_ref:
                 stream.resume(Party.ENGINE)
-        self._look_soon()
+        self._update_soon()
 
     def disconnect(self, stream_id: str) -> None:
-        """End a stream; an offer follows that makes its section idle. Raises UnknownStream."""
+        """Disconnect a stream; an offer follows that makes its section idle. Raises UnknownStream."""
         stream = self._streams[stream_id]
         self._peers.detach(stream)
-        self._streams.end(stream)
-        self._look_soon()
+        self._streams.end_stream(stream)
+        self._update_soon()
 
     def status(self, stream_id: str) -> StreamStatus:
-        """The status of a stream now. Raises UnknownStream."""
+        """Return the present status of a stream. Raises UnknownStream."""
         return self._streams[stream_id].status
 
     def request_key_frame(self, stream_id: str) -> None:
-        """Send a picture that stands for itself, as soon as those who share the encoder may. Raises UnknownStream."""
-        self._peers.leg(self._streams[stream_id]).key_frame_wanted()
+        """Request a key frame of a stream, within the budget of its encoder. Raises UnknownStream."""
+        self._peers.path_of(self._streams[stream_id]).key_frame_wanted()
 
     async def stats(self, stream_id: str) -> StreamStats:
-        """The figures of a stream now. Raises UnknownStream."""
-        return await self._peers.leg(self._streams[stream_id]).stats()
+        """Return the present figures of a stream. Raises UnknownStream."""
+        return await self._peers.path_of(self._streams[stream_id]).stats()
 
-    async def answer(self, answer: Answer) -> None:
-        """Hand an answer to its peer connection; raises UnknownPeer and what `Peer.answer` raises."""
-        await self._peers.find(answer.peer_id).answer(answer)
+    async def apply_answer(self, answer: Answer) -> None:
+        """Hand an answer to its peer connection; raises UnknownPeer and what `Peer.apply_answer` raises."""
+        await self._peers.find(answer.peer_id).apply_answer(answer)
 
-    async def candidate(self, candidate: Candidate) -> None:
-        """Hand a candidate to its peer connection; raises UnknownPeer and what `Peer.candidate` raises."""
-        await self._peers.find(candidate.peer_id).candidate(candidate)
+    async def add_candidate(self, candidate: Candidate) -> None:
+        """Hand a candidate to its peer connection; raises UnknownPeer and what `Peer.add_candidate` raises."""
+        await self._peers.find(candidate.peer_id).add_candidate(candidate)
 
     def restart(self, peer_id: str) -> str:
         """Make a new peer connection that replaces `peer_id`; an offer follows. Returns its id.
 
-        The old one goes on until the new one plays. Streams keep their ids and stay suspended if they are. Asking again
-        while it is being replaced changes nothing. Raises UnknownPeer.
+        The old one goes on until the new one plays. Streams keep their ids and stay suspended if they are. A repeated
+        call while it is being replaced has no effect. Raises UnknownPeer.
         """
         return self._peers.restart(peer_id)
 
     def end_peer(self, peer_id: str, reason: str) -> None:
-        """End a peer connection that cannot come about. Raises UnknownPeer."""
-        self._peers.find(peer_id).end(reason)
+        """End a peer connection that cannot be established. Raises UnknownPeer."""
+        self._peers.find(peer_id).end_connection(reason)
 
     async def close(self, reason: str) -> None:
         """End all streams and peer connections and wait until they are closed, for a few seconds at most."""
         self._closed = True
-        self._peers.end(reason)
-        self._streams.tell()
+        self._peers.end_all(reason)
+        self._streams.notify_changes()
         await self._peers.closed()
         await self._tasks.aclose()
 
@@ -306,33 +308,33 @@ class StreamSession:
             if self.stream_ids:
                 self._played_at = now
             elif now - self._played_at >= IDLE:
-                self._peers.end("no stream is left to play")
+                self._peers.end_all("no stream is left to play")
             self._change_codecs()
-            await self._look()
-            # All sessions look at the same moments: to wake the process takes longer than a look.
+            await self._update_streams()
+            # All sessions check at the same moments: to wake the process takes longer than a check.
             due = (self._clock.now() // TICK + 1) * TICK
             await self._clock.sleep_until(due)
 
     def _change_codecs(self) -> None:
-        """Replace the peer connection where its codec cannot be encoded and the viewer can decode another."""
+        """Replace the peer connection if its codec cannot be encoded and the viewer can decode another."""
         peers, now = self._peers.all(), self._clock.now()
         if len(peers) != 1 or now - self._codecs_changed_at < CODECS_APART:
             return
-        played = {stream: self._peers.leg(stream).section.codec for stream in self._streams if stream.alternatives}
+        played = {stream: self._peers.path_of(stream).section.codec for stream in self._streams if stream.alternatives}
         if True in {stream.change_codec(codec) for stream, codec in played.items() if codec is not None}:
             self._codecs_changed_at = now
-            _log.warning("%s: an encoder fails again and again: another codec is offered", self._name)
+            _log.warning("%s: an encoder fails repeatedly: another codec is offered", self._name)
             self._peers.restart(peers[0].peer_id)
 
-    def _look_soon(self) -> None:
-        """Pass what may pass now; look at the streams before the next tick, but not within the present call."""
+    def _update_soon(self) -> None:
+        """Apply the phases of the streams now; update them before the next tick, but not within the present call."""
         if not self._closed:
             self._peers.follow()
-            self._tasks.start(self._look(), "look")
+            self._tasks.start(self._update_streams(), "look")
 
-    async def _look(self) -> None:
-        """Judge every stream by what was measured, and tell what changed."""
+    async def _update_streams(self) -> None:
+        """Judge every stream by its measurements, and notify the changes."""
         now = self._clock.now()
         for stream in self._streams:
             stream.judge(self._peers.verdicts(stream, now))
-        self._streams.tell()
+        self._streams.notify_changes()

@@ -1,4 +1,4 @@
-"""All applications that have streams of this engine."""
+"""Stream sessions of all applications of one engine."""
 
 import asyncio
 import logging
@@ -10,7 +10,7 @@ from openrois_signaling.messages import Direction
 
 from openrois_streaming.aiortc_internals.trial import self_test
 from openrois_streaming.errors import TooManySessions, UnknownPeer, UnknownStream
-from openrois_streaming.network.places import PlaceRules
+from openrois_streaming.network.session_limits import SessionLimits
 from openrois_streaming.session.session import StreamSession
 from openrois_streaming.tasks import OwnedTasks, Task
 
@@ -18,27 +18,26 @@ _log = logging.getLogger(__name__)
 
 
 class StreamSessions:
-    """Which application has which session; nobody reaches the streams of another.
+    """Sessions by application; no application reaches the streams of another.
 
     A session without streams keeps its place only while no other application needs it; so does one whose offers were
-    not answered in time. To be used inside `async with`, which first tries whether the installed aiortc is one that can
-    be used.
+    not answered in time. To be used inside `async with`, which first tests the installed aiortc.
 
     Args:
         make: makes the session of a client id.
-        rules: how many places there are, and for whom.
+        rules: limits on the sessions.
 
     Attributes:
-        rules: those.
-        displaced: how many gave up their place because their offers were not answered.
+        rules: limits on the sessions.
+        displaced: number of sessions that lost their place because their offers were not answered.
 
     Raises:
-        UnsupportedLibrary: (on entering) it is not.
+        UnsupportedLibrary: (on entering) the installed aiortc is not supported.
     """
 
-    def __init__(self, make: Callable[[str], StreamSession], rules: PlaceRules | None = None) -> None:
+    def __init__(self, make: Callable[[str], StreamSession], rules: SessionLimits | None = None) -> None:
         self._make = make
-        self.rules = rules or PlaceRules()
+        self.rules = rules or SessionLimits()
         self.displaced = 0
         self._sessions: dict[str, StreamSession] = {}
         self._may_bind: dict[str, bool] = {}
@@ -56,7 +55,7 @@ class StreamSessions:
         await self.aclose("the engine stops")
 
     def __len__(self) -> int:
-        """How many sessions have something to play."""
+        """Return how many sessions have a peer connection."""
         return sum(not session.is_over for session in self._sessions.values())
 
     def __iter__(self) -> Iterator[StreamSession]:
@@ -64,18 +63,18 @@ class StreamSessions:
 
     @property
     def unanswered(self) -> int:
-        """How many sessions have offers of which none was ever answered."""
+        """Number of sessions none of whose offers was ever answered."""
         return len(self._unanswered())
 
     def open(self, client_id: str, *, may_bind: bool = True) -> StreamSession:
-        """The session of a client; a new one if it has none.
+        """Return the session of a client; a new one if it has none.
 
         Args:
-            client_id: the client.
-            may_bind: whether it may operate something now; places are kept for those that may.
+            client_id: id of the client.
+            may_bind: whether it may bind components now; places are kept for clients that may.
 
         Raises:
-            TooManySessions: it would be one too many.
+            TooManySessions: the limit is reached.
         """
         session = self._sessions.get(client_id)
         if session is None:
@@ -88,10 +87,10 @@ class StreamSessions:
         return session
 
     def with_stream(self, client_id: str, stream_id: str) -> StreamSession:
-        """The session of `client_id`, which has the stream `stream_id`.
+        """Return the session of `client_id`, which has the stream `stream_id`.
 
         Raises:
-            UnknownStream: it has not; whether somebody else has is not told.
+            UnknownStream: it has not; whether another client has is not revealed.
         """
         session = self._sessions.get(client_id)
         if session is None or stream_id not in session.stream_ids:
@@ -99,10 +98,10 @@ class StreamSessions:
         return session
 
     def with_peer(self, client_id: str, peer_id: str) -> StreamSession:
-        """The session of `client_id`, which has the peer connection `peer_id`.
+        """Return the session of `client_id`, which has the peer connection `peer_id`.
 
         Raises:
-            UnknownPeer: it has not; whether somebody else has is not told.
+            UnknownPeer: it has not; whether another client has is not revealed.
         """
         session = self._sessions.get(client_id)
         if session is None or peer_id not in session.peer_ids:
@@ -110,26 +109,26 @@ class StreamSessions:
         return session
 
     def hold(self, component_ref: str, *directions: Direction) -> None:
-        """Suspend the streams of a component, or those of `directions` alone, those to come included."""
+        """Suspend the present and later streams of a component, or those of `directions` alone."""
         self._held[component_ref] = directions
         for session in self._sessions.values():
             session.hold(component_ref, *directions)
 
     def release(self, component_ref: str) -> None:
-        """Let go what `hold` holds; streams that their applications have suspended stay so."""
+        """Resume the streams that `hold` has suspended; those that their applications have suspended stay so."""
         self._held.pop(component_ref, None)
         for session in self._sessions.values():
             session.release(component_ref)
 
     async def close(self, client_id: str, reason: str) -> None:
-        """End the session of a client that is gone; unknown ones are fine. A caller that gives up leaves it closing."""
+        """End the session of a client that is gone, if it has one. It goes on closing when the caller is cancelled."""
         if client_id in self._sessions:
-            await asyncio.shield(self._end(client_id, reason))
+            await asyncio.shield(self._close_session(client_id, reason))
 
     async def aclose(self, reason: str) -> None:
         """End all sessions, at the same time, and wait until they are closed, for a few seconds at most."""
         for client_id in tuple(self._sessions):
-            self._end(client_id, reason)
+            self._close_session(client_id, reason)
         await self._tasks.finished()
 
     def _make_room(self, may_bind: bool) -> None:
@@ -137,20 +136,21 @@ class StreamSessions:
             return
         for client_id, session in tuple(self._sessions.items()):
             if not session.stream_ids:
-                self._end(client_id, "nothing is left to play")
+                self._close_session(client_id, "nothing is left to play")
         if self.rules.has_room(self._may_bind.values(), may_bind):
             return
         late = self.rules.displaced(self._may_bind, self._unanswered(), may_bind)
         if late is None:
-            raise TooManySessions(f"{len(self._sessions)} of at most {self.rules.applications} applications are served")
+            full = f"all {self.rules.applications} places for applications are in use"
+            raise TooManySessions(f"{full}: try again later, or set a higher --applications")
         self.displaced += 1
-        self._end(late, "its offer was not answered in time, and another application needs the place")
+        self._close_session(late, "the offer was not answered in time, and another application needs the place")
 
     def _unanswered(self) -> dict[str, float]:
         waits = ((client_id, session.unanswered_for()) for client_id, session in self._sessions.items())
         return {client_id: seconds for client_id, seconds in waits if seconds is not None}
 
-    def _end(self, client_id: str, reason: str) -> Task[None]:
+    def _close_session(self, client_id: str, reason: str) -> Task[None]:
         del self._may_bind[client_id]
         return self._tasks.start(self._sessions.pop(client_id).close(reason), f"close {client_id}")
 

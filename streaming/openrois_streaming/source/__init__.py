@@ -1,1 +1,1 @@
-"""Raw frames, the contract of what makes them, and how one source serves many readers; nothing is encoded here."""
+"""Raw frames, the contract of media sources, and one source for many readers; nothing is encoded here."""

@@ -1,4 +1,4 @@
-"""One source, many readers: who shares it, who loses what, and who learns of its end."""
+"""One source for many readers: sharing, losses of slow readers, and the end of the source."""
 
 import asyncio
 import logging
@@ -11,41 +11,41 @@ from openrois_streaming.source.source import MediaSource
 T = TypeVar("T")
 
 CLOSE_TIMEOUT = 5.0
-"""Seconds that the last reader waits for its source to close before it goes its way."""
+"""Seconds that the last reader waits for its source to close."""
 
 _log = logging.getLogger(__name__)
 
 
 class SourceEnded(Exception):
-    """The source has no more items. `__cause__` is the failure that ended it; None when it simply came to its end."""
+    """End of a source. `__cause__` is the failure that ended it; None at its regular end."""
 
 
 class Mailbox(Protocol[T]):
-    """The bounded queue of one reader. It never waits: what does not fit is lost, by a rule of its own."""
+    """Bounded queue of one reader. It never waits: items that do not fit are lost, by a rule of its own."""
 
     def put(self, item: T) -> int:
-        """Take `item` in and return how many items, queued ones or `item` itself, were lost by doing so."""
+        """Queue `item`; returns how many items, queued ones or `item` itself, were lost by that."""
         ...
 
-    def take(self) -> T:
+    def pop(self) -> T:
         """Remove and return the oldest item; called only when there is one."""
         ...
 
     def awaited(self) -> None:
-        """Note that the reader waits and there is nothing for it."""
+        """Note that the reader waits and the mailbox is empty."""
         ...
 
     def __len__(self) -> int: ...
 
 
 class DropOldest(Generic[T]):
-    """A mailbox of `maxsize` >= 1 items that makes room by losing its oldest one."""
+    """Mailbox of `maxsize` >= 1 items that makes room by losing its oldest one."""
 
     __slots__ = ("_items",)
 
     def __init__(self, maxsize: int) -> None:
         if maxsize < 1:
-            raise ValueError(f"a mailbox holds at least one item, not {maxsize}")
+            raise ValueError(f"maxsize must be 1 or more, not {maxsize}")
         self._items: deque[T] = deque(maxlen=maxsize)
 
     def put(self, item: T) -> int:
@@ -54,7 +54,7 @@ class DropOldest(Generic[T]):
         self._items.append(item)
         return lost
 
-    def take(self) -> T:
+    def pop(self) -> T:
         """Remove and return the oldest item."""
         return self._items.popleft()
 
@@ -66,9 +66,9 @@ class DropOldest(Generic[T]):
 
 
 class Subscription(Generic[T]):
-    """One reader of a fan-out, inside `async with`: entering it opens the source if nobody else reads.
+    """One reader of a fan-out, inside `async with`: the first reader opens the source.
 
-    `delivered` counts the items that were read, `dropped` those that were lost because this reader was too slow.
+    `delivered` counts the items read, `dropped` those lost because this reader was too slow.
     """
 
     __slots__ = ("_cause", "_ended", "_fanout", "_left", "_mailbox", "_run", "_waiter", "delivered", "dropped")
@@ -85,7 +85,7 @@ class Subscription(Generic[T]):
 
     async def __aenter__(self) -> Self:
         if self._run is not None:
-            raise RuntimeError("a subscription is entered only once")
+            raise RuntimeError("a subscription is entered only once: subscribe again")
         self._run = self._fanout._join(self)
         return self
 
@@ -105,13 +105,13 @@ class Subscription(Generic[T]):
         Raises:
             SourceEnded: everything queued before the end has been read; `__cause__` is the failure, if there was one.
                 Each later call raises it again. To go on, leave this subscription and enter a new one.
-            RuntimeError: the subscription is not open, or somebody else is waiting on it.
+            RuntimeError: the subscription is not open, or another task is waiting on it.
         """
         while not self._mailbox:
             if self._ended:
                 raise SourceEnded(f"{self._fanout.name} has ended") from self._cause
             if self._run is None or self._left or self._waiter is not None:
-                raise RuntimeError("a subscription is read inside its context, by one reader")
+                raise RuntimeError("a subscription is read inside its `async with`, by one task at a time")
             self._mailbox.awaited()
             self._waiter = asyncio.get_running_loop().create_future()
             try:
@@ -119,14 +119,14 @@ class Subscription(Generic[T]):
             finally:
                 self._waiter = None
         self.delivered += 1
-        return self._mailbox.take()
+        return self._mailbox.pop()
 
     def _put(self, item: T) -> None:
         self.dropped += self._mailbox.put(item)
         if self._mailbox:
             self._wake()
 
-    def _end(self, cause: Exception | None) -> None:
+    def _end_input(self, cause: Exception | None) -> None:
         self._ended, self._cause = True, cause
         self._wake()
 
@@ -136,7 +136,7 @@ class Subscription(Generic[T]):
 
 
 class _Run(Generic[T]):
-    """One opening of the source: its puller, and those who read what it brings."""
+    """One opening of the source: its pulling task and its readers."""
 
     __slots__ = ("ended", "readers", "task")
 
@@ -145,23 +145,23 @@ class _Run(Generic[T]):
         self.ended = False
         self.task: asyncio.Task[None] | None = None
 
-    def end(self, cause: Exception | None) -> None:
-        """Tell every reader. Only the first end counts."""
+    def end_readers(self, cause: Exception | None) -> None:
+        """End the input of every reader. Only the first end counts."""
         if not self.ended:
             self.ended = True
             for reader in self.readers:
-                reader._end(cause)
+                reader._end_input(cause)
 
 
 class Fanout(Generic[T]):
-    """Shares one source among any number of readers, each with a bounded queue of its own.
+    """Source shared by any number of readers, each with a bounded queue of its own.
 
-    The source is opened when the first reader comes and closed when the last one has left. One task pulls it; a reader
-    that stalls loses items of its own and slows down nobody. When the source ends or fails, every reader learns of it
-    after the items it still has queued; whoever subscribes afterwards opens the source anew.
+    The source is opened for the first reader and closed when the last one has left. One task pulls it; a reader that
+    stalls loses items of its own and slows down no other. When the source ends or fails, every reader is notified after
+    the items it still has queued; a later subscription opens the source anew.
 
-    `pulled` counts the items that came from the source, over all its openings. `failure` is why it ended last, if that
-    was a failure and no item has come since.
+    `pulled` counts the items of the source, over all its openings. `failure` is the failure that ended it last, if no
+    item has come since.
     """
 
     def __init__(self, source: MediaSource[T], *, name: str, close_timeout: float = CLOSE_TIMEOUT) -> None:
@@ -172,11 +172,11 @@ class Fanout(Generic[T]):
         self._close_timeout = close_timeout
         self._run: _Run[T] | None = None
         self._pullers: set[asyncio.Task[None]] = set()
-        """The one that pulls, and those that still close what they pulled."""
+        """The pulling task, and earlier ones that still close the source."""
 
     @property
     def readers(self) -> int:
-        """How many subscriptions are open on the current opening of the source."""
+        """Number of subscriptions on the current opening of the source."""
         return 0 if self._run is None else len(self._run.readers)
 
     @property
@@ -185,7 +185,7 @@ class Fanout(Generic[T]):
         return self._run is not None and not self._run.ended
 
     def subscribe(self, maxsize: int = 2, *, mailbox: Mailbox[T] | None = None) -> Subscription[T]:
-        """A subscription to enter with `async with`. It gets what is pulled after that, `maxsize` items at most queued.
+        """Return a subscription to enter with `async with`. It gets later items, `maxsize` at most queued.
 
         Args:
             maxsize: the size of its queue, which loses the oldest item first.
@@ -228,16 +228,16 @@ class Fanout(Generic[T]):
                         for reader in run.readers:
                             reader._put(item)
                 except Exception as error:
-                    # Told before the source closes, which may take its time.
+                    # Before the source closes, which may take its time.
                     self.failure = error
-                    run.end(error)
+                    run.end_readers(error)
                     raise
-                run.end(None)
+                run.end_readers(None)
         except Exception as error:
             _log.warning("%s: the source failed: %r", self.name, error)
             if not run.ended:
-                # What fails while it closes is not why it ended.
+                # A failure while it closes is not why it ended.
                 self.failure = error
-                run.end(error)
+                run.end_readers(error)
         finally:
-            run.end(None)
+            run.end_readers(None)

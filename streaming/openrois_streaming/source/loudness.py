@@ -1,4 +1,4 @@
-"""How loud sound is, in dBFS. Pure."""
+"""Loudness of sound, in dBFS. Pure."""
 
 from typing import Final, NamedTuple
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 FLOOR: Final = -100.0
-"""dBFS of silence; what is quieter than the smallest step of 16 bits (-90.3) does not exist."""
+"""dBFS of silence, below the smallest step of 16 bits (-90.3)."""
 _FULL_SCALE: Final = 32_768.0
 
 
@@ -21,7 +21,7 @@ SILENCE: Final = Level(FLOOR, FLOOR)
 
 
 class LevelMeter:
-    """Measures what comes between two looks."""
+    """Loudness of the sound between two readings."""
 
     __slots__ = ("_count", "_greatest", "_squares")
 
@@ -30,7 +30,7 @@ class LevelMeter:
         self._squares = self._greatest = 0.0
 
     def add(self, samples: NDArray[np.int16]) -> None:
-        """Take sound of any shape."""
+        """Add samples of any shape."""
         values = samples.astype(np.float64).ravel()
         if len(values):
             self._count += len(values)
@@ -38,7 +38,7 @@ class LevelMeter:
             self._greatest = max(self._greatest, float(np.abs(values).max()))
 
     def read(self) -> Level:
-        """The level since the last look; silence if nothing came."""
+        """Return the level since the last reading; silence if nothing came."""
         mean = self._squares / self._count if self._count else 0.0
         level = Level(_decibels(mean**0.5), _decibels(self._greatest))
         self._count = 0

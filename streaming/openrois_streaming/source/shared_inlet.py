@@ -1,4 +1,4 @@
-"""An inlet that many read, and that stays when those who send into it come and go."""
+"""Inlet with many readers, which stays while senders come and go."""
 
 import asyncio
 import logging
@@ -15,18 +15,18 @@ _log = logging.getLogger(__name__)
 
 
 class SharedInlet(Generic[T]):
-    """A `MediaInlet` for one sender at a time. Its media is decoded while there is a reader, and only then.
+    """`UplinkSink` for one sender at a time. Its media is decoded while there is a reader, and only then.
 
-    Readers wait while nobody sends. A sender whose media fails is given up until something else is plugged in.
+    Readers wait while there is no sender. A sender whose media fails is given up until another source is plugged in.
     """
 
     def __init__(self, name: str) -> None:
         self.name = name
         self.stream_id: str | None = None
-        """Who is plugged in."""
+        """The stream that is plugged in."""
         self._source: MediaSource[T] | None = None
         self._changed = asyncio.Event()
-        """Set, and replaced by another, when something else is plugged in."""
+        """Set, and replaced by another event, when another source is plugged in."""
         self._plugged = asyncio.Event()
         self._fanout = Fanout(self, name=name)
 
@@ -35,21 +35,21 @@ class SharedInlet(Generic[T]):
         self._exchange(stream_id, source)
 
     def unplug(self, stream_id: str) -> None:
-        """Read the source of `stream_id` no more; nothing happens if another has taken its place."""
+        """Stop reading the source of `stream_id`, unless another has replaced it."""
         if stream_id == self.stream_id:
             self._exchange(None, None)
 
     async def plugged(self) -> None:
-        """Wait until somebody is plugged in."""
+        """Wait until a source is plugged in."""
         await self._plugged.wait()
 
     def subscribe(self, maxsize: int = 2) -> Subscription[T]:
-        """Read what comes, inside `async with`; of `maxsize` waiting items the oldest is lost first."""
+        """Return a subscription to enter with `async with`; of `maxsize` waiting items the oldest is lost first."""
         return self._fanout.subscribe(maxsize)
 
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[T]]:
-        """The media of whoever is plugged in, as a `MediaSource` that does not end; for one reader."""
+        """Open the media of the present sender, as a `MediaSource` that does not end; for one reader."""
         async with aclosing(self._items()) as items:
             yield items
 
@@ -71,12 +71,12 @@ class SharedInlet(Generic[T]):
                         async for item in own:
                             yield item
                 except Exception as error:
-                    _log.warning("%s: what is sent cannot be read: %r", self.name, error)
+                    _log.warning("%s: the media of the sender cannot be read: %r", self.name, error)
             await changed.wait()
 
 
 async def _until(over: asyncio.Event, items: AsyncIterator[T]) -> AsyncGenerator[T, None]:
-    """`items` until `over` is set."""
+    """Yield `items` until `over` is set."""
     ending = asyncio.ensure_future(over.wait())
     try:
         while not over.is_set():

@@ -1,4 +1,4 @@
-"""Raw frames and the contract of whatever makes them: cameras, game engines, synthetic pictures and sounds."""
+"""Raw frames and the contract of their sources: cameras, game engines, synthetic pictures and sounds."""
 
 from collections.abc import AsyncIterator
 from contextlib import AbstractAsyncContextManager
@@ -18,13 +18,13 @@ FrameT_co = TypeVar("FrameT_co", covariant=True)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RawVideo:
-    """One picture.
+    """Raw picture.
 
     `data` (uint8) has the shape (height, width, 4) for `bgra`, (height, width, 3) for `bgr24`, and (height * 3 / 2,
     width) for `i420`: the Y plane, then U, then V, BT.601 limited range, width and height even. It may be a strided
-    view. Whoever yields a frame gives its pixels away: the source neither changes nor reuses them afterwards.
+    view. A source neither changes nor reuses the pixels of a frame that it has yielded.
 
-    `sequence` counts the pictures of one source; a gap is a picture that was never made or never arrived.
+    `sequence` counts the pictures of one source; a gap is a picture that was not made or did not arrive.
     `captured_at` is the moment the picture shows, in seconds of the media clock.
 
     Raises:
@@ -47,10 +47,10 @@ class RawVideo:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EncodedVideo:
-    """One picture that its source has encoded itself: an H.264 access unit in Annex B form, constrained baseline.
+    """Picture that its source has encoded itself: an H.264 access unit in Annex B form, constrained baseline.
 
-    `keyframe` is whether it can be decoded by itself. `sequence` counts the pictures of one source, by one each; after
-    a gap nothing can be decoded until the next key frame. `captured_at` is as in `RawVideo`.
+    `keyframe` is whether it can be decoded by itself. `sequence` counts the pictures of one source; after a gap nothing
+    can be decoded until the next key frame. `captured_at` is as in `RawVideo`.
     """
 
     data: bytes
@@ -63,7 +63,7 @@ class EncodedVideo:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RawAudio:
-    """A block of sound: `samples` is int16 of shape (n, channels), 48 kHz, one or two channels.
+    """Block of raw sound: `samples` is int16 of shape (n, channels), 48 kHz, one or two channels.
 
     `captured_at` is the moment of the first sample, in seconds of the media clock.
 
@@ -80,7 +80,7 @@ class RawAudio:
 
 
 class MediaSource(Protocol[FrameT_co]):
-    """Owns a device or a renderer, and its pace.
+    """Source of media, which owns a device or a renderer, and its pace.
 
     `open()` acquires on entry and releases on exit (within a bounded time), and yields an iterator of frames as they
     become due. The iterator ends when the source has ended and raises when it has failed. A source can be opened again
@@ -93,9 +93,9 @@ class MediaSource(Protocol[FrameT_co]):
 
 
 class EncodingSource(MediaSource[EncodedVideo], Protocol):
-    """A source of pictures that encodes them itself, with one encoder for all who look.
+    """Source of pictures that encodes them itself, with one encoder for all viewers.
 
-    What is asked of it while it is not open, or cannot be had, is forgotten.
+    Requests while it is not open, or that it cannot meet, are ignored.
     """
 
     def request_key_frame(self) -> None:
@@ -108,13 +108,13 @@ class EncodingSource(MediaSource[EncodedVideo], Protocol):
 
 
 def picture_shape(pixel_format: PixelFormat, width: int, height: int) -> tuple[int, ...]:
-    """The shape of the array that holds a picture.
+    """Return the shape of the array that holds a picture.
 
     Raises:
         ValueError: a size below 2x2, or an odd one for `i420`, whose colour planes have half of it.
     """
     if width < 2 or height < 2:
-        raise ValueError(f"{width}x{height} is no size of a picture")
+        raise ValueError(f"a picture must be at least 2x2 pixels, not {width}x{height}")
     if pixel_format == "i420":
         if width % 2 or height % 2:
             raise ValueError(f"i420 needs an even width and height, not {width}x{height}")

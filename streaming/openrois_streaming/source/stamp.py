@@ -1,4 +1,4 @@
-"""A frame number and a time in the picture itself, to be read by a machine behind any codec and any network.
+"""Frame number and capture time in the picture itself, readable behind any codec and any network.
 
 The stamp is a row of 80 cells along the bottom. A cell is one bit, the first one on the left: black (luma 16, RGB 0) is
 0, white (luma 235, RGB 255) is 1.
@@ -43,31 +43,31 @@ _GREY = 128
 
 @dataclass(frozen=True, slots=True)
 class Stamp:
-    """What a picture says of itself: its `number`, and the `time` it shows in 0.1 ms, both by their moduli."""
+    """Stamp of a picture: its `number`, and its capture `time` in 0.1 ms, both by their moduli."""
 
     number: int
     time: int
 
     @classmethod
     def at(cls, number: int, wall: float) -> Self:
-        """The stamp of picture `number` (any integer >= 0) captured at `wall` (epoch seconds)."""
+        """Return the stamp of picture `number` (any integer >= 0) captured at `wall` (epoch seconds)."""
         return cls(number % NUMBER_MODULUS, round(wall * TIME_UNITS_PER_SECOND) % TIME_MODULUS)
 
     def age(self, wall: float) -> float:
-        """Seconds from the capture to `wall` (epoch seconds); negative if the capture is later. Exact to 0.1 ms."""
+        """Return the seconds from the capture to `wall` (epoch seconds), exact to 0.1 ms; negative if it is later."""
         behind = (round(wall * TIME_UNITS_PER_SECOND) - self.time) % TIME_MODULUS
         if behind >= TIME_MODULUS // 2:
             behind -= TIME_MODULUS
         return behind / TIME_UNITS_PER_SECOND
 
     def bits(self) -> NDArray[np.uint8]:
-        """The 80 cells from left to right, each 0 or 1."""
+        """Return the 80 cells from left to right, each 0 or 1."""
         body = self.number << 44 | self.time
         return np.unpackbits(np.frombuffer((_SYNC << 76 | body << 8 | _crc8(body)).to_bytes(10, "big"), np.uint8))
 
     @classmethod
     def from_bits(cls, bits: NDArray[np.uint8] | NDArray[np.bool_]) -> Self | None:
-        """The stamp of 80 cells, None if they are none."""
+        """Return the stamp of 80 cells; None if they are not a stamp."""
         value = int.from_bytes(np.packbits(bits).tobytes(), "big")
         body = value >> 8 & (1 << 68) - 1
         if value >> 76 != _SYNC or value & 0xFF != _crc8(body):
@@ -85,11 +85,11 @@ def write(pixels: NDArray[np.uint8], number: int, wall: float) -> None:
         wall: the time of day that the picture shows, epoch seconds.
 
     Raises:
-        ValueError: the picture is too small, or cannot be written to.
+        ValueError: the picture is too small, or read-only.
     """
     height, width = pixels.shape[:2]
     if width < MIN_WIDTH or height < MIN_HEIGHT:
-        raise ValueError(f"a {width}x{height} picture is too small for a stamp")
+        raise ValueError(f"a {width}x{height} picture is too small for a stamp, which needs {MIN_WIDTH}x{MIN_HEIGHT}")
     row = Stamp.at(number, wall).bits()[_geometry(width).cell_of_column]
     if pixels.ndim == 2:
         pixels[-stamp_rows(height) :] = _LUMA[row]
@@ -98,7 +98,7 @@ def write(pixels: NDArray[np.uint8], number: int, wall: float) -> None:
 
 
 def read(luma: NDArray[np.uint8]) -> Stamp | None:
-    """The stamp in a luma plane, uint8 of shape (height, width); None if there is none.
+    """Return the stamp in a luma plane, uint8 of shape (height, width); None if there is none.
 
     A picture without a stamp is taken for one with it in about one of 4000 cases, if its last rows are noise.
     """
@@ -114,7 +114,7 @@ def read(luma: NDArray[np.uint8]) -> Stamp | None:
 
 
 def stamped(raw: RawVideo, wall: float) -> RawVideo:
-    """The picture with a stamp of its sequence number and of `wall` (epoch seconds).
+    """Return the picture with a stamp of its sequence number and of `wall` (epoch seconds).
 
     It is written into the frame's own pixels where they can be written to, otherwise into a copy. A picture that is too
     small for a stamp stays as it is.
@@ -156,7 +156,7 @@ def _geometry(width: int) -> _Geometry:
 
 
 def stamp_rows(height: int) -> int:
-    """How many rows at the bottom of a picture of `height` rows its stamp takes."""
+    """Return how many rows at the bottom of a picture of `height` rows its stamp takes."""
     return max(8, height * 8 // 360)
 
 

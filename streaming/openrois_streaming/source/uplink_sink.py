@@ -1,4 +1,4 @@
-"""Where an application's media arrives in the engine, whatever peer connection brings it."""
+"""Sinks of the media that applications send, over any of their peer connections."""
 
 from typing import Any, Protocol
 
@@ -6,22 +6,22 @@ from openrois_streaming.source.source import MediaSource
 
 
 class UplinkSink(Protocol):
-    """What takes the media of applications in. All calls are made in the event loop and must not block."""
+    """Sink of the media that applications send. All calls are made in the event loop and must not block."""
 
     def plug(self, stream_id: str, source: MediaSource[Any]) -> None:
-        """`source` brings the media of a stream from now on, in place of the one that did before.
+        """Take the media of a stream from `source` from now on, in place of any earlier one.
 
-        Nothing is decoded while nobody has it open.
+        It is decoded only while it is open.
         """
         ...
 
     def unplug(self, stream_id: str) -> None:
-        """Nothing brings the media of the stream any more; its source ends."""
+        """Take no more media of the stream; its source ends."""
         ...
 
 
 class UplinkSelector:
-    """Which of its media paths brings a stream to its inlet: of those that play, the one that was added last."""
+    """Selection among the media paths of a stream into its sink: of those that play, the one added last."""
 
     def __init__(self, stream_id: str, inlet: UplinkSink) -> None:
         self._stream_id = stream_id
@@ -31,12 +31,12 @@ class UplinkSelector:
         self._plugged: MediaSource[Any] | None = None
 
     def add(self, source: MediaSource[Any]) -> None:
-        """`source` can bring the stream, too; it does so at once if no other can."""
+        """Add `source` as a path of the stream; it is used at once if it is the only one."""
         self._sources.append(source)
         self._plug(self._plugged or source)
 
-    def heard(self, source: MediaSource[Any], *, plays: bool) -> None:
-        """Whether media comes by `source`, which was added; who moves may send by both ways for a while."""
+    def set_playing(self, source: MediaSource[Any], *, plays: bool) -> None:
+        """Set whether media arrives by `source`; an application that changes paths may send by both for a while."""
         if plays is not (source in self._playing):
             self._playing = (
                 [*self._playing, source] if plays else [each for each in self._playing if each is not source]
@@ -44,7 +44,7 @@ class UplinkSelector:
             self._choose()
 
     def remove(self, source: MediaSource[Any]) -> None:
-        """`source` brings nothing more; another one takes its place. Unknown ones are fine."""
+        """Remove `source`, which another one replaces; an unknown source is ignored."""
         if source in self._sources:
             self._sources.remove(source)
             self._playing = [each for each in self._playing if each is not source]

@@ -1,4 +1,4 @@
-"""Pictures and sounds that are made here, for testers: what arrives can be compared with what must have been sent.
+"""Synthetic pictures and sounds for tests: received media can be compared with the known original.
 
 Give them to a publisher like any source::
 
@@ -11,9 +11,12 @@ and delay follow. At each whole second of wall time the tone sounds and the lamp
 shows the lip sync to a person, to a camera and, beside the stamp, to a machine.
 """
 
-from openrois_streaming.synthetic.bars import ColourBars
-from openrois_streaming.synthetic.head import TalkingHead
-from openrois_streaming.synthetic.marks import MARKER_HZ, MARKER_SECONDS
-from openrois_streaming.synthetic.tone import Tone
+from openrois_streaming.errors import needing_libraries
+
+with needing_libraries():
+    from openrois_streaming.synthetic.bars import ColourBars
+    from openrois_streaming.synthetic.head import TalkingHead
+    from openrois_streaming.synthetic.marks import MARKER_HZ, MARKER_SECONDS
+    from openrois_streaming.synthetic.tone import Tone
 
 __all__ = ["MARKER_HZ", "MARKER_SECONDS", "ColourBars", "TalkingHead", "Tone"]

@@ -40,12 +40,14 @@ class ColourBars:
         clock: by which the frames are paced and dated.
 
     Raises:
-        ValueError: a size or pace that cannot be.
+        ValueError: a size or pace is out of range.
     """
 
     def __init__(self, width: int = 640, height: int = 360, fps: float = 30.0, *, clock: MediaClock) -> None:
         if width < 160 or height < 90 or width % 2 or height % 2 or fps <= 0:
-            raise ValueError(f"no colour bars of {width}x{height} at {fps} fps")
+            raise ValueError(
+                f"a size of 160x90 or more, even, and fps above 0 are needed, not {width}x{height} at {fps}"
+            )
         self.width, self.height, self.fps = width, height, fps
         self._clock = clock
         self._epoch: float | None = None

@@ -1,4 +1,4 @@
-"""A head that talks before a textured wall: as much in the picture as a camera would bring."""
+"""Talking head before a textured wall, with as much detail as a camera's picture."""
 
 import math
 from collections.abc import AsyncGenerator, AsyncIterator
@@ -38,12 +38,14 @@ class TalkingHead:
         clock: by which the frames are paced and dated.
 
     Raises:
-        ValueError: a size or pace that cannot be.
+        ValueError: a size or pace is out of range.
     """
 
     def __init__(self, width: int = 640, height: int = 360, fps: float = 30.0, *, clock: MediaClock) -> None:
         if width < 160 or height < 90 or width % 2 or height % 2 or fps < 1:
-            raise ValueError(f"no talking head of {width}x{height} at {fps} fps")
+            raise ValueError(
+                f"a size of 160x90 or more, even, and fps from 1 on are needed, not {width}x{height} at {fps}"
+            )
         self.width, self.height, self.fps = width, height, fps
         self._clock = clock
         self._epoch: float | None = None
@@ -113,7 +115,7 @@ def _draw_head(luma: NDArray[np.float64], colours: NDArray[np.uint8], skin: NDAr
 
 
 def _opening(phase: float) -> float:
-    """How far the mouth is open, 0..1: wide with the marker of the tone, and then as if it spoke."""
+    """Return the openness of the mouth, 0..1: wide with the marker of the tone, and then as if it spoke."""
     if phase < 0.1:
         return 1.0
     return 0.6 * abs(math.sin(6 * math.pi * phase)) if 0.3 < phase < 0.85 else 0.0

@@ -1,4 +1,4 @@
-"""The marks that begin at each whole second of wall time: a lamp in the picture and a burst in the sound."""
+"""Marks at each whole second of wall time: a lamp in the picture and a burst in the sound."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ _MARGIN = 8
 
 
 def shines(wall: float, fps: float) -> bool:
-    """Whether the lamp shines in a picture of `wall` (epoch seconds), of a source of `fps` pictures a second."""
+    """Tell whether the lamp shines in a picture of `wall` (epoch seconds), of a source of `fps` pictures a second."""
     return wall % 1 < max(MARKER_SECONDS, 1 / fps)
 
 
@@ -31,6 +31,6 @@ def draw_lamp(picture: NDArray[np.uint8], shining: bool) -> None:
 
 
 def colour_planes(picture: NDArray[np.uint8], height: int) -> NDArray[np.uint8]:
-    """U and V of an I420 picture as views of shape (2, height / 2, width / 2)."""
+    """Return U and V of an I420 picture as views of shape (2, height / 2, width / 2)."""
     width = picture.shape[1]
     return picture.reshape(-1)[width * height :].reshape(2, height // 2, width // 2)

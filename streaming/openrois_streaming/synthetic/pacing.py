@@ -1,4 +1,4 @@
-"""When the frames of a synthetic source are due."""
+"""Pacing of synthetic sources."""
 
 import math
 from collections.abc import AsyncIterator

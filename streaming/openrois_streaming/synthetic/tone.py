@@ -32,7 +32,7 @@ class Tone:
 
     def __init__(self, channels: int = 1, *, clock: MediaClock) -> None:
         if channels not in (1, 2):
-            raise ValueError(f"no tone of {channels} channels")
+            raise ValueError(f"a tone has 1 or 2 channels, not {channels}")
         self.channels = channels
         self._clock = clock
         self._epoch: float | None = None

@@ -1,13 +1,15 @@
-"""Testing for those who write engines and viewers: bad networks, pictures and sounds that are known, and measurements.
+"""Testing kit for authors of engines and viewers: bad networks, known pictures and sounds, and measurements.
 
     from openrois_streaming.testing import ImpairedPath, Impairments, MeasuringSink
 
-Nothing here needs a test runner; `plugin` is for pytest. `docs/testing.md` has examples. What is named here is imported
-when it is asked for: pytest imports this package in every run of whoever has installed it.
+Nothing here needs a test runner; `plugin` is for pytest. `docs/how-to/testing.md` has examples. Names are imported on
+first use, because the plugin is imported in every run of a project's tests, and the media plane takes half a second.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+from openrois_streaming.errors import needing_libraries
 
 if TYPE_CHECKING:
     from openrois_streaming.testing.delays import Delays
@@ -51,4 +53,5 @@ _PLACES = {
 def __getattr__(name: str) -> Any:
     if name not in _PLACES:
         raise AttributeError(f"{__name__} has no {name}")
-    return getattr(import_module(f"{__name__}.{_PLACES[name]}"), name)
+    with needing_libraries():
+        return getattr(import_module(f"{__name__}.{_PLACES[name]}"), name)

@@ -1,7 +1,7 @@
-"""Whom a description names as candidates, and the same description with one candidate in place of them all. Pure.
+"""Candidates of a description, and the description with one candidate in place of them all. Pure.
 
-A text here is an SDP, a candidate-attribute (RFC 8839 section 5.1) with or without `a=`, or a message of the wire with
-one of them in its params. Other texts pass as they are.
+A text is an SDP, a candidate-attribute (RFC 8839 section 5.1) with or without `a=`, or a message of the wire with one
+of them in its params. Other texts pass unchanged.
 """
 
 import ipaddress
@@ -14,7 +14,7 @@ Address = tuple[str, int]
 _CANDIDATE = re.compile(r"(?:a=)?candidate:(\S+) (\d+) (\S+) (\d+) (\S+) (\d{1,5}) typ (\S+)[^\r\n]*")
 _CONNECTION = re.compile(r"^c=IN IP[46] [^\r\n]*", re.MULTILINE)
 _PORT = re.compile(r"^(m=\w+) (\d+)", re.MULTILINE)
-_HIDDEN_PORT = "9"  # what stands there while there is no candidate, RFC 8840 section 4.1.3
+_HIDDEN_PORT = "9"  # the port without a candidate, RFC 8840 section 4.1.3
 
 # As a host candidate of RFC 8445 section 5.1.2.1 for the only component.
 _PRIORITY = 126 << 24 | 65535 << 8 | 255
@@ -22,9 +22,9 @@ _FIELDS = ("sdp", "candidate")
 
 
 def addresses(text: str) -> list[Address]:
-    """The addresses of the UDP candidates of RTP that `text` names, those with the highest priority first.
+    """Return the addresses of the UDP candidates of RTP in `text`, those with the highest priority first.
 
-    Only literal IP addresses count: a name of mDNS says nothing.
+    Only literal IP addresses count, no mDNS names.
     """
     found = [
         (int(priority), (host, int(port)))
@@ -37,7 +37,7 @@ def addresses(text: str) -> list[Address]:
 
 
 def rerouted(text: str, to: Address) -> str:
-    """`text` with `to` in place of every candidate, and of what else tells an address."""
+    """Return `text` with `to` in place of every candidate and other address."""
     message = _message(text)
     if message is None:
         return _rerouted(text, to)
@@ -60,7 +60,7 @@ def _rerouted(text: str, to: Address) -> str:
 
 
 def _one_candidate(section: str, candidate: str) -> str:
-    """The section with `candidate` in place of its first candidate, and without the others."""
+    """Return the section with `candidate` in place of its first candidate, and without the others."""
     lines: list[str] = []
     for line in section.splitlines(keepends=True):
         if not line.startswith("a=candidate:"):
@@ -83,7 +83,7 @@ def _bodies(text: str) -> list[str]:
 
 
 def _message(text: str) -> dict[str, Any] | None:
-    """`text` as a message of the wire that has params by name, if it is one."""
+    """Return `text` as a message of the wire with params by name, if it is one."""
     if not text.lstrip().startswith("{"):
         return None
     try:

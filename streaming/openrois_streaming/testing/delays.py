@@ -1,4 +1,4 @@
-"""What is said about many measurements of one thing: how many, and their percentiles. Pure."""
+"""Statistics of measured times: their number and percentiles. Pure."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -8,13 +8,13 @@ from typing import Self
 
 @dataclass(frozen=True, slots=True)
 class Delays:
-    """Measured times, all in seconds.
+    """Statistics of measured times, in seconds.
 
     Attributes:
-        count: how many were measured; the others are of these.
+        count: number of measurements.
         p50: the median.
-        p95: what 95 % of them do not exceed.
-        p99: what 99 % of them do not exceed.
+        p95: the value that 95 % of them do not exceed.
+        p99: the value that 99 % of them do not exceed.
         longest: the longest.
     """
 
@@ -26,7 +26,7 @@ class Delays:
 
     @classmethod
     def of(cls, seconds: Iterable[float]) -> Self | None:
-        """Sum up what was measured; None if nothing was."""
+        """Return the statistics of `seconds`; None without measurements."""
         measured = sorted(seconds)
         if not measured:
             return None
@@ -35,5 +35,5 @@ class Delays:
 
 
 def percentile(values: Sequence[float], share: float) -> float:
-    """The smallest of `values`, one or more, that at least `share` (above 0, at most 1) of them do not exceed."""
+    """Return the smallest of `values`, one or more, that a `share` (above 0, at most 1) of them does not exceed."""
     return sorted(values)[math.ceil(share * len(values)) - 1]

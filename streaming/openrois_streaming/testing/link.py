@@ -1,4 +1,4 @@
-"""One direction of a bad network: what happens to each datagram, and when it arrives. Pure: the time is an argument.
+"""One direction of a bad network: the fate of each datagram, and its arrival. Pure: the time is an argument.
 
 A datagram waits at the bottleneck until those before it have gone, and takes `size / rate` to go itself; where too much
 waits already it is dropped (tail drop). Behind the bottleneck it may be lost, doubled or held back, and travels for
@@ -22,7 +22,7 @@ _PROBABILITIES = ("loss", "reorder", "duplicate")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Impairments:
-    """What one direction does to datagrams; without arguments nothing.
+    """Impairments of one direction; without arguments there are none.
 
     Attributes:
         rate: bit/s that the bottleneck passes on, headers of IPv4 and UDP included; None: it is never in the way.
@@ -37,7 +37,7 @@ class Impairments:
         duplicate: the share of the datagrams that arrive twice, 0..1.
 
     Raises:
-        ValueError: a value that cannot be.
+        ValueError: a value is out of range.
     """
 
     rate: float | None = None
@@ -75,7 +75,7 @@ class Impairments:
 
 @dataclass(slots=True)
 class LinkFigures:
-    """What was counted on one direction.
+    """Counts of one direction.
 
     Attributes:
         entered: datagrams that came.
@@ -101,11 +101,11 @@ class LinkFigures:
 
 
 class Link:
-    """One direction. All times are seconds of any clock that does not go back.
+    """One direction of a network. All times are seconds of any monotonic clock.
 
     Args:
-        impairments: what it does to datagrams at first.
-        seed: the same seed does the same to the same datagrams at the same times.
+        impairments: initial impairments.
+        seed: seed of the random choices; they repeat for the same datagrams at the same times.
     """
 
     def __init__(self, impairments: Impairments | None = None, *, seed: int = 0) -> None:
@@ -115,7 +115,7 @@ class Link:
         self._waiting: deque[bytes] = deque()
         self._waiting_bytes = 0
         self._gone_at = 0.0
-        """When the first of those that wait has gone."""
+        """Time at which the first waiting datagram has passed."""
         self._flight: list[tuple[float, int, bytes]] = []
         self._order = itertools.count()
         self._last_arrival = float("-inf")
@@ -124,7 +124,7 @@ class Link:
 
     @property
     def impairments(self) -> Impairments:
-        """What it does to datagrams now."""
+        """Present impairments."""
         return self._impairments
 
     @property
@@ -134,20 +134,20 @@ class Link:
 
     @property
     def next_at(self) -> float | None:
-        """When `pop` will have something to do; None if nothing is on the way."""
+        """Time of the next `pop`; None if no datagram is on the way."""
         moments = [self._flight[0][0]] if self._flight else []
         if self._waiting:
             moments.append(self._gone_at)
         return min(moments, default=None)
 
     def figures(self) -> LinkFigures:
-        """What was counted so far, as a copy."""
+        """Return a copy of the counts so far."""
         return replace(self._figures)
 
     def change(self, impairments: Impairments, now: float) -> None:
-        """Do this to datagrams from now on. Those that wait go on at the new rate, those that travel are not touched.
+        """Set the impairments from now on. Waiting datagrams go on at the new rate, travelling ones are not changed.
 
-        What waits already may be more than there is room for now; it stays.
+        Datagrams that wait already stay, even beyond the new room.
         """
         self._advance(now)
         before, self._impairments = self._impairments, impairments
@@ -162,7 +162,7 @@ class Link:
         self._to_lose += datagrams
 
     def push(self, datagram: bytes, now: float) -> None:
-        """A datagram comes."""
+        """Add a datagram that arrives at the link."""
         self._advance(now)
         self._figures.entered += 1
         self._figures.entered_bytes += len(datagram)
@@ -177,7 +177,7 @@ class Link:
             self._figures.dropped += 1
 
     def pop(self, now: float) -> list[bytes]:
-        """The datagrams that have arrived since the last call, in the order of their arrival."""
+        """Return the datagrams that have arrived since the last call, in the order of their arrival."""
         self._advance(now)
         arrived = []
         while self._flight and self._flight[0][0] <= now:
@@ -192,12 +192,12 @@ class Link:
         self._figures.most_waiting = max(self._figures.most_waiting, self._waiting_bytes)
 
     def _seconds(self, datagram: bytes) -> float:
-        """How long a datagram takes to pass the bottleneck."""
+        """Return the seconds that a datagram takes to pass the bottleneck."""
         rate = self._impairments.rate
         return 0.0 if rate is None else (len(datagram) + OVERHEAD) * 8 / rate
 
     def _advance(self, now: float) -> None:
-        """Let those pass the bottleneck that have done so by `now`."""
+        """Let datagrams pass the bottleneck up to the time `now`."""
         while self._waiting and self._gone_at <= now:
             datagram = self._waiting.popleft()
             self._waiting_bytes -= len(datagram) + OVERHEAD

@@ -1,4 +1,4 @@
-"""Lip sync: how much later than the picture of the same moment a sound is there. Pure."""
+"""Lip sync: the delay of sound behind the picture of the same moment. Pure."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -13,12 +13,12 @@ _PICTURES, _WAITING = 256, 8
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LipSyncFigures:
-    """What was measured since the count began; all times in seconds, above 0 where sound is late.
+    """Lip sync errors since the count began; all times in seconds, above 0 if sound is late.
 
     Attributes:
         count: markers that had a picture.
         median: of the errors.
-        p95: what 95 % of the errors do not exceed, either way.
+        p95: the value that 95 % of the errors do not exceed, either way.
         worst: the largest error, either way.
         drift: by how much the error grows, in seconds per second (least squares); 0 with fewer than three.
     """
@@ -31,7 +31,7 @@ class LipSyncFigures:
 
 
 class LipSync:
-    """Brings markers and pictures together, whichever come first; all it keeps is bounded."""
+    """Pairing of markers and pictures, in any order; its memory is bounded."""
 
     def __init__(self) -> None:
         self._pictures: deque[tuple[float, float]] = deque(maxlen=_PICTURES)
@@ -39,21 +39,22 @@ class LipSync:
         self._errors: deque[tuple[float, float]] = deque(maxlen=KEPT)
 
     def restart(self) -> None:
-        """Begin to count anew."""
+        """Begin to count anew, without the markers played until now that still wait for a picture."""
+        self._waiting.clear()
         self._errors.clear()
 
-    def saw(self, captured: float, delay: float) -> None:
-        """A picture that was captured at `captured` (epoch seconds) was there `delay` seconds later."""
+    def add_picture(self, captured: float, delay: float) -> None:
+        """Add a picture captured at `captured` (epoch seconds) that was decoded `delay` seconds later."""
         self._pictures.append((captured, delay))
         self._settle()
 
-    def heard(self, second: float, delay: float) -> None:
-        """The marker of a whole second (epoch) was there `delay` seconds later."""
+    def add_sound(self, second: float, delay: float) -> None:
+        """Add the marker of a whole second (epoch) that was played `delay` seconds later."""
         self._waiting.append((second, delay))
         self._settle()
 
     def figures(self) -> LipSyncFigures | None:
-        """What was measured; None if there was no marker with a picture."""
+        """Return the figures; None without a marker that has a picture."""
         if not self._errors:
             return None
         signed = sorted(error for _, error in self._errors)
@@ -67,7 +68,7 @@ class LipSync:
         )
 
     def _settle(self) -> None:
-        """Judge the markers for which the pictures before and after have come."""
+        """Pair the markers for which the pictures before and after have come."""
         while self._waiting and self._pictures and self._pictures[-1][0] >= self._waiting[0][0]:
             second, sound = self._waiting.popleft()
             captured, picture = min(self._pictures, key=lambda each: abs(each[0] - second))

@@ -1,10 +1,10 @@
-"""A bad network between an engine and one viewer: two sockets, through which all of their media passes.
+"""Bad network between an engine and one viewer: two sockets that relay all of their media.
 
-Candidates are rewritten on their way, so that either end knows the address of the path alone::
+Candidates are rewritten, so that either end knows only the address of the path::
 
     async with ImpairedPath(down=Impairments(rate=1_000_000, delay=0.02)) as path:
         answer = await viewer.answer(path.to_viewer(offer))
-        await session.answer(path.to_engine(answer))
+        await session.apply_answer(path.to_engine(answer))
         ...
         path.down.change(loss=0.05)
 """
@@ -20,15 +20,15 @@ from openrois_streaming.testing.candidates import Address, addresses, rerouted
 from openrois_streaming.testing.link import Impairments, Link, LinkFigures
 
 _BUFFER = 1 << 22
-"""Bytes that a socket keeps while the loop is busy: what is lost shall be lost by the link."""
+"""Bytes that a socket keeps while the loop is busy, so that only the link loses datagrams."""
 
 
 class _Face(asyncio.DatagramProtocol):
-    """The socket that one end knows, and takes for the other end."""
+    """Socket that represents the other end to one end."""
 
     def __init__(self) -> None:
         self.end: Address | None = None
-        """Where that end is; None until it is told or heard."""
+        """Address of that end; None until its candidates or first datagram."""
         self.strangers = 0
         self.address: Address = ("", 0)
         self._transport: asyncio.DatagramTransport | None = None
@@ -49,14 +49,14 @@ class _Face(asyncio.DatagramProtocol):
             raise
 
     def expect(self, text: str) -> None:
-        """Take the end's address from its own candidates, if it is not known and they tell it."""
+        """Set the end's address by its own candidates, if it is not known yet."""
         if self.end is None:
             version = ipaddress.ip_address(self.address[0]).version
             usable = (each for each in addresses(text) if ipaddress.ip_address(each[0]).version == version)
             self.end = next(usable, None)
 
     def datagram_received(self, data: bytes, addr: tuple[Any, ...]) -> None:
-        """Take a datagram of the end in. A browser that hides its addresses is known by its first one."""
+        """Receive a datagram of the end. A browser that hides its addresses is known by its first one."""
         if self.end is None:
             self.end = addr[:2]
         if addr[:2] != self.end:
@@ -75,7 +75,7 @@ class _Face(asyncio.DatagramProtocol):
 
 
 class Direction:
-    """One direction of a path."""
+    """Direction of a path."""
 
     def __init__(self, link: Link, source: _Face, target: _Face) -> None:
         self._link = link
@@ -85,7 +85,7 @@ class Direction:
 
     @property
     def impairments(self) -> Impairments:
-        """What it does to datagrams now."""
+        """Present impairments."""
         return self._link.impairments
 
     @property
@@ -95,11 +95,11 @@ class Direction:
 
     @property
     def strangers(self) -> int:
-        """Datagrams that came from elsewhere than from the end; they were thrown away."""
+        """Datagrams from other addresses than the end's; they were dropped."""
         return self._source.strangers
 
     def figures(self) -> LinkFigures:
-        """What was counted so far."""
+        """Return the counts so far."""
         return self._link.figures()
 
     def change(self, **changes: Any) -> None:
@@ -107,7 +107,7 @@ class Direction:
 
         Raises:
             TypeError: there is no such impairment.
-            ValueError: a value that cannot be.
+            ValueError: a value is out of range.
         """
         self._link.change(replace(self._link.impairments, **changes), self._now())
         self._pump()
@@ -117,12 +117,12 @@ class Direction:
         self._link.lose_next(datagrams)
 
     def push(self, datagram: bytes) -> None:
-        """A datagram of the end comes."""
+        """Add a datagram of the end."""
         self._link.push(datagram, self._now())
         self._pump()
 
     def close(self) -> None:
-        """Forget what is on the way."""
+        """Drop all datagrams on the way."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
@@ -140,15 +140,15 @@ class Direction:
 
 
 class ImpairedPath:
-    """The way of the media between an engine and one viewer, for one peer connection that bundles its sections.
+    """Network path between an engine and one viewer, for one peer connection that bundles its sections.
 
-    Each end is known by its best UDP candidate that the path could come from, or else by its first datagram; what
-    comes from elsewhere is thrown away. What is read and sent keeps to the loop's timers, which are late by up to 1 ms.
+    Each end is known by its best usable UDP candidate, or else by its first datagram; datagrams from other addresses
+    are dropped. Delays keep to the loop's timers, which are late by up to 1 ms.
 
     Args:
-        down: what happens to datagrams of the engine.
-        up: what happens to datagrams of the viewer.
-        host: the address of this machine by which both ends can reach it, no name.
+        down: impairments of datagrams of the engine.
+        up: impairments of datagrams of the viewer.
+        host: the IP address of this machine by which both ends can reach it.
         seed: the same seed loses, delays and doubles the same again.
 
     Attributes:
@@ -186,15 +186,15 @@ class ImpairedPath:
         return self
 
     async def __aexit__(self, *_: object) -> None:
-        """Close them; what is on the way is lost."""
+        """Close the sockets; datagrams on the way are lost."""
         await self._opened.aclose()
 
     def to_viewer(self, text: str) -> str:
-        """What the engine says, as the viewer shall hear it: an SDP, a candidate, or a message with one of them."""
+        """Return a text of the engine with rewritten candidates for the viewer: an SDP, a candidate, or a message."""
         self._engine.expect(text)
         return rerouted(text, self._viewer.address)
 
     def to_engine(self, text: str) -> str:
-        """What the viewer says, as the engine shall hear it."""
+        """Return a text of the viewer with rewritten candidates for the engine."""
         self._viewer.expect(text)
         return rerouted(text, self._engine.address)

@@ -1,4 +1,4 @@
-"""What a viewer has seen: how many pictures, how late, what was missing, and when they stood still. Pure."""
+"""Figures of the pictures that a viewer has received: number, delay, gaps and freezes. Pure."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from openrois_streaming.source.stamp import NUMBER_MODULUS, Stamp
 from openrois_streaming.testing.delays import Delays
 
 KEPT = 20_000
-"""Delays that percentiles are made of, the newest ones: more than ten minutes at 30 pictures a second."""
+"""Number of newest delays for percentiles: more than ten minutes at 30 pictures a second."""
 
 SIZES_KEPT = 100
 
@@ -16,9 +16,9 @@ _FREEZE_FACTOR, _FREEZE_EXTRA, _FREEZE_AVERAGE = 3.0, 0.150, 30
 
 @dataclass(frozen=True, slots=True)
 class SeenPicture:
-    """A picture that was there, decoded, at `at` (seconds of the media clock), which was `wall` (epoch seconds).
+    """Picture that was decoded at `at` (seconds of the media clock), which was `wall` (epoch seconds).
 
-    `stamp` is what could be read in it, None if nothing could.
+    `stamp` was read in it; None if there was none.
     """
 
     at: float
@@ -29,27 +29,27 @@ class SeenPicture:
 
     @property
     def delay(self) -> float | None:
-        """Seconds from its capture to its being there; None without a stamp."""
+        """Seconds from its capture until it was decoded; None without a stamp."""
         return None if self.stamp is None else self.stamp.age(self.wall)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PictureFigures:
-    """What was seen since the count began.
+    """Figures of pictures since the count began.
 
     Attributes:
         seconds: since then.
         pictures: that were decoded.
         key_frames: that arrived, decoded or not.
         unreadable: those of them without a stamp that could be read.
-        missed: numbers that were left out between two pictures: lost, dropped, or never captured.
+        missed: numbers missing between two pictures: lost, dropped, or not captured.
         repeated: pictures with the number of the one before, or an earlier one.
         freezes: gaps between pictures of at least three times the average of the last 30, and 150 ms more than it
             (`freezeCount` of W3C's webrtc-stats); one that lasts is counted.
         frozen: seconds of them all.
         longest_gap: seconds between two pictures, or since the last one, at most.
         size: width and height of the last picture; None before the first.
-        size_changes: how often it was another than before.
+        size_changes: number of changes of the size.
         delay: from capture to decoded; None if no stamp was read.
     """
 
@@ -73,7 +73,7 @@ class PictureFigures:
 
 
 class PictureLog:
-    """Counts pictures. What it keeps is bounded: `KEPT` delays, and the last `SIZES_KEPT` changes of the size.
+    """Log of pictures. Its memory is bounded: `KEPT` delays, and the last `SIZES_KEPT` changes of the size.
 
     Args:
         now: when the count begins, in seconds of the media clock.
@@ -84,11 +84,11 @@ class PictureLog:
         self.last: SeenPicture | None = None
         """The newest picture."""
         self.count = 0
-        """Pictures since the very beginning."""
+        """Number of pictures since the log was made."""
         self.restart(now)
 
     def restart(self, now: float) -> None:
-        """Begin to count anew; what is missing between the last picture and the next one belongs to the new count."""
+        """Restart the count; pictures missing between the last and the next one belong to the new count."""
         self._since = now
         self._pictures = self._unreadable = self._missed = self._repeated = 0
         self._freezes, self._frozen, self._longest = 0, 0.0, 0.0
@@ -98,7 +98,7 @@ class PictureLog:
         """When the size changed, and to which width and height."""
 
     def add(self, picture: SeenPicture) -> None:
-        """Count a picture; they come in the order in which they were decoded."""
+        """Add a picture; they come in the order in which they were decoded."""
         before, self.last = self.last, picture
         self.count += 1
         self._pictures += 1
@@ -121,7 +121,7 @@ class PictureLog:
         self._gaps.append(gap)
 
     def figures(self, now: float, key_frames: int = 0) -> PictureFigures:
-        """What was counted up to `now`, a gap that lasts included; the key frames were counted elsewhere."""
+        """Return the figures up to `now`, a lasting gap included; the key frames were counted elsewhere."""
         freezes, frozen, longest = self._freezes, self._frozen, self._longest
         if self.last is not None:
             longest = max(longest, self._within(self.last, now))
@@ -152,7 +152,7 @@ class PictureLog:
             self._missed += step - 1
 
     def _within(self, before: SeenPicture, now: float) -> float:
-        """Seconds from a picture, or from the begin of the count if that is later, to `now`."""
+        """Return the seconds from a picture, or from the start of the count if that is later, to `now`."""
         return now - max(before.at, self._since)
 
     def _is_freeze(self, gap: float) -> bool:

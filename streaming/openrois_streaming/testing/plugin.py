@@ -1,7 +1,8 @@
-"""A pytest plugin: sources, paths and sinks for tests, whose figures stand in the report of a test that fails.
+"""Pytest plugin: sources, paths and sinks for tests, whose figures are in the report of a test that fails.
 
-pytest finds it by itself where OpenRoIS is installed. The fixtures are functions that make things; they need no plugin
-for asynchronous tests beside the one in use. Nothing of the media plane is imported before a fixture is used.
+A project asks for it in its conftest: `pytest_plugins = ["openrois_streaming.testing.plugin"]`. The fixtures are
+factories; they need no plugin for asynchronous tests beside the one in use. Nothing of the media plane is
+imported before a fixture is used.
 """
 
 import zlib
@@ -18,7 +19,7 @@ _MADE = pytest.StashKey[list[tuple[str, Callable[[], str]]]]()
 
 
 class MakeSource(Protocol):
-    """Makes a synthetic source: colour bars, a talking head, or a tone; further arguments are those of its class."""
+    """Factory of a synthetic source: colour bars, a talking head or a tone, with the arguments of its class."""
 
     def __call__(
         self, kind: Literal["bars", "head", "tone"] = "bars", *args: Any, **options: Any
@@ -28,7 +29,7 @@ class MakeSource(Protocol):
 
 
 class MakePath(Protocol):
-    """Makes an `ImpairedPath`, which does the same to the same datagrams in every run of a test."""
+    """Factory of an `ImpairedPath`, which treats the same datagrams alike in every run of a test."""
 
     def __call__(self, down: "Impairments | None" = None, up: "Impairments | None" = None) -> "ImpairedPath":
         """Make one, to be entered with `async with`."""
@@ -36,7 +37,7 @@ class MakePath(Protocol):
 
 
 class MakeSink(Protocol):
-    """Makes a `MeasuringSink`; the arguments are those of the class."""
+    """Factory of a `MeasuringSink`; the arguments are those of the class."""
 
     def __call__(self, **options: Any) -> "MeasuringSink":
         """Make one, to be entered with `async with`."""
@@ -45,7 +46,7 @@ class MakeSink(Protocol):
 
 @pytest.fixture
 def synthetic_source() -> MakeSource:
-    """A function that makes sources of pictures and sound that are known."""
+    """A factory of sources of known pictures and sound."""
     from openrois_streaming.clock import SystemClock
     from openrois_streaming.synthetic import ColourBars, TalkingHead, Tone
 
@@ -58,7 +59,7 @@ def synthetic_source() -> MakeSource:
 
 @pytest.fixture
 def impaired_path(request: pytest.FixtureRequest) -> MakePath:
-    """A function that makes bad networks; what was counted on them is reported when the test fails."""
+    """A factory of bad networks; their counts are reported when the test fails."""
     from openrois_streaming.testing import ImpairedPath
 
     def make(down: "Impairments | None" = None, up: "Impairments | None" = None) -> ImpairedPath:
@@ -71,7 +72,7 @@ def impaired_path(request: pytest.FixtureRequest) -> MakePath:
 
 @pytest.fixture
 def measuring_sink(request: pytest.FixtureRequest) -> MakeSink:
-    """A function that makes viewers that measure; their figures are reported when the test fails."""
+    """A factory of measuring viewers; their figures are reported when the test fails."""
     from openrois_streaming.testing import MeasuringSink
 
     def make(**options: Any) -> MeasuringSink:

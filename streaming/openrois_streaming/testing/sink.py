@@ -1,9 +1,9 @@
-"""A viewer that measures: an application's end of one peer connection.
+"""Measuring viewer: an application's end of one peer connection.
 
-It answers the offers of a session and reads what the synthetic sources have put into pictures and sound::
+It answers the offers of a session and reads the stamps and markers of the synthetic sources::
 
     async with MeasuringSink() as sink:
-        await session.answer(await sink.respond(offer))
+        await session.apply_answer(await sink.respond(offer))
         await sink.sees(30)
         print(sink.pictures().fps, sink.pictures().delay)
 """
@@ -18,12 +18,12 @@ from openrois_signaling.messages import Answer, Offer
 
 from openrois_streaming.clock import MediaClock, SystemClock, wall_at
 from openrois_streaming.peer.receiver import RtpReceiver
-from openrois_streaming.receive.figures import ReceiverFigures
 from openrois_streaming.receive.remote_time import RemoteClock
 from openrois_streaming.source import stamp
 from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
+from openrois_streaming.stats import ReceiverFigures
 from openrois_streaming.tasks import OwnedTasks
-from openrois_streaming.testing.hands import Hands
+from openrois_streaming.testing.input_sender import InputSender
 from openrois_streaming.testing.lipsync import LipSync, LipSyncFigures
 from openrois_streaming.testing.path import ImpairedPath
 from openrois_streaming.testing.pictures import PictureFigures, PictureLog, SeenPicture
@@ -32,21 +32,22 @@ from openrois_streaming.testing.sounds import SoundFigures, SoundLog
 T = TypeVar("T")
 
 PATIENCE = 10.0
-"""Seconds that is waited by default for what should come at once."""
+"""Default timeout in seconds."""
 
 
 class MeasuringSink:
-    """Plays all that a session sends it, and measures. Sections are known by their mid, "0" is the first one.
+    """Viewer that plays and measures all streams of a session. Sections are known by their mid, "0" is the first one.
 
-    A picture is there when it is decoded; nothing is kept back to show it smoothly, and one that is overtaken while the
-    loop is busy counts as missed. Sound is there when it is played, behind a buffer against jitter and losses. The peer
-    connection is opened by the first offer; a session that begins anew with another peer needs another sink.
+    A picture counts when it is decoded; none is held back for smooth display, and one that is overtaken while the loop
+    is busy counts as missed. Sound counts when it is played, behind a buffer against jitter and losses. The peer
+    connection is opened by the first offer; a session that starts another peer needs another sink.
 
     Args:
-        clock: whose wall time the source's stamps and markers are of, as this machine's are.
+        clock: clock of the source's stamps and markers; this machine's by default.
         path: the bad network between the session and this sink; None for none.
-        on_picture: is told each picture, in order; what it raises ends the measuring, and is raised by whoever waits.
-        on_media: likewise, is given all that is decoded, with its time of capture by the sender's reports.
+        on_picture: called with each picture, in order; its exceptions end the measuring, and are raised in waiting
+            calls.
+        on_media: likewise, called with all decoded media, with capture times by the sender's reports.
     """
 
     def __init__(
@@ -66,16 +67,16 @@ class MeasuringSink:
         self._sounds: dict[str, SoundLog] = {}
         self._receivers: dict[str, RtpReceiver] = {}
         self._before: dict[str, ReceiverFigures] = {}
-        """What was received before the count began."""
+        """Figures of receivers before the count began."""
         self._remote = RemoteClock()
-        self._lipsync, self._told = LipSync(), LipSync()
+        self._lipsync, self._reported_lipsync = LipSync(), LipSync()
         self._news = asyncio.Event()
         self._failure: BaseException | None = None
         self._tasks = OwnedTasks("measuring sink", self._failed)
         self.states: list[str] = []
         """The states of the peer connection, in order."""
-        self.hands: Hands | None = None
-        """Does what a person does, if the session wants to know it."""
+        self.input: InputSender | None = None
+        """Sends operator input, if the session has offered channels."""
 
     async def __aenter__(self) -> Self:
         return self
@@ -87,7 +88,7 @@ class MeasuringSink:
         await self._tasks.aclose()
 
     def __str__(self) -> str:
-        """All figures, a line for each section."""
+        """Return all figures, a line for each section."""
         lines = [f"state: {', '.join(self.states) or 'no offer was answered'}"]
         lines += [f"{mid}: {self.pictures(mid)}" for mid in self._pictures]
         lines += [f"{mid}: {self.sound(mid)}" for mid in self._sounds]
@@ -95,22 +96,22 @@ class MeasuringSink:
         return "\n".join([*lines, f"lip sync: {self.lip_sync()}, as told: {self.told_lip_sync()}"])
 
     async def respond(self, offer: Offer) -> Answer:
-        """The answer to an offer of a session, as a message."""
+        """Answer an offer of a session; returns the answer as a message."""
         return Answer(peer_id=offer.peer_id, generation=offer.generation, sdp=await self.answer(offer.sdp))
 
     async def answer(self, sdp: str) -> str:
-        """The answer to the SDP of an offer, as SDP, candidates included."""
+        """Answer the SDP of an offer; returns the answer as SDP, candidates included."""
         connection = self._connection or self._open()
         offer = sdp if self._path is None else self._path.to_viewer(sdp)
         await connection.setRemoteDescription(RTCSessionDescription(offer, "offer"))
-        if connection.sctp is not None and self.hands is None:
-            self.hands = Hands(connection, self._news.set)
+        if connection.sctp is not None and self.input is None:
+            self.input = InputSender(connection, self._news.set)
         await connection.setLocalDescription(await connection.createAnswer())
         answer: str = connection.localDescription.sdp
         return answer if self._path is None else self._path.to_engine(answer)
 
     def pictures(self, mid: str | None = None) -> PictureFigures:
-        """What was seen of a section; without a name of the only one with pictures.
+        """Return the figures of a section's pictures; without a name of the only one with pictures.
 
         Raises:
             LookupError: there is no such section, or more than one.
@@ -120,7 +121,7 @@ class MeasuringSink:
         return log.figures(self._clock.now(), self.received(name).key_frames)
 
     def sound(self, mid: str | None = None) -> SoundFigures:
-        """What was heard of a section; without a name of the only one with sound.
+        """Return the figures of a section's sound; without a name of the only one with sound.
 
         Raises:
             LookupError: there is no such section, or more than one.
@@ -128,15 +129,15 @@ class MeasuringSink:
         return _one(self._sounds, mid).figures(self._clock.now())
 
     def lip_sync(self) -> LipSyncFigures | None:
-        """How far sound and pictures were apart when they were there; None if there were not both."""
+        """Return the lip sync as decoded and played; None without both."""
         return self._lipsync.figures()
 
     def told_lip_sync(self) -> LipSyncFigures | None:
-        """How far apart a player has them that goes by the sender's reports (RFC 3550 section 6.4.1)."""
-        return self._told.figures()
+        """Return the lip sync of a player that follows the sender's reports (RFC 3550 section 6.4.1)."""
+        return self._reported_lipsync.figures()
 
     def received(self, mid: str) -> ReceiverFigures:
-        """The packets of a section, what was lost of them and what was asked for, since the count began.
+        """Return the figures of a section's packets, losses and requests since the count began.
 
         Raises:
             LookupError: there is no such section.
@@ -144,17 +145,17 @@ class MeasuringSink:
         return self._receivers[mid].figures.since(self._before[mid])
 
     def sizes(self, mid: str | None = None) -> list[tuple[float, int, int]]:
-        """When pictures had which width and height: those of the first one, and the last changes since `restart`."""
+        """Return the times, widths and heights of the first picture and of the last changes since `restart`."""
         return list(_one(self._pictures, mid).sizes)
 
     def restart(self) -> None:
-        """Begin to count anew: what was measured until now is forgotten."""
+        """Restart the count, without the measurements until now."""
         logs: list[PictureLog | SoundLog] = [*self._pictures.values(), *self._sounds.values()]
         for log in logs:
             log.restart(self._clock.now())
         self._before = {mid: receiver.figures for mid, receiver in self._receivers.items()}
         self._lipsync.restart()
-        self._told.restart()
+        self._reported_lipsync.restart()
 
     async def sees(self, pictures: int = 1, *, mid: str | None = None, within: float = PATIENCE) -> None:
         """Wait for so many more pictures.
@@ -173,7 +174,7 @@ class MeasuringSink:
         await self._more(self._sounds, mid, lambda log: log.blocks, blocks, within)
 
     async def picture(self, mid: str | None = None, *, within: float = PATIENCE) -> SeenPicture:
-        """Wait for the next picture; one that comes while nobody waits is counted, and not returned.
+        """Wait for the next picture; others are counted, and not returned.
 
         Raises:
             TimeoutError: none comes within so many seconds.
@@ -249,8 +250,8 @@ class MeasuringSink:
                     self._on_media(picture)
                 if seen.delay is not None:
                     captured = wall - seen.delay
-                    self._lipsync.saw(captured, seen.delay)
-                    self._told.saw(captured, wall_at(self._clock, picture.captured_at) - captured)
+                    self._lipsync.add_picture(captured, seen.delay)
+                    self._reported_lipsync.add_picture(captured, wall_at(self._clock, picture.captured_at) - captured)
                 self._news.set()
 
     async def _hear(self, source: MediaSource[RawAudio], log: SoundLog) -> None:
@@ -258,8 +259,8 @@ class MeasuringSink:
             async for block in blocks:
                 captured = wall_at(self._clock, block.captured_at)
                 for click in log.add(block.samples[:, 0], captured, self._clock.wall()):
-                    self._lipsync.heard(click.second, click.delay)
-                    self._told.heard(click.second, click.told)
+                    self._lipsync.add_sound(click.second, click.delay)
+                    self._reported_lipsync.add_sound(click.second, click.told)
                 if self._on_media is not None:
                     self._on_media(block)
                 self._news.set()

@@ -1,4 +1,4 @@
-"""A session that plays to a measuring sink, without a gateway between them."""
+"""Session that plays to a measuring sink, without a gateway between them."""
 
 import asyncio
 import itertools
@@ -15,7 +15,7 @@ from openrois_streaming.session.session import StreamSession
 from openrois_streaming.testing.sink import MeasuringSink
 
 VIDEO, AUDIO = "video", "audio"
-"""The ids of the streams."""
+"""Ids of the streams."""
 
 
 @asynccontextmanager
@@ -29,34 +29,34 @@ async def playing(
     ice_servers: Sequence[IceServer] = (),
     inputs: InputSink | None = None,
 ) -> AsyncIterator[StreamSession]:
-    """A session that plays these to `sink` for as long as the context lasts; its streams are called VIDEO and AUDIO.
+    """Run a session that plays to `sink` while the context lasts; its streams are called VIDEO and AUDIO.
 
     Args:
         sink: answers all offers.
         video: pictures, if any.
         audio: sound, if any.
-        codecs: what the sink says that it can decode of pictures, as media types; None for all.
-        network: how the session uses the network.
+        codecs: video codecs that the sink names, as media types; None for all.
+        network: network settings of the session.
         ice_servers: STUN and TURN servers of the session.
-        inputs: hears what the sink sends over data channels; None: there are none.
+        inputs: gets the input that the sink sends; None: there are no channels.
 
     Raises:
         ExceptionGroup: an offer could not be answered.
-        NoCommonCodec: nothing of `codecs` can be had here.
+        NoCommonCodec: none of `codecs` is available.
     """
-    heard: asyncio.Queue[Downward] = asyncio.Queue()
+    messages: asyncio.Queue[Downward] = asyncio.Queue()
     ids = itertools.count(1)
     async with asyncio.TaskGroup() as tasks:
         async with StreamSession(
             mint=lambda: f"stage/p{next(ids)}",
-            send=heard.put_nowait,
+            send=messages.put_nowait,
             on_change=lambda _: None,
             clock=SystemClock(),
             ice_servers=ice_servers,
             network=network,
             sink=inputs,
         ) as session:
-            answering = tasks.create_task(_answer(session, sink, heard))
+            answering = tasks.create_task(_answer(session, sink, messages))
             if video is not None:
                 session.connect(VIDEO, "stage/Video", video, "video", codecs)
             if audio is not None:
@@ -67,8 +67,8 @@ async def playing(
         answering.cancel()
 
 
-async def _answer(session: StreamSession, sink: MeasuringSink, heard: asyncio.Queue[Downward]) -> None:
+async def _answer(session: StreamSession, sink: MeasuringSink, messages: asyncio.Queue[Downward]) -> None:
     while True:
-        message = await heard.get()
+        message = await messages.get()
         if isinstance(message, Offer):
-            await session.answer(await sink.respond(message))
+            await session.apply_answer(await sink.respond(message))

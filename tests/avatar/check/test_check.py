@@ -11,15 +11,15 @@ from pathlib import Path
 import pytest
 from openrois_avatar import command as avatar
 from openrois_avatar.check import command
-from openrois_avatar.check.acting import Patience
+from openrois_avatar.check.command_checks import Patience
 from openrois_avatar.check.finding import Finding, Outcome
-from openrois_avatar.check.visit import visiting
+from openrois_avatar.check.session import check_session
 
 from tests.support.odd_engine import odd_engine
 
 ROOT = Path(__file__).parents[3]
 SHORT = Patience(connect=10, greet=0.5, watch=0.5, answer=0.6, react=1.0, come_back=1.0, end=5.0)
-LONG = Patience(connect=20, watch=1.0, answer=5.0, come_back=2.0)
+LONG = Patience(connect=20, watch=1.0, answer=5.0, asleep=3.0, come_back=2.0)
 PUPPET = ("-m", "openrois_avatar.engines.puppet", "--size", "160x90", "--fps", "10")
 AT_ONCE = 18
 """Engines that are checked side by side: they wait most of the time, but a busy machine makes them late."""
@@ -94,18 +94,18 @@ class Found:
 async def of_thread(odd: str, turn: asyncio.Semaphore) -> Found:
     """Check an engine in a thread."""
     patience = LONG if odd in RIGHT else SHORT
-    async with turn, visiting("tcp:127.0.0.1:0", SECRET, (), patience) as visit:
-        engine = odd_engine(visit.address, SECRET, odd)
+    async with turn, check_session("tcp:127.0.0.1:0", SECRET, (), patience) as session:
+        engine = odd_engine(session.address, SECRET, odd)
         engine.__enter__()
-        found = [finding async for finding in visit.findings()]
+        found = [finding async for finding in session.findings()]
         await asyncio.to_thread(engine.__exit__, None, None, None)
     return Found(found)
 
 
 async def of_process(*arguments: str, program: str = sys.executable) -> Found:
     """Check an engine that the check starts."""
-    async with visiting("tcp:127.0.0.1:0", SECRET, [program, *arguments], LONG) as visit:
-        return Found([finding async for finding in visit.findings()])
+    async with check_session("tcp:127.0.0.1:0", SECRET, [program, *arguments], LONG) as session:
+        return Found([finding async for finding in session.findings()])
 
 
 @pytest.fixture(scope="module")
@@ -129,7 +129,7 @@ def found() -> dict[str, Found]:
 
 @pytest.mark.engine
 @pytest.mark.parametrize("odd", ODD)
-def test_what_is_wrong_is_named(found: dict[str, Found], odd: str) -> None:
+def test_fault_is_named(found: dict[str, Found], odd: str) -> None:
     check, said = ODD[odd]
     assert said in found[odd][check].seen
     assert found[odd][check].outcome is Outcome.FAILED
@@ -137,7 +137,7 @@ def test_what_is_wrong_is_named(found: dict[str, Found], odd: str) -> None:
 
 @pytest.mark.engine
 @pytest.mark.parametrize("engine", [*RIGHT, "puppet", "encoder", "example"])
-def test_what_is_right_passes(found: dict[str, Found], engine: str) -> None:
+def test_correct_engine_passes(found: dict[str, Found], engine: str) -> None:
     assert found[engine].failed == []
 
 
@@ -170,13 +170,13 @@ def test_how_engines_end_is_told(found: dict[str, Found]) -> None:
 
 @pytest.mark.engine
 def test_every_section_is_on_the_page(found: dict[str, Found]) -> None:
-    page = (ROOT / "docs/engine-link.md").read_text()
+    page = (ROOT / "docs/reference/engine-link.md").read_text()
     sections = {finding.section for each in found.values() for finding in each.findings}
     assert [section for section in sections if f"\n## {section}\n" not in page] == []
 
 
 def test_the_page_has_the_example_as_it_is() -> None:
-    page = (ROOT / "docs/engine-link.md").read_text()
+    page = (ROOT / "docs/how-to/engine.md").read_text()
     assert (ROOT / "docs/examples/engine.py").read_text() in page.replace("```\n", "")
 
 
@@ -189,7 +189,7 @@ def hanging(told: str) -> list[str]:
     ("program", "said"),
     [
         ("raise SystemExit(7)", "the engine ended with status 7 before it connected"),
-        ("import time; time.sleep(60)", "no engine came to tcp:127.0.0.1:"),
+        ("import time; time.sleep(60)", "no engine connected to tcp:127.0.0.1:"),
     ],
 )
 def test_an_engine_that_does_not_come(capsys: pytest.CaptureFixture[str], program: str, said: str) -> None:
@@ -209,20 +209,20 @@ def test_the_command_says_what_it_waits_for_and_what_it_found(
     waiting, finding, _, summed_up = capsys.readouterr().out.splitlines()
     assert waiting == f"waiting for an engine at {address}"
     assert finding == (
-        f"FAILED connection       no engine came to {address} within 0 s "
-        "(docs/engine-link.md, From the greeting to the end)"
+        f"FAILED connection       no engine connected to {address} within 0 s; --wait gives it longer "
+        "(docs/reference/engine-link.md, From the greeting to the end)"
     )
-    assert summed_up == "The engine does not follow docs/engine-link.md: 1 failed."
+    assert summed_up == "The engine does not follow docs/reference/engine-link.md: 1 failed."
 
 
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--link", "tcp:192.0.2.1:1"], "not a loopback address"),
+        (["--link", "tcp:192.0.2.1:1"], "is no loopback address"),
         (["--", "no/such/engine"], "no/such/engine cannot be started: No such file or directory"),
     ],
 )
-def test_what_cannot_be_checked_is_said(capsys: pytest.CaptureFixture[str], arguments: list[str], said: str) -> None:
+def test_check_that_cannot_start_says_why(capsys: pytest.CaptureFixture[str], arguments: list[str], said: str) -> None:
     assert avatar.main(["check", *arguments]) == 1
     assert said in capsys.readouterr().err
 

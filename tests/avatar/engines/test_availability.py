@@ -48,7 +48,7 @@ def test_godot_that_is_missing_says_what_to_install(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(shutil, "which", lambda name: None)
     works, hint = godot.available()
     assert not works
-    assert hint == "Godot 3 is not found (godot3-runner or godot3): apt install godot3-runner"
+    assert hint == "Godot 3 is not found (godot3-runner or godot3); run `apt install godot3-runner`"
 
 
 def test_godot_without_a_display_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -56,7 +56,7 @@ def test_godot_without_a_display_says_what_to_install(monkeypatch: pytest.Monkey
     monkeypatch.delenv("DISPLAY", raising=False)
     works, hint = godot.available()
     assert not works
-    assert hint.endswith("apt install xvfb")
+    assert hint.endswith("`apt install xvfb`")
     monkeypatch.setenv("DISPLAY", ":0")
     assert godot.available() == (True, "")
     assert godot.program() == "/usr/bin/godot3"

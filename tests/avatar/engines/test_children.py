@@ -52,7 +52,7 @@ async def child(engine: str) -> AsyncIterator[Child]:
         yield started
 
 
-async def test_it_greets_with_what_it_is_and_can(child: Child, engine: str) -> None:
+async def test_hello_has_name_and_capabilities(child: Child, engine: str) -> None:
     hello = child.connection.hello
     assert hello is not None
     assert (hello.name, hello.reactions, hello.audio_channels) == (engine, tuple(REACTIONS), 1)
@@ -60,7 +60,7 @@ async def test_it_greets_with_what_it_is_and_can(child: Child, engine: str) -> N
     assert (hello.video.width, hello.video.height, hello.video.fps, hello.video.format) == (640, 360, 30.0, "i420")
 
 
-async def test_it_sends_a_moving_picture_at_its_pace(child: Child) -> None:
+async def test_engine_sends_a_moving_picture_at_its_rate(child: Child) -> None:
     await child.take(5)
     pictures = await child.take(75)
     first, last = pictures[0], pictures[-1]
@@ -123,13 +123,13 @@ async def test_a_stopped_or_unknown_reaction_says_so(child: Child) -> None:
     assert await child.completed("b") == Completed("b", "ERROR")
 
 
-async def test_it_looks_where_it_is_told_to(child: Child) -> None:
+async def test_figure_looks_where_look_says(child: Child) -> None:
     (ahead,) = await child.take(1)
     child.connection.send_command(Look(1.0, 0.0))
     await child.until(lambda picture: difference(picture, ahead) > 2.0)
 
 
-async def test_it_walks_where_it_is_told_to_and_a_lost_driver_leaves_it_standing(child: Child) -> None:
+async def test_figure_walks_where_walk_says_and_stands_after_a_lost_driver(child: Child) -> None:
     (home,) = await child.take(1)
     path = (Waypoint(0.2, 0.4), Waypoint(0.5, 0.4, -pi / 2))
     child.connection.send_command(Walk("a", path, 1.0))
@@ -151,20 +151,20 @@ async def test_it_walks_where_it_is_told_to_and_a_lost_driver_leaves_it_standing
     assert [event for event in child.events if isinstance(event, Place)] == driven
 
 
-async def test_it_quits_when_it_is_told_to(child: Child) -> None:
+async def test_engine_exits_on_quit(child: Child) -> None:
     child.connection.send_command(Quit())
     async with asyncio.timeout(PATIENCE):
         assert await child.process.wait() == 0
 
 
-async def test_it_ends_when_the_link_closes(child: Child) -> None:
+async def test_engine_ends_when_the_link_closes(child: Child) -> None:
     await child.take(3)
     child.connection.close("the test ends")
     async with asyncio.timeout(PATIENCE):
         assert await child.process.wait() == 0
 
 
-async def test_it_ends_when_it_is_refused(engine: str, capfd: pytest.CaptureFixture[str]) -> None:
+async def test_engine_ends_when_it_is_refused(engine: str, capfd: pytest.CaptureFixture[str]) -> None:
     async with LinkServer.listen() as server:
         process = await start(engine, server.address, "not the secret")
         async with asyncio.timeout(PATIENCE):

@@ -18,7 +18,7 @@ import psutil
 import pytest
 import pytest_asyncio
 from openrois_avatar.engines.godot import project
-from openrois_avatar.game_engines import link_address
+from openrois_avatar.engines.selection import link_address
 from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
 from openrois_avatar.link.embedded import EmbeddedEngine
 from openrois_avatar.link.messages import (
@@ -86,7 +86,7 @@ class Engine:
         return picture
 
     async def told(self, *events: Event) -> None:
-        """Wait until it has told all these."""
+        """Wait until the engine has sent all these events."""
         await self.until(lambda _: all(event in self.events for event in events))
 
     async def still(self) -> Place:
@@ -125,7 +125,7 @@ async def engine(godot: None) -> AsyncIterator[Engine]:
             yield started
 
 
-async def test_it_greets_with_what_it_can_and_tells_where_it_is(engine: Engine) -> None:
+async def test_hello_has_capabilities_and_the_place_follows(engine: Engine) -> None:
     hello = engine.embedded.hello
     assert hello is not None
     assert (hello.name, hello.audio_channels, hello.hears, hello.walks) == ("godot", 1, True, True)
@@ -196,14 +196,14 @@ async def test_a_reaction_that_is_stopped_replaced_or_unknown_says_so(engine: En
     await engine.told(Completed("d", "ABORT"), Completed("e", "ABORT"))
 
 
-async def test_it_looks_where_it_is_told_to(engine: Engine) -> None:
+async def test_figure_looks_where_look_says(engine: Engine) -> None:
     before = await engine.take(15)
     engine.send(Look(1.0, 0.5))
     await engine.until(lambda picture: difference(picture, before, slice(60, 160), slice(250, 390)) > 3)
     engine.send(Look(0.0, 0.0))
 
 
-async def test_what_the_operator_holds_and_presses_moves_the_figure(engine: Engine) -> None:
+async def test_input_of_the_operator_moves_the_figure(engine: Engine) -> None:
     head = slice(40, 120), slice(280, 360)
     before = await engine.take(15)
     for down, let_go in (
@@ -221,7 +221,7 @@ async def test_what_the_operator_holds_and_presses_moves_the_figure(engine: Engi
     await engine.until(lambda picture: difference(picture, before, *head) < 25)
 
 
-async def test_it_walks_and_tells_what_it_reaches(engine: Engine) -> None:
+async def test_walk_reports_the_points_that_are_reached(engine: Engine) -> None:
     before = await engine.take()
     path = (Waypoint(0.2, 0.2), Waypoint(0.2, 0.2, 0.0), Waypoint(-0.1, 0.1, -pi / 2))
     engine.send(Walk("w", path, 2.0))
@@ -259,7 +259,7 @@ async def test_halt_stops_a_walk(engine: Engine) -> None:
     assert (await engine.still()).y < -0.3
 
 
-async def test_it_comes_back_when_it_is_killed(engine: Engine) -> None:
+async def test_killed_engine_comes_back(engine: Engine) -> None:
     engine.events.clear()
     next(child for child in psutil.Process().children(recursive=True) if child.name() == "godot3-runner").kill()
     picture = await engine.take()
@@ -362,7 +362,7 @@ async def test_a_small_game_shows_its_window_and_comes_back_to_an_adapter_that_w
 
 
 async def test_without_a_display_server_it_says_so(godot: None, tmp_path: Path) -> None:
-    """A display server that does not start is told of, and nobody waits for it."""
+    """A display server that does not start is reported, and not waited for."""
     broken = tmp_path / "Xvfb"
     broken.write_text("#!/bin/sh\necho no screens found >&2\nexit 1\n")
     broken.chmod(0o755)

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from openrois_avatar.engines.panda3d import available
 
-pytestmark = [pytest.mark.engine, pytest.mark.timeout(120)]
+pytestmark = [pytest.mark.engine, pytest.mark.timeout(120), pytest.mark.extra(name="panda3d")]
 
 
 async def said_by(program: str) -> Any:
@@ -36,7 +36,7 @@ moments = [n / 30 for n in range(60)] + [0.5 * n for n in range(4, 64)]
 poses = []
 for number, moment in enumerate(moments):
     if number == 100:
-        animator.look(moment, 1.0, 0.8)
+        animator.turn_eyes(moment, 1.0, 0.8)
     if number in (0, 20, 40):
         animator.react(moment, "wave", "wave") if number == 20 else animator.stop(moment)
     poses.append(animator.pose(moment))
@@ -55,7 +55,7 @@ print(json.dumps([at_rest, attentive, differing]))
 
 
 @pytest.mark.long
-async def test_what_is_left_out_is_not_seen() -> None:
+async def test_omitted_faces_are_not_visible() -> None:
     at_rest, attentive, differing = await said_by(PROGRAM)
     assert any(at_rest), "at rest"
     assert any(holds for holds, rests in zip(attentive, at_rest, strict=True) if not rests), "while it speaks"
@@ -106,7 +106,7 @@ from openrois_avatar.engines.room.scene import AT_HOME
 from openrois_avatar.engines.room.shot import shot
 from openrois_avatar.engines.runner import still_pose
 from openrois_avatar.engines.settings import Picture
-from openrois_avatar.link.messages.motion import Walk, Waypoint
+from openrois_body.messages.motion import Walk, Waypoint
 
 life = Life(0.0)
 life.obey(0.0, Walk("there and back", (Waypoint(0.4, 0.3), Waypoint(HOME.x, HOME.y, HOME.th)), 1.0))

@@ -16,11 +16,13 @@ from openrois_avatar.engines.animation.reactions import REACTIONS
 from openrois_avatar.engines.animation.visemes import SHAPES
 from openrois_avatar.engines.puppet.canvas import colour
 from openrois_avatar.engines.puppet.stage import Stage
-from openrois_avatar.engines.room.scene import Scene, Somebody
+from openrois_avatar.engines.room.scene import OtherFigure, Scene
 from openrois_avatar.engines.room.shot import shot
 from openrois_avatar.engines.runner import still_pose
 from openrois_avatar.engines.settings import Picture, Pixels
 from openrois_avatar.link.messages import Place
+
+pytestmark = pytest.mark.extra(name="puppet")
 
 REST = still_pose()
 EYES = np.s_[118:160, 262:376]
@@ -56,7 +58,7 @@ def test_a_person_in_front_of_a_quiet_backdrop() -> None:
     assert difference(picture[:20, :100], picture[:20, :-101:-1]) < 1
 
 
-def test_one_pose_gives_one_picture_whatever_was_drawn_before() -> None:
+def test_picture_of_a_pose_does_not_depend_on_earlier_pictures() -> None:
     first = drawn(REST)
     drawn(still_pose("wave", at=1.2))
     assert np.array_equal(drawn(REST), first)
@@ -144,7 +146,7 @@ def test_both_hands_meet_in_a_clap() -> None:
     assert near(drawn(still_pose("clap", at=1.06))[front], palette.SKIN) > near(drawn(REST)[front], palette.SKIN) + 600
 
 
-def at(x: float, y: float, heading: float, share: float, visitor: Somebody | None = None) -> Scene:
+def at(x: float, y: float, heading: float, share: float, visitor: OtherFigure | None = None) -> Scene:
     return Scene(Place(x, y, heading), visitor, shot(0.0, 0.0, share))
 
 
@@ -180,7 +182,7 @@ def test_a_figure_that_goes_away_shows_its_back() -> None:
 def test_legs_step_and_hands_wave_while_it_walks() -> None:
     steps = Steps()
     for _ in range(60):
-        steps.take(0.9, 0.0, 0.0, 1 / 60)
+        steps.advance(0.9, 0.0, 0.0, 1 / 60)
     scene = at(0.0, 0.0, -0.4, 0.6)
     standing = seen(REST, scene)
     walking = seen(Animator(1).pose(10.0, steps.channels()), scene)
@@ -189,26 +191,26 @@ def test_legs_step_and_hands_wave_while_it_walks() -> None:
 
 
 def test_the_visitor_and_the_furniture_are_seen_where_they_are() -> None:
-    people = [Somebody(Place(x, 1.0, heading)) for x, heading in ((-1.5, -pi / 2), (1.0, pi / 2))]
-    left, right = (seen(REST, at(0.0, 0.0, -pi / 2, 1.0, somebody)) for somebody in people)
+    people = [OtherFigure(Place(x, 1.0, heading)) for x, heading in ((-1.5, -pi / 2), (1.0, pi / 2))]
+    left, right = (seen(REST, at(0.0, 0.0, -pi / 2, 1.0, other)) for other in people)
     alone = seen(REST, at(0.0, 0.0, -pi / 2, 1.0))
     assert columns(right[:200], palette.VISITOR_HAIR, 8) - columns(left[:200], palette.VISITOR_HAIR, 8) > 200
     assert near(left, palette.VISITOR_SKIN, 15) > near(alone, palette.VISITOR_SKIN, 15) + 60
     assert near(alone, palette.LEAF, 20) > 60
     assert columns(alone, palette.LEAF, 20) < 200
-    # Behind the camera nobody is seen, nor is furniture.
-    close = Scene(Place(0.0, 3.4, -pi / 2), Somebody(Place(0.0, 0.0, 0.0)), shot(0.0, 3.4, 0.0))
+    # Behind the camera neither a figure nor furniture is seen.
+    close = Scene(Place(0.0, 3.4, -pi / 2), OtherFigure(Place(0.0, 0.0, 0.0)), shot(0.0, 3.4, 0.0))
     assert near(seen(REST, close), palette.VISITOR_JACKET, 10) < 200
     assert stage().draw(REST, close).shape == (360, 640, 4)
 
 
-def test_who_passes_behind_is_seen_closely_too() -> None:
-    behind = seen(REST, Scene(visitor=Somebody(Place(-0.8, 1.7, 0.0))))
+def test_visitor_behind_the_figure_is_seen_in_the_close_view() -> None:
+    behind = seen(REST, Scene(visitor=OtherFigure(Place(-0.8, 1.7, 0.0))))
     assert near(behind[:, :230], palette.VISITOR_JACKET) > 2_000
     assert np.array_equal(behind[100:200, 260:380], drawn(REST)[100:200, 260:380])
 
 
-def test_it_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_library_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     assert puppet.available() == (True, "")
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     assert puppet.available() == (False, "pygame-ce is not installed: pip install 'openrois[puppet]'")

@@ -119,7 +119,7 @@ class Link:
 
     @property
     def events(self) -> list[tuple[float, Event]]:
-        """What it told, but for the room."""
+        """The events it sent, without those about the room."""
         return [(time, event) for time, event in self.told if not isinstance(event, Place | Floor | Things)]
 
 
@@ -166,7 +166,7 @@ def test_nothing_is_drawn_while_no_pictures_are_wanted() -> None:
     assert not any(isinstance(event, Log) for _, event in link.events)
 
 
-def test_what_is_asked_of_a_sleeping_engine_is_done() -> None:
+def test_sleeping_engine_obeys_commands() -> None:
     walk = Walk("b", (Waypoint(0.3, 0.0),), 0.5)
     link, drawing = played(8.0, {0.0: Demand(0), 0.5: React("a", "wave"), 1.0: walk})
     assert len(drawing.poses) <= 1
@@ -175,7 +175,7 @@ def test_what_is_asked_of_a_sleeping_engine_is_done() -> None:
     assert [event for _, event in link.told if isinstance(event, Place)][-1].x == pytest.approx(0.3, abs=0.01)
     cue = [stamp / 1e9 - 100 for stamp, samples in link.blocks if samples.any()]
     assert max(int(np.abs(samples).max()) for _, samples in link.blocks) > 1000
-    assert 0.5 <= cue[0] <= 0.62, "it is not later heard than by those who look"
+    assert 0.5 <= cue[0] <= 0.62, "it is heard no later than it is seen"
     assert [later - earlier for earlier, later in pairwise(cue)] == pytest.approx([0.02] * (len(cue) - 1), abs=1e-6)
 
 
@@ -203,7 +203,7 @@ def test_a_slow_renderer_skips_deadlines_and_queues_nothing() -> None:
     assert len({stamp for stamp, _ in link.blocks}) == len(link.blocks) < 103
 
 
-def test_what_was_left_out_is_reported_now_and_then() -> None:
+def test_skipped_pictures_are_reported_now_and_then() -> None:
     link, _ = played(25.0, seconds=0.05)
     logs = [event.text for _, event in link.events if isinstance(event, Log)]
     assert len(logs) == 2
@@ -271,7 +271,7 @@ def test_the_room_is_told_first_and_then_what_changes_in_it() -> None:
     assert {scene.place for scene in drawing.scenes} == {Place(0.0, 0.0, -pi / 2)}
 
 
-def test_it_is_shown_from_where_it_is_told_and_an_unknown_viewpoint_changes_nothing() -> None:
+def test_viewpoint_is_applied_and_an_unknown_one_changes_nothing() -> None:
     _, drawing = played(3.0, {0.5: Viewpoint("eyes"), 1.5: Viewpoint("the moon"), 2.0: Viewpoint("automatic")})
     own = [scene.shot.own for scene in drawing.scenes]
     assert (own[10], own[20], own[50], own[-1]) == (False, True, True, False)
@@ -286,7 +286,7 @@ def test_the_figure_walks_and_tells_where_it_is() -> None:
     assert max(pose.left_leg.knee for pose in drawing.poses) > 0.3
 
 
-def test_it_speaks_and_waves_on_its_way() -> None:
+def test_figure_speaks_and_waves_while_it_walks() -> None:
     speech = Speak("s", 101_000_000_000, (Viseme(0.0, "aa", 1.0),), 5000)
     walk = Walk("a", (Waypoint(0.0, 3.0),), 0.8)
     link, drawing = played(6.0, {0.2: walk, 0.5: speech, 1.5: React("b", "wave")})
@@ -334,7 +334,7 @@ def test_halt_ends_a_walk() -> None:
     ],
     ids=["speech", "reaction", "all reactions"],
 )
-def test_what_is_stopped_does_not_turn_it_to_the_viewer(begun: Command, stopped: Command) -> None:
+def test_stopped_reaction_does_not_turn_the_figure_to_the_viewer(begun: Command, stopped: Command) -> None:
     away = Walk("a", (Waypoint(0.0, 0.0, pi / 2),), 0.5)
     link, drawing = played(4.0, {0.0: away, 1.95: begun, 2.3: stopped})
     places = {stamp: scene.place for (stamp, _, _), scene in zip(link.pictures, drawing.scenes, strict=True)}

@@ -70,7 +70,7 @@ def test_a_slow_machine_is_not_asked_for_long() -> None:
     assert machine.time <= LONGEST + 5 * 0.4
 
 
-def test_what_is_encoded_is_a_stream_of_large_pictures() -> None:
+def test_trial_encodes_a_stream_of_large_pictures() -> None:
     encode, pixels = encoding(30, i420), np.full((LARGE[1], LARGE[0], 4), 90, np.uint8)
     chunks = [encode(pixels, number) for number in range(2)]
     assert all(len(chunk) == 1 for chunk in chunks)

@@ -49,12 +49,12 @@ SENDER: list[tuple[dict[str, Any], Said]] = [
 
 
 @pytest.mark.parametrize(("wire", "message"), STREAMER)
-def test_what_a_streamer_says_is_read(wire: dict[str, Any], message: Said) -> None:
+def test_messages_of_a_streamer_are_read(wire: dict[str, Any], message: Said) -> None:
     assert unreal.STREAMER_SAYS.read(json.dumps(wire)) == message
 
 
 @pytest.mark.parametrize(("wire", "message"), SENDER)
-def test_what_a_sender_says_is_read(wire: dict[str, Any], message: Said) -> None:
+def test_messages_of_a_sender_are_read(wire: dict[str, Any], message: Said) -> None:
     assert unity.SENDER_SAYS.read(json.dumps(wire)) == message
     if not isinstance(message, unity.Connect | unity.Disconnect):
         assert message.connection_id == "a"
@@ -74,7 +74,7 @@ SERVER = [
 
 
 @pytest.mark.parametrize("message", SERVER, ids=lambda message: message.type)
-def test_what_is_said_to_a_streamer_is_what_it_reads(message: Said) -> None:
+def test_messages_to_a_streamer_are_as_it_reads_them(message: Said) -> None:
     assert unreal.SERVER_SAYS.read(message.text()) == message
 
 
@@ -117,12 +117,12 @@ def test_ice_servers_are_read_as_w3c_allows_them() -> None:
 @pytest.mark.parametrize(
     "server", ["stun:a.example.org", {}, {"urls": ""}, {"urls": []}, {"urls": 1}, {"url": "stun:a"}]
 )
-def test_what_is_no_ice_server_is_refused(server: object) -> None:
+def test_malformed_ice_server_is_refused(server: object) -> None:
     with pytest.raises(ProtocolError, match="config: peerConnectionOptions"):
         unreal.SERVER_SAYS.read(json.dumps({"type": "config", "peerConnectionOptions": {"iceServers": [server]}}))
 
 
-def test_what_is_said_to_a_sender_is_what_it_reads() -> None:
+def test_messages_to_a_sender_are_as_it_reads_them() -> None:
     for message in (unity.Connected(connection_id="a", polite=True), unity.Failure(message="no")):
         assert unity.SERVER_SAYS.read(message.text()) == message
 
@@ -144,7 +144,7 @@ def test_a_type_that_is_not_known_is_no_fault() -> None:
         (unity.SENDER_SAYS, '{"type": "connect", "connectionId": ""}', "connect: connectionId"),
     ],
 )
-def test_what_is_wrong_is_named(vocabulary: Vocabulary[Any], text: str, why: str) -> None:
+def test_fault_is_named(vocabulary: Vocabulary[Any], text: str, why: str) -> None:
     with pytest.raises(ProtocolError, match=why) as refused:
         vocabulary.read(text)
     assert len(str(refused.value)) < 300

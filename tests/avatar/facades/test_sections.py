@@ -13,17 +13,8 @@ from openrois_avatar.facades.sections import (
     split_candidates,
 )
 
+from tests.support.facade_session import CHANNEL, media, sdp
 
-def sdp(*sections: str, session: str = "") -> str:
-    return "v=0\r\no=- 1 2 IN IP4 127.0.0.1\r\ns=-\r\nt=0 0\r\n" + session + "".join(sections)
-
-
-def media(kind: str, mid: str, way: str = "sendonly", port: int = 9, more: str = "") -> str:
-    line = f"a={way}\r\n" if way else ""
-    return f"m={kind} {port} UDP/TLS/RTP/SAVPF 96 97\r\na=mid:{mid}\r\n{line}{more}"
-
-
-CHANNEL = "m=application 9 UDP/DTLS/SCTP webrtc-datachannel\r\na=mid:2\r\n"
 OFFER = sdp(media("video", "0"), media("audio", "1", "sendrecv"), CHANNEL)
 
 
@@ -65,7 +56,7 @@ def test_the_first_section_that_sends_is_the_picture() -> None:
         sdp(media("video", "0", more="a=\x00\r\n")),
     ],
 )
-def test_what_is_no_description_is_refused(text: str) -> None:
+def test_malformed_description_is_refused(text: str) -> None:
     with pytest.raises(UnusableDescription):
         sections_of(text)
 
@@ -88,8 +79,16 @@ def test_an_answer_takes_what_is_connected() -> None:
         ((*reversed(ANSWER), IDLE_CHANNEL), {"0", "1"}, "other sections"),
         ((*ANSWER, IDLE_CHANNEL), {"0"}, "section 1 was not connected"),
         ((*ANSWER, CHANNEL), {"0", "1"}, "section 2 was not connected"),
-        ((ANSWER[0], media("audio", "1", "sendrecv"), IDLE_CHANNEL), {"0", "1"}, "section 1 is to be received"),
-        ((media("video", "0", "recvonly", 0), ANSWER[1], IDLE_CHANNEL), {"0", "1"}, "section 0 is to be received"),
+        (
+            (ANSWER[0], media("audio", "1", "sendrecv"), IDLE_CHANNEL),
+            {"0", "1"},
+            "section 1 is connected: it must be answered recvonly",
+        ),
+        (
+            (media("video", "0", "recvonly", 0), ANSWER[1], IDLE_CHANNEL),
+            {"0", "1"},
+            "section 0 is connected: it must be answered recvonly",
+        ),
     ],
 )
 def test_an_answer_that_takes_or_sends_something_else_is_refused(

@@ -1,4 +1,4 @@
-"""The WebSocket server for a game engine: one at a time, from this machine, and nothing it says harms anybody else."""
+"""The WebSocket server for a game engine: one at a time, from this machine, robust against its messages."""
 
 import asyncio
 import json
@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 
 import pytest
 from openrois_avatar.facades.messages.reading import MESSAGE_LIMIT
-from openrois_avatar.facades.server import FacadeUnavailable, StreamerServer, facade_address
+from openrois_avatar.facades.server import FacadeUnavailable, StreamerServer
 from openrois_avatar.facades.streamer import Heard, Offered
 from openrois_avatar.facades.unreal import UnrealStreamer
+from openrois_avatar.options.link_options import facade_address
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.typing import Origin, Subprotocol
@@ -21,7 +22,7 @@ PATIENCE = 5.0
 
 @dataclass
 class Place:
-    """A server that listens, and what it has told."""
+    """A server that listens, and the messages it has reported."""
 
     server: StreamerServer
     url: str
@@ -30,7 +31,7 @@ class Place:
 
     @asynccontextmanager
     async def greeted(self) -> AsyncIterator[ClientConnection]:
-        """A streamer that has said who it is."""
+        """A streamer that has sent its id."""
         async with connect(self.url) as socket, asyncio.timeout(PATIENCE):
             assert [await said(socket), await said(socket)] == ["config", "identify"]
             await socket.send('{"type": "endpointId", "id": "U"}')
@@ -66,7 +67,7 @@ async def test_a_streamer_is_greeted_heard_and_missed() -> None:
         assert here.server.streamer is None
 
 
-async def test_one_streamer_at_a_time_and_the_next_when_it_is_gone() -> None:
+async def test_second_streamer_is_refused_until_the_first_disconnects() -> None:
     async with place() as here:
         async with here.greeted() as socket:
             with pytest.raises(InvalidStatus, match="503"):
@@ -82,14 +83,12 @@ async def test_one_streamer_at_a_time_and_the_next_when_it_is_gone() -> None:
     ("message", "reason"),
     [
         ("{", "no message with a type"),
-        (b"\x00", "messages are texts"),
+        (b"\x00", "messages must be texts"),
         ('{"type": "offer"}', "offer: playerId"),
         ("x" * (MESSAGE_LIMIT + 1), None),
     ],
 )
-async def test_what_cannot_be_understood_ends_the_connection_and_says_why(
-    message: str | bytes, reason: str | None
-) -> None:
+async def test_malformed_message_ends_the_connection_with_a_reason(message: str | bytes, reason: str | None) -> None:
     async with place() as here:
         async with here.greeted() as socket:
             await socket.send(message)
@@ -111,10 +110,10 @@ async def test_a_flood_ends_the_connection() -> None:
                 await socket.send('{"type": "stats"}')
             await socket.recv()
         assert closed.value.rcvd is not None
-        assert closed.value.rcvd.reason == "too many messages"
+        assert closed.value.rcvd.reason == "too many messages: at most 256 a second"
 
 
-async def test_who_does_not_read_is_cut_off() -> None:
+async def test_engine_that_does_not_read_is_disconnected() -> None:
     async with place() as here, here.greeted():
         assert here.server.streamer is not None
         for number in range(600):
@@ -144,7 +143,7 @@ async def test_pages_of_other_sites_are_refused() -> None:
 
 
 @pytest.mark.parametrize(("host", "status"), [("localhost", 426), ("rebound.example.org", 403)])
-async def test_what_is_no_game_engine_is_told_what_is_here(host: str, status: int) -> None:
+async def test_request_without_websocket_gets_an_explanation(host: str, status: int) -> None:
     async with place() as here:
         reader, writer = await asyncio.open_connection("127.0.0.1", int(here.url.rsplit(":", 1)[1].strip("/")))
         writer.write(f"GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n".encode())
@@ -180,6 +179,6 @@ def test_an_address_is_a_loopback_host_and_a_port() -> None:
 
 
 @pytest.mark.parametrize("text", ["", "8888", "127.0.0.1", "127.0.0.1:x", "127.0.0.1:65536", "0.0.0.0:1", "host:1"])
-def test_what_is_no_such_address_is_refused(text: str) -> None:
+def test_malformed_address_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"address|loopback"):
         facade_address(text)

@@ -62,7 +62,7 @@ class Conversation:
         match step:
             case {"engine": message}:
                 try:
-                    self.streamer.take(json.dumps(message))
+                    self.streamer.handle_message(json.dumps(message))
                 except ProtocolError as error:
                     self.refused = str(error)
             case {"invite": player_id, "full": True}:
@@ -74,9 +74,9 @@ class Conversation:
                 assert self.streamer.has_room
                 self.streamer.invite(player_id, servers)
             case {"answer": [player_id, sdp]}:
-                self.streamer.answer(player_id, sdp)
+                self.streamer.send_answer(player_id, sdp)
             case {"find": members}:
-                self.streamer.find(Found(*members))
+                self.streamer.send_candidate(Found(*members))
             case {"dismiss": player_id}:
                 self.streamer.dismiss(player_id)
 
@@ -85,7 +85,7 @@ class Conversation:
 def test_a_recorded_conversation(protocol: str, conversation: dict[str, Any]) -> None:
     played = Conversation(protocol)
     if "greeted" in conversation:
-        played.streamer.take(json.dumps({"type": "endpointId", "id": conversation["greeted"]}))
+        played.streamer.handle_message(json.dumps({"type": "endpointId", "id": conversation["greeted"]}))
         assert played.streamer.name == conversation["greeted"]
         played.said.clear()
     for step in conversation["steps"]:
@@ -93,22 +93,22 @@ def test_a_recorded_conversation(protocol: str, conversation: dict[str, Any]) ->
     played.nothing_is_left()
 
 
-def test_a_streamer_is_ready_when_it_has_said_who_it_is() -> None:
+def test_streamer_is_ready_after_it_has_identified_itself() -> None:
     streamer = Conversation("unreal").streamer
     assert not streamer.ready
-    streamer.take('{"type": "endpointId", "id": "U"}')
+    streamer.handle_message('{"type": "endpointId", "id": "U"}')
     assert streamer.ready
 
 
 def test_a_sender_is_ready_when_it_has_asked_for_a_connection() -> None:
     sender = Conversation("unity").streamer
     assert not sender.ready
-    sender.take('{"type": "connect", "connectionId": "a"}')
+    sender.handle_message('{"type": "connect", "connectionId": "a"}')
     assert sender.ready
 
 
 def test_the_connections_of_a_sender_are_bounded() -> None:
     played = Conversation("unity")
     for number in range(CONNECTIONS_LIMIT + 1):
-        played.streamer.take(json.dumps({"type": "connect", "connectionId": str(number)}))
+        played.streamer.handle_message(json.dumps({"type": "connect", "connectionId": str(number)}))
     assert [each["type"] for each in played.said] == ["error"]

@@ -6,16 +6,15 @@ import pytest
 from openrois_avatar.facades.streamer import Offered
 from openrois_avatar.facades.streams import FacadeStreams
 from openrois_signaling.messages import Offer
-from openrois_streaming.network.places import PlaceRules
+from openrois_streaming.network.session_limits import SessionLimits
 from openrois_streaming.network.settings import NetworkSettings
 
 from openrois.contract import Client
 from openrois.errors import OutOfResources
-from tests.avatar.facades.test_sections import media, sdp
-from tests.avatar.facades.test_viewing import Engine
+from tests.support.facade_session import Engine, media, sdp
 
 CAMERA = "avatar/camera"
-RULES = PlaceRules(applications=3, kept_for_operators=1, answer_time=2.0)
+RULES = SessionLimits(applications=3, kept_for_operators=1, answer_time=2.0)
 
 
 class MediaTime:
@@ -41,7 +40,7 @@ class Applications:
         self.clock = MediaTime()
         self.engine = Engine()
         self.streams = FacadeStreams(
-            "avatar", {CAMERA: "video"}, lambda: self.engine, str, self.clock, NetworkSettings(places=RULES)
+            "avatar", {CAMERA: "video"}, lambda: self.engine, str, self.clock, NetworkSettings(sessions=RULES)
         )
         self.clients: dict[str, Client] = {}
         self.told: dict[str, list[tuple[str, dict[str, Any]]]] = {}
@@ -57,7 +56,7 @@ class Applications:
         """Have the game engine offer to the one that came last, and this one answer."""
         self.look(0.125)
         described = sdp(media("video", "0"))
-        self.streams.hear(Offered(self.engine.players[-1], described))
+        self.streams.handle_engine_message(Offered(self.engine.players[-1], described))
         offer = next(params for method, params in self.told[name] if method == Offer.method)
         answer = {"peer_id": offer["peer_id"], "generation": offer["generation"]}
         answer["sdp"] = sdp(media("video", "0", "recvonly"))
@@ -66,13 +65,13 @@ class Applications:
     def look(self, seconds: float) -> None:
         """Let time pass, and players come."""
         self.clock.seconds += seconds
-        self.streams.look()
+        self.streams.check_deadlines()
 
     def statuses(self, name: str) -> list[str]:
         return [params["status"] for _, params in self.told[name] if "status" in params]
 
 
-async def test_who_does_not_answer_gives_its_place_to_the_next() -> None:
+async def test_application_without_an_answer_gives_its_place_to_the_next() -> None:
     applications = Applications()
     await applications.comes("viewer 1")
     await applications.answers("viewer 1")
@@ -90,7 +89,7 @@ async def test_who_does_not_answer_gives_its_place_to_the_next() -> None:
     assert applications.statuses("viewer 1")[-1] == "STREAMING_RUNNING"
 
 
-async def test_an_application_that_may_bind_by_now_needs_no_place_of_those_that_may_not() -> None:
+async def test_application_that_may_bind_by_now_needs_no_place_of_other_applications() -> None:
     applications = Applications()
     for viewer in ("viewer 1", "viewer 2"):
         stream_id = await applications.comes(viewer)

@@ -151,9 +151,7 @@ async def test_a_picture_that_was_handed_out_does_not_change(world: World, pictu
     np.testing.assert_array_equal(first.data, planes(0))
 
 
-async def test_of_pictures_that_nobody_reads_the_newest_is_kept(
-    world: World, pictures: AsyncIterator[RawVideo]
-) -> None:
+async def test_newest_of_unread_pictures_is_kept(world: World, pictures: AsyncIterator[RawVideo]) -> None:
     link = await world.join()
     for number in range(3 * SLOTS):
         send(link, planes(number))

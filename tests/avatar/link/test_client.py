@@ -13,6 +13,8 @@ from openrois_avatar.link.protocol import Audio, Encoded, PixelFormat, Video
 
 from tests.support.avatar_link import HELLO, FakeAdapter, wire
 
+pytestmark = pytest.mark.extra(name="avatar")
+
 PIXELS = bytes(range(32))
 LARGE = bytes(2048 * 2048 * 4)
 
@@ -22,7 +24,7 @@ def connect(adapter: FakeAdapter) -> LinkClient:
 
 
 def poll_to_the_end(link: LinkClient) -> str | None:
-    """Poll until the link is over; the fake adapter has been told to end it."""
+    """Poll until the link is over, and return the reason; the fake adapter ends it."""
     while link.connected:
         link.poll_commands(5)
     return link.reason
@@ -114,7 +116,7 @@ def test_an_adapter_that_is_gone_is_noticed() -> None:
     with FakeAdapter() as adapter, connect(adapter) as link:
         adapter.read()
         adapter.hang_up()
-        assert poll_to_the_end(link) == "the adapter closed the connection"
+        assert poll_to_the_end(link) == "the adapter closed the connection; connect again"
         assert link.poll_commands(60) == []
         link.send_video(PIXELS, 4, 2, 16, PixelFormat.BGRA, 0)
 
@@ -152,17 +154,17 @@ def test_an_engine_that_fails_says_so() -> None:
     ("answer", "named"),
     [
         (wire(Bye("wrong secret")), "refused: wrong secret"),
-        (b"", "the adapter closed the connection"),
+        (b"", "the adapter closed the connection; connect again"),
         (b"SSH-2.0-OpenSSH_", "bad magic"),
         (wire(Welcome("x")) + b"SSH-2.0-OpenSSH_", "bad magic"),
     ],
 )
-def test_whoever_is_not_welcome_learns_why(answer: bytes, named: str) -> None:
+def test_refused_engine_gets_the_reason(answer: bytes, named: str) -> None:
     with FakeAdapter(answer) as adapter, pytest.raises(LinkError, match=named):
         connect(adapter)
 
 
-def test_whoever_is_turned_away_before_it_has_said_all_learns_why_too() -> None:
+def test_engine_refused_before_its_greeting_is_sent_gets_the_reason() -> None:
     ours, theirs = socket.socketpair()
     theirs.sendall(wire(Bye("wrong secret")))
     theirs.close()
@@ -173,7 +175,10 @@ def test_whoever_is_turned_away_before_it_has_said_all_learns_why_too() -> None:
 
 
 def test_an_adapter_that_says_nothing_is_not_waited_for() -> None:
-    with socket.create_server(("127.0.0.1", 0)) as silent, pytest.raises(LinkError, match="timed out"):
+    with (
+        socket.create_server(("127.0.0.1", 0)) as silent,
+        pytest.raises(LinkError, match=r"has not answered HELLO within 0.01 s; check that an adapter listens there"),
+    ):
         LinkClient.connect(f"tcp:127.0.0.1:{silent.getsockname()[1]}", HELLO, timeout=0.01)
 
 
@@ -230,14 +235,17 @@ def test_events_that_pile_up_end_the_link() -> None:
             stuff(link)
         for number in range(MAX_EVENTS + 1):
             link.send_event(Completed(str(number), "OK"))
-        assert poll_to_the_end(link) == "the adapter does not read: too many events wait"
+        assert poll_to_the_end(link) == "the adapter reads too slowly: 256 events wait; send fewer, and connect again"
 
 
 def test_an_adapter_that_stops_reading_counts_as_gone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(client, "STALL_TIMEOUT", 0.01)
     with FakeAdapter() as adapter, connect(adapter) as link:
         stuff(link)
-        assert poll_to_the_end(link) == "the adapter does not read"
+        assert (
+            poll_to_the_end(link)
+            == "the adapter does not read: a write timed out; check that it runs, and connect again"
+        )
 
 
 def test_a_message_too_long_for_the_link_ends_it() -> None:
@@ -255,12 +263,12 @@ def test_the_adapter_that_started_us_says_where_it_is() -> None:
 
 
 def test_an_engine_started_by_hand_is_told_what_is_missing() -> None:
-    with pytest.raises(LinkError, match="OPENROIS_LINK_ADDRESS is not set: start the engine from the adapter"):
+    with pytest.raises(LinkError, match="OPENROIS_LINK_ADDRESS is not set; start the engine from the adapter"):
         connect_from_environment(HELLO, environ={})
 
 
 @pytest.mark.engine
-def test_it_needs_nothing_but_the_standard_library_and_numpy() -> None:
+def test_client_needs_only_the_standard_library_and_numpy() -> None:
     program = "import sys, openrois_avatar.link.client; print(*{name.partition('.')[0] for name in sys.modules})"
     loaded = set(
         subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split()

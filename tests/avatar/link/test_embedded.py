@@ -9,12 +9,12 @@ from asyncio.subprocess import PIPE
 import numpy as np
 import pytest
 import uvloop
-from openrois_avatar.child import TERMINATE_TIMEOUT
 from openrois_avatar.link import embedded
 from openrois_avatar.link.embedded import LONGEST_DELAY, QUIT_TIMEOUT, EmbeddedEngine
 from openrois_avatar.link.messages import Completed, Event, Hello, LinkError, Log, Pause, React, Silence
+from openrois_body.processes.child import TERMINATE_TIMEOUT
 from openrois_streaming.source.source import RawAudio
-from openrois_streaming.source.supervision import HUNG, LOOK_INTERVAL
+from openrois_streaming.source.supervision import CHECK_INTERVAL, HUNG
 
 from tests.support.streaming import VirtualClock, settle
 
@@ -24,7 +24,7 @@ FAKE = "tests.support.fake_engine"
 
 
 class Witness:
-    """Sees what an embedded engine tells, and lets a test wait for it."""
+    """Records the notifications of an embedded engine, and lets a test wait for them."""
 
     def __init__(self) -> None:
         self.lost = asyncio.Queue[str]()
@@ -76,7 +76,7 @@ async def test_an_engine_runs_and_is_ended_with_the_context(caplog: pytest.LogCa
     assert witness.lost.empty()
     assert f"{FAKE}: running" in caplog.text
     assert engine.hello is None
-    with pytest.raises(LinkError, match="not there"):
+    with pytest.raises(LinkError, match="no game engine is connected"):
         engine.send(Silence())
 
 
@@ -126,7 +126,7 @@ async def test_an_engine_that_hangs_is_replaced() -> None:
         engine.send(React("1", "freeze"))
         assert await witness.events.get() == Log("freeze")
         # Not a moment longer: while its process ends, no time may pass in which the next one would be started.
-        await clock.advance(HUNG + LOOK_INTERVAL)
+        await clock.advance(HUNG + CHECK_INTERVAL)
         assert await witness.lost.get() == "the engine does not respond"
         while not clock.sleepers:
             await settle()
@@ -135,7 +135,7 @@ async def test_an_engine_that_hangs_is_replaced() -> None:
         assert int((await witness.back.get()).version) != pid
 
 
-async def test_an_engine_that_pauses_is_not_taken_for_one_that_hangs() -> None:
+async def test_pausing_engine_does_not_count_as_hung() -> None:
     witness, clock = Witness(), VirtualClock()
     async with asyncio.timeout(60), witness.engine("good", clock=clock) as engine:
         async with engine.video.open() as pictures:
@@ -156,9 +156,9 @@ async def test_an_engine_hears_the_operator() -> None:
     witness = Witness()
     sound = RawAudio(np.array([[100, 200], [-3, -5]], np.int16), 1.0)
     async with asyncio.timeout(60), witness.engine("good") as engine:
-        engine.hear(sound)
+        engine.send_audio(sound)
         assert await witness.events.get() == Log("heard (2, 1) 150")
-    engine.hear(sound)
+    engine.send_audio(sound)
 
 
 async def test_an_engine_that_refuses_to_end_is_killed_in_time() -> None:
@@ -188,7 +188,8 @@ async def test_a_fault_of_our_own_is_not_swallowed(
 
 
 async def test_an_engine_that_cannot_start_says_why() -> None:
-    expected = f"{FAKE} did not greet (status 1): first line / no graphics pipe is available"
+    words = "first line / no graphics pipe is available"
+    expected = f"{FAKE} sent no HELLO (status 1): {words}; the log has its output"
     with pytest.raises(LinkError) as refused:
         async with asyncio.timeout(60), Witness().engine("broken"):
             pass
@@ -196,7 +197,7 @@ async def test_an_engine_that_cannot_start_says_why() -> None:
 
 
 async def test_an_engine_that_never_greets_is_not_waited_for() -> None:
-    with pytest.raises(LinkError, match=r"did not greet \(status -15\)"):
+    with pytest.raises(LinkError, match=r"sent no HELLO \(status -15\): thinking; the log has its output"):
         async with asyncio.timeout(60), Witness().engine("mute", start_timeout=0.5):
             pass
 
@@ -231,7 +232,7 @@ async def test_nothing_is_left_behind_when_the_adapter_is_killed() -> None:
     assert is_gone(pid, 5)
 
 
-def test_it_works_under_uvloop() -> None:
+def test_link_works_under_uvloop() -> None:
     async def run() -> int:
         async with asyncio.timeout(60), EmbeddedEngine(FAKE, "good") as engine, engine.video.open() as pictures:
             await anext(pictures)

@@ -15,7 +15,7 @@ from openrois_avatar.link.external import FIRST_PICTURE, ExternalEngine
 from openrois_avatar.link.messages import Demand, Hello, Idle, LinkError, Log, Pause, React, VideoShape
 from openrois_avatar.link.protocol import PixelFormat
 from openrois_avatar.link.reconnecting import connections
-from openrois_streaming.source.supervision import HUNG, LOOK_INTERVAL
+from openrois_streaming.source.supervision import CHECK_INTERVAL, HUNG
 
 from tests.support.avatar_link import HELLO
 from tests.support.streaming import VirtualClock, settle
@@ -25,7 +25,7 @@ ADDRESS = "tcp:127.0.0.1:0"
 
 @dataclass
 class World:
-    """An adapter that waits for engines, and what it was told of them."""
+    """An adapter that waits for engines, and the notifications about them."""
 
     engine: ExternalEngine
     clock: VirtualClock
@@ -33,7 +33,7 @@ class World:
     told: list[object] = field(default_factory=list)
 
     async def join(self, hello: Hello = HELLO, until: int = 1) -> LinkClient:
-        """Connect an engine, and wait until so much was told."""
+        """Connect an engine, and wait for so many notifications."""
         link = await asyncio.to_thread(LinkClient.connect, self.engine.address, hello)
         self.stack.callback(link.close)
         await self.told_of(until)
@@ -46,8 +46,8 @@ class World:
 
     async def look(self, seconds: float) -> None:
         """Let the clock run, with a look as often as there is one."""
-        for _ in range(round(seconds / LOOK_INTERVAL)):
-            await self.clock.advance(LOOK_INTERVAL)
+        for _ in range(round(seconds / CHECK_INTERVAL)):
+            await self.clock.advance(CHECK_INTERVAL)
             await settle()
 
 
@@ -66,15 +66,15 @@ def picture(link: LinkClient) -> None:
     link.send_video(bytes(32), 4, 2, 16, PixelFormat.BGRA, 0)
 
 
-async def test_nobody_need_be_there(world: World) -> None:
+async def test_external_scene_starts_without_an_engine(world: World) -> None:
     assert world.engine.hello is None
-    with pytest.raises(LinkError, match="not there"):
+    with pytest.raises(LinkError, match="no game engine is connected"):
         world.engine.send(React("1", "nod"))
     await world.look(2 * FIRST_PICTURE)
     assert world.told == []
 
 
-async def test_that_nobody_is_there_is_said(caplog: pytest.LogCaptureFixture) -> None:
+async def test_missing_engine_is_logged(caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.INFO):
         async with ExternalEngine(ADDRESS) as engine:
             assert f"no game engine is connected; one is awaited at {engine.address}" in caplog.text
@@ -101,7 +101,7 @@ async def test_commands_reach_whichever_is_there(world: World) -> None:
         await world.told_of(number + 1)
 
 
-async def test_one_that_sends_no_pictures_any_more_is_sent_away(world: World) -> None:
+async def test_engine_that_stops_sending_pictures_is_disconnected(world: World) -> None:
     link = await world.join()
     async with world.engine.video.open() as pictures:
         for _ in range(3):
@@ -110,14 +110,14 @@ async def test_one_that_sends_no_pictures_any_more_is_sent_away(world: World) ->
             await world.look(HUNG - 0.4)
         await world.look(1)
     await world.told_of(2)
-    assert world.told[1:] == ["no picture has come for a while"]
+    assert world.told[1:] == ["no picture has come for a while; send pictures, `pause` or `idle`"]
     await asyncio.to_thread(link.poll_commands, 5)
-    assert link.reason == "no picture has come for a while"
+    assert link.reason == "no picture has come for a while; send pictures, `pause` or `idle`"
     again = await world.join(until=3)
     assert again.connected
 
 
-async def test_one_that_sleeps_is_not_sent_away_while_it_says_that_it_lives(world: World) -> None:
+async def test_sleeping_engine_stays_connected_while_it_sends_idle(world: World) -> None:
     link = await world.join(replace(HELLO, demand=True))
     assert await asyncio.to_thread(link.poll_commands, 5) == [Demand(0)]
     for count in range(4):
@@ -127,7 +127,7 @@ async def test_one_that_sleeps_is_not_sent_away_while_it_says_that_it_lives(worl
     assert link.connected
     await world.look(1)
     await world.told_of(6)
-    assert world.told[5:] == ["no picture has come for a while"]
+    assert world.told[5:] == ["no picture has come for a while; send pictures, `pause` or `idle`"]
 
 
 async def test_a_sign_of_life_is_no_picture_where_one_is_wanted(world: World) -> None:
@@ -140,7 +140,7 @@ async def test_a_sign_of_life_is_no_picture_where_one_is_wanted(world: World) ->
             await world.told_of(2 + count)
             await world.look(HUNG - 0.4)
     await world.told_of(4)
-    assert world.told[3:] == ["no picture has come for a while"]
+    assert world.told[3:] == ["no picture has come for a while; send pictures, `pause` or `idle`"]
 
 
 async def test_the_first_picture_may_take_longer(world: World) -> None:
@@ -151,7 +151,7 @@ async def test_the_first_picture_may_take_longer(world: World) -> None:
     await world.told_of(2)
 
 
-async def test_one_that_pauses_does_not_hang(world: World) -> None:
+async def test_pausing_engine_stays_connected(world: World) -> None:
     link = await world.join()
     link.send_event(Pause(True))
     await world.told_of(2)
@@ -161,7 +161,7 @@ async def test_one_that_pauses_does_not_hang(world: World) -> None:
     await world.told_of(3)
     await world.join(until=4)
     await world.look(FIRST_PICTURE + 1)
-    assert world.told[4:] == ["no picture has come for a while"]
+    assert world.told[4:] == ["no picture has come for a while; send pictures, `pause` or `idle`"]
 
 
 async def test_the_end_of_the_adapter_is_no_loss_of_the_engine() -> None:
@@ -196,7 +196,7 @@ async def test_an_adapter_that_was_killed_leaves_its_address_to_the_next(tmp_pat
         await asyncio.to_thread(link.close)
 
 
-async def test_what_is_no_socket_stays(tmp_path: Path) -> None:
+async def test_file_that_is_no_socket_is_kept(tmp_path: Path) -> None:
     (tmp_path / "engine").write_text("precious")
     with pytest.raises(LinkError, match="cannot listen"):
         async with ExternalEngine(f"unix:{tmp_path}/engine"):

@@ -244,53 +244,53 @@ def test_the_header_is_not_overwritten_by_what_follows_an_empty_payload() -> Non
 @pytest.mark.parametrize(
     ("data", "named"),
     [
-        (raw(6, magic=b"HTTP"), "bad magic"),
-        (raw(6, version=2), "version 2 is not spoken here, only 1"),
-        (raw(6, flags=1), "unknown flags in the header"),
-        (raw(6, reserved=1), "unknown flags in the header"),
-        (raw(0), "unknown message type 0"),
+        (raw(6, magic=b"HTTP"), "bad magic: .*; begin each message with ORL1"),
+        (raw(6, version=2), "version 2 is not spoken here, only 1; send 1"),
+        (raw(6, flags=1), "unknown flags in the header; send 0"),
+        (raw(6, reserved=1), "unknown flags in the header; send 0"),
+        (raw(0), "unknown message type 0; send one from 1 to 8"),
         (raw(9), "unknown message type 9"),
-        (raw(1), "HELLO is not expected here"),
+        (raw(1), "HELLO is not expected here; send one of AUDIO, BYE, EVENT, RING, VIDEO$"),
         (raw(2), "WELCOME is not expected here"),
         (raw(5), "COMMAND is not expected here"),
-        (raw(6, length=MAX_JSON + 1), "EVENT of 65537 bytes is over the limit of 65536"),
+        (raw(6, length=MAX_JSON + 1), "EVENT of 65537 bytes is over the limit of 65536; send less in one message"),
         (raw(7, length=MAX_JSON + 1), "BYE of 65537"),
         (raw(4, length=MAX_AUDIO + 1), "AUDIO of 65537"),
         (raw(3, length=MAX_VIDEO + 1), "VIDEO of 67108865"),
-        (raw(6, b"{"), "bad EVENT: the payload is not JSON"),
+        (raw(6, b"{"), "bad EVENT: the payload is not JSON: send one object"),
         (raw(6, b"\xff"), "bad EVENT: the payload is not JSON"),
         (raw(6, b'{"event": NaN}'), "bad EVENT: the payload is not JSON"),
         (raw(6, b"[" * 60_000), "bad EVENT: the payload is not JSON"),
         (raw(6, b"1" * 60_000), "bad EVENT: the payload is not JSON"),
-        (raw(6, b"[]"), "bad EVENT: the payload is not a JSON object"),
+        (raw(6, b"[]"), "bad EVENT: the payload is not a JSON object: send one"),
         (raw(6, b"{}"), "bad EVENT: event: expected a string"),
-        (raw(3, bytes(39)), "bad VIDEO: VIDEO: shorter than its header"),
-        (raw(3, video_payload(32, 1, 1, 4, 2, 16, 1, 2, 0)), "unknown flags"),
+        (raw(3, bytes(39)), "bad VIDEO: VIDEO: shorter than its header; begin the payload with its 40 bytes"),
+        (raw(3, video_payload(32, 1, 1, 4, 2, 16, 1, 2, 0)), "unknown flags; send 0, or 1"),
         (raw(3, video_payload(32, 1, 1, 4, 2, 16, 1, 0, 1)), "unknown flags"),
-        (raw(3, video_payload(32, 1, 1, 4, 2, 16, 5, 0, 0)), "unknown pixel format"),
-        (raw(3, video_payload(9, 1, 1, 4, 2, 16, 4, 0, 0)), "a stride, with an encoded picture"),
+        (raw(3, video_payload(32, 1, 1, 4, 2, 16, 5, 0, 0)), r"unknown pixel format 5; send 1 \(BGRA\), 2 \(I420\), 3"),
+        (raw(3, video_payload(9, 1, 1, 4, 2, 16, 4, 0, 0)), "a stride, with an encoded picture; send stride 0"),
         (raw(3, video_payload(9, 1, 1, 4, 2, 0, 4, 1, 0)), "unknown flags, or"),
         (raw(3, video_payload(9, 1, 1, 4, 2, 0, 4, 2, 1)), "unknown flags, or"),
         (raw(3, video_payload(9, 1, 1, 1, 2, 0, 4, 2, 0)), "width and height"),
-        (raw(3, video_payload(32, 1, 1, 4, 2, 15, 1, 0, 0)), "stride shorter than a row"),
-        (raw(3, video_payload(31, 1, 1, 4, 2, 16, 1, 0, 0)), "32 bytes of pixels expected, 31 found"),
+        (raw(3, video_payload(32, 1, 1, 4, 2, 15, 1, 0, 0)), "stride shorter than a row; it must be 16 bytes or more"),
+        (raw(3, video_payload(31, 1, 1, 4, 2, 16, 1, 0, 0)), "32 bytes of pixels expected, 31 found; send whole rows"),
         (raw(3, video_payload(33, 1, 1, 4, 2, 16, 1, 0, 0)), "32 bytes of pixels expected, 33 found"),
-        (raw(3, video_payload(32, 1, 1, 1, 2, 16, 1, 0, 0)), "width and height"),
+        (raw(3, video_payload(32, 1, 1, 1, 2, 16, 1, 0, 0)), "width and height must be 2 to 16384, not 1x2"),
         (raw(3, video_payload(32, 1, 1, 4, 2**32 - 1, 16, 1, 0, 0)), "width and height"),
         (raw(3, video_payload(18, 1, 1, 3, 2, 6, 2, 0, 0)), "must be even"),
         (raw(3, video_payload(18, 1, 1, 4, 3, 4, 2, 0, 0)), "must be even"),
         (raw(3, video_payload(15, 1, 1, 4, 2, 5, 3, 0, 0)), "must be even"),
         (raw(3, video_payload(6, 1, 1, 4, 2, 2, 3, 0, 0)), "stride shorter than a row"),
         (raw(8, length=49), "RING of 49 bytes is over the limit of 48"),
-        (raw(8, bytes(47)), "bad RING: RING: 48 bytes expected, 47 found"),
+        (raw(8, bytes(47)), "bad RING: RING: 48 bytes expected, 47 found; send the header"),
         (raw(8, video_payload(8, 1, 1, 4, 2, 16, 4, 0, 0)), "unknown pixel format"),
         (raw(8, video_payload(8, 1, 1, 4, 2, 15, 1, 0, 0)), "stride shorter than a row"),
-        (raw(8, video_payload(7, 1, 1, 4, 2, 16, 1, 0, 0) + b"x"), "RING: unknown flags"),
-        (raw(4, bytes(23)), "AUDIO: shorter than its header"),
-        (raw(4, AUDIO_HEADER.pack(1, 1, 1, 1)), "AUDIO: unknown flags"),
-        (raw(4, AUDIO_HEADER.pack(1, 1, 0, 0)), "AUDIO: channels"),
+        (raw(8, video_payload(7, 1, 1, 4, 2, 16, 1, 0, 0) + b"x"), "RING: unknown flags; send 0"),
+        (raw(4, bytes(23)), "AUDIO: shorter than its header; begin the payload with its 24 bytes"),
+        (raw(4, AUDIO_HEADER.pack(1, 1, 1, 1)), "AUDIO: unknown flags; send 0"),
+        (raw(4, AUDIO_HEADER.pack(1, 1, 0, 0)), "AUDIO: channels must be 1 to 2, not 0"),
         (raw(4, AUDIO_HEADER.pack(1, 1, 3, 0)), "AUDIO: channels"),
-        (raw(4, AUDIO_HEADER.pack(1, 1, 2, 0) + bytes(6)), "AUDIO: the last sample is not whole"),
+        (raw(4, AUDIO_HEADER.pack(1, 1, 2, 0) + bytes(6)), "AUDIO: the last sample is not whole; send 2 bytes"),
     ],
 )
 def test_malformed_bytes_are_named(data: bytes, named: str) -> None:
@@ -337,18 +337,18 @@ def test_arbitrary_bytes_raise_nothing_else(data: bytes) -> None:
             Parser(Sender.ENGINE).feed(prefix + data)
 
 
-def test_what_does_not_fit_the_link_cannot_be_made_or_sent() -> None:
-    with pytest.raises(LinkError, match="timestamp_ns does not fit"):
+def test_oversized_message_cannot_be_made_or_sent() -> None:
+    with pytest.raises(LinkError, match="timestamp_ns does not fit 64 bits; use CLOCK_MONOTONIC"):
         encode(Video(1, -1, 2, 2, 8, PixelFormat.BGRA, bytes(16)))
     with pytest.raises(LinkError, match=r"COMMAND of .* over the limit"):
         encode(Speak("1", 0, (Viseme(0, "sil", 1),) * (4 * MAX_VISEMES), 0))
-    with pytest.raises(LinkError, match="not JSON compliant"):
+    with pytest.raises(LinkError, match=r"not JSON compliant.*; use finite numbers"):
         encode(Look(float("nan"), 0))
-    with pytest.raises(LinkError, match="AUDIO: over the limit"):
+    with pytest.raises(LinkError, match="AUDIO: over the limit of 65536 bytes; send shorter blocks"):
         Audio(0, 0, 1, bytes(MAX_AUDIO))
-    with pytest.raises(LinkError, match="VIDEO: over the limit"):
+    with pytest.raises(LinkError, match=r"VIDEO: over the limit of .*; encode at a lower bit rate"):
         Encoded(0, 0, 4, 2, True, bytes(2**26))
-    with pytest.raises(LinkError, match="VIDEO: over the limit"):
+    with pytest.raises(LinkError, match=r"VIDEO: over the limit of .*; send smaller pictures"):
         Video(0, 0, 4096, 4096, 16384, PixelFormat.BGRA, bytes(2**26))
 
 

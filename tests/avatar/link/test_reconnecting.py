@@ -7,22 +7,22 @@ from openrois_avatar.link.reconnecting import LONGEST_DELAY, connections
 from tests.support.avatar_link import HELLO, FakeAdapter, wire
 
 
-def test_it_tries_again_ever_more_slowly_and_anew_after_a_welcome() -> None:
+def test_attempts_slow_down_and_start_over_after_welcome() -> None:
     with FakeAdapter() as first, FakeAdapter() as second:
-        attempts = iter(["nobody", "nobody", first.address, *["nobody"] * 5, second.address])
+        attempts = iter(["none", "none", first.address, *["none"] * 5, second.address])
         waited, said = list[float](), list[str]()
 
         def connect() -> LinkClient:
             address = next(attempts)
-            if address == "nobody":
-                raise LinkError("nobody is there")
+            if address == "none":
+                raise LinkError("no adapter is there")
             return LinkClient.connect(address, HELLO)
 
         for link in islice(connections(connect, said.append, waited.append), 2):
             with link:
                 assert link.connected
     assert waited == [0.5, 1.0, 0.5, 1.0, 2.0, 4.0, LONGEST_DELAY, LONGEST_DELAY]
-    assert said == ["nobody is there"] * 7
+    assert said == ["no adapter is there"] * 7
 
 
 def test_a_refusal_is_told_and_not_the_end() -> None:

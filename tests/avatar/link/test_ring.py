@@ -13,6 +13,8 @@ from openrois_avatar.link.messages import SLOT_HEAD, LinkError, RingPlace, Video
 from openrois_avatar.link.ring import SLOTS, Ring
 from openrois_avatar.link.ring_writer import RingWriter
 
+pytestmark = pytest.mark.extra(name="avatar")
+
 SHAPE = VideoShape(4, 2, 30, "nv12")
 PIXELS = bytes(range(12))
 
@@ -38,7 +40,7 @@ def write(writer: RingWriter, sequence: int, pixels: bytes = PIXELS) -> Doorbell
     return bell(sequence, writer.write(sequence, memoryview(pixels)))
 
 
-def test_what_is_written_is_read_without_a_copy(ring: Ring, writer: RingWriter) -> None:
+def test_written_picture_is_read_without_a_copy(ring: Ring, writer: RingWriter) -> None:
     rung = write(writer, 0)
     video = ring.picture(rung)
     assert video is not None
@@ -77,11 +79,11 @@ def test_the_sequence_may_wrap(ring: Ring, writer: RingWriter) -> None:
 @pytest.mark.parametrize(
     ("rung", "named"),
     [
-        (bell(0, SLOTS), "RING: slot 4 of 4"),
+        (bell(0, SLOTS), "RING: slot 4 of 4; count them from 0"),
         (bell(0, 2**32 - 1), "RING: slot 4294967295 of 4"),
-        (bell(0, 1), "picture 0 is not in slot 1: its lock word is 0 and should be 2"),
+        (bell(0, 1), "picture 0 is not in slot 1: its lock word is 0 and should be 2; write the pixels"),
         (bell(7, 0), "picture 7 is not in slot 0: its lock word is 2 and should be 16"),
-        (bell(0, 0, 64, 64), "6144 bytes of pixels do not fit a slot of 4096"),
+        (bell(0, 0, 64, 64), "6144 bytes of pixels do not fit a slot of 4096; send them as VIDEO"),
     ],
 )
 def test_a_doorbell_that_cannot_be_true_is_a_fault(ring: Ring, writer: RingWriter, rung: Doorbell, named: str) -> None:
@@ -115,7 +117,7 @@ def test_arbitrary_contents_raise_nothing_else(
         ring.release()
 
 
-def test_what_does_not_fit_is_not_written(writer: RingWriter, ring: Ring) -> None:
+def test_oversized_picture_is_not_written(writer: RingWriter, ring: Ring) -> None:
     assert writer.write(0, memoryview(bytes(ring.place.slot_bytes - SLOT_HEAD))) == 0
     assert writer.write(1, memoryview(bytes(ring.place.slot_bytes - SLOT_HEAD + 1))) is None
     assert writer.write(2, memoryview(PIXELS)) == 1
@@ -136,7 +138,7 @@ def test_pictures_that_are_too_large_get_no_ring() -> None:
         Ring(VideoShape(16_384, 16_384, 30))
 
 
-def test_nobody_else_gets_at_it_and_no_engine_can_pull_it_away(ring: Ring) -> None:
+def test_ring_is_private_and_cannot_be_shrunk_by_an_engine(ring: Ring) -> None:
     path = Path(ring.place.path)
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
     file = os.open(path, os.O_RDWR)
@@ -171,15 +173,15 @@ def test_a_ring_that_is_smaller_than_was_said_is_refused(tmp_path: Path) -> None
         RingWriter(RingPlace(str(tmp_path / "ring"), 2, 4096))
 
 
-def test_where_there_is_no_memory_for_one_that_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_memory_for_a_ring_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def none(*_: object) -> int:
         raise OSError(12, "Cannot allocate memory")
 
     monkeypatch.setattr(os, "ftruncate", none)
-    with pytest.raises(LinkError, match="no memory for a ring"):
+    with pytest.raises(LinkError, match=r"no memory for a ring: .*; pictures go through the socket"):
         Ring(SHAPE)
     monkeypatch.setattr(os, "memfd_create", none)
-    with pytest.raises(LinkError, match="no memory for a ring"):
+    with pytest.raises(LinkError, match=r"no memory for a ring: .*; pictures go through the socket"):
         Ring(SHAPE)
     monkeypatch.setattr(sys, "platform", "darwin")
     with pytest.raises(LinkError, match="needs Linux"):

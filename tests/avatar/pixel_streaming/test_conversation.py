@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from openrois_avatar.pixel_streaming.conversation import AT_ONCE, MALFORMED_LIMIT, Conversation
-from openrois_avatar.pixel_streaming.hands import Hands
+from openrois_avatar.pixel_streaming.player_input import PlayerInput
 from openrois_avatar.pixel_streaming.protocol import FROM_STREAMER, Message, written
 from openrois_streaming.input.messages import Held, Key
 from openrois_streaming.input.messages import Message as InputMessage
@@ -31,12 +31,12 @@ class Stage:
     def play(self, on: bool) -> None:
         self.did.append(on)
 
-    def operate(self, message: InputMessage, hands: Hands) -> None:
-        self.did.append((message, hands.held))
+    def operate(self, message: InputMessage, player_input: PlayerInput) -> None:
+        self.did.append((message, player_input.held))
 
     def says(self, name: str, *values: Any) -> list[tuple[str, Any]]:
         before = len(self.sent)
-        self.conversation.take(written(Message(name, values)))
+        self.conversation.handle_message(written(Message(name, values)))
         return [told(each) for each in self.sent[before:]]
 
 
@@ -52,7 +52,7 @@ def stage() -> Stage:
     return Stage()
 
 
-def test_it_begins_with_the_tables_and_who_operates(stage: Stage) -> None:
+def test_conversation_begins_with_tables_and_ownership(stage: Stage) -> None:
     stage.conversation.own(True)
     assert stage.sent == []
     stage.conversation.opened()
@@ -87,17 +87,17 @@ def test_the_stage_does_what_is_asked(stage: Stage) -> None:
     assert stage.conversation.figures.read == 5
 
 
-def test_what_is_not_known_or_not_readable_is_counted_and_in_the_end_not_read(stage: Stage) -> None:
-    stage.conversation.take(b"\xc8")
-    stage.conversation.take("a text")
+def test_unknown_and_malformed_messages_are_counted_and_reading_ends_after_many(stage: Stage) -> None:
+    stage.conversation.handle_message(b"\xc8")
+    stage.conversation.handle_message("a text")
     for _ in range(MALFORMED_LIMIT):
-        stage.conversation.take(b"\x3c")
+        stage.conversation.handle_message(b"\x3c")
     stage.says("IFrameRequest")
     figures = stage.conversation.figures
     assert (figures.read, figures.unknown, figures.malformed, stage.did) == (0, 1, MALFORMED_LIMIT, [])
 
 
-def test_more_than_anybody_can_do_is_dropped_until_time_has_passed(stage: Stage) -> None:
+def test_excess_messages_are_dropped_until_time_has_passed(stage: Stage) -> None:
     for _ in range(AT_ONCE + 10):
         stage.says("IFrameRequest")
     assert (stage.conversation.figures.excess, len(stage.did)) == (10, AT_ONCE)
@@ -111,4 +111,4 @@ def test_whatever_comes_raises_nothing(messages: list[str | bytes]) -> None:
     stage = Stage()
     stage.conversation.opened()
     for message in messages:
-        stage.conversation.take(message)
+        stage.conversation.handle_message(message)

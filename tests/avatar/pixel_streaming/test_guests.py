@@ -5,11 +5,11 @@ from collections.abc import AsyncIterator
 
 import pytest
 from openrois_avatar.pixel_streaming.guests import FIRST_PRESS, STATE_INTERVAL, Guests
-from openrois_avatar.pixel_streaming.hands import Hands
+from openrois_avatar.pixel_streaming.player_input import PlayerInput
 from openrois_avatar.pixel_streaming.protocol import Message
-from openrois_avatar.teleoperation.pilot import PATIENCE, Pilot
-from openrois_avatar.teleoperation.seat import Seat
-from openrois_avatar.teleoperation.steering import Steering
+from openrois_body.teleoperation.operator_control import OperatorControl
+from openrois_body.teleoperation.pilot import PATIENCE, Pilot
+from openrois_body.teleoperation.steering import Steering
 
 from openrois.contract import Client
 from openrois.types.streams import HolderNotification
@@ -23,12 +23,16 @@ class Room:
     def __init__(self) -> None:
         self.clock = VirtualClock()
         self.controls = LoggedControls(self.clock)
-        self.seat = Seat(REF, self.clock)
-        self.guests = Guests(self.seat, lambda stopped: Pilot(self.controls, Steering, self.clock, stopped), self.clock)
+        self.operator_control = OperatorControl(REF, self.clock)
+        self.guests = Guests(
+            self.operator_control, lambda stopped: Pilot(self.controls, Steering, self.clock, stopped), self.clock
+        )
         self.application = Client("application", lambda _method, _params: None)
 
     def bind(self, *, holds: bool = True) -> None:
-        self.seat.take_holder(HolderNotification(component_ref=REF, holds=holds, epoch=1), self.application)
+        self.operator_control.apply_holder(
+            HolderNotification(component_ref=REF, holds=holds, epoch=1), self.application
+        )
 
     def halted(self) -> list[str]:
         return [str(how) for _, what, how in self.controls.done if what == "halt"]
@@ -38,15 +42,15 @@ class Player:
     def __init__(self, room: Room) -> None:
         self.owns: list[bool] = []
         self.room = room
-        self.hands = Hands(room.clock.now)
+        self.player_input = PlayerInput(room.clock.now)
         room.guests.join(self)
 
     def own(self, on: bool) -> None:
         self.owns.append(on)
 
     def does(self, name: str, *values: float) -> list[bool]:
-        taken = self.hands.take(Message(name, values))
-        return [self.room.guests.operate(self, each, self.hands) for each in taken]
+        taken = self.player_input.read_changes(Message(name, values))
+        return [self.room.guests.operate(self, each, self.player_input) for each in taken]
 
     def holds_w(self, *, repeats: bool = False) -> list[bool]:
         return self.does("KeyDown", 87, repeats)
@@ -71,7 +75,7 @@ async def test_the_first_operates_and_the_next_when_it_is_gone(room: Room) -> No
     room.guests.leave(first, "the player is gone")
     room.guests.leave(first, "it is not there any more")
     assert (first.owns, second.owns, room.halted()) == ([True, False], [True], ["the player is gone"])
-    assert first.hands.held.keys == frozenset()
+    assert first.player_input.held.keys == frozenset()
     assert second.holds_w(repeats=True) == [True]
 
 
@@ -85,7 +89,7 @@ async def test_an_application_that_binds_comes_first_and_players_after_it(room: 
     room.bind(holds=False)
     assert (player.owns, late.owns) == ([True, False, True], [])
     room.bind()
-    room.seat.forget(room.application)
+    room.operator_control.forget_client(room.application)
     assert player.holds_w() == [True]
 
 
@@ -96,7 +100,7 @@ async def test_a_press_counts_for_a_second_and_a_repeated_one_as_long_as_it_repe
     (halted,) = [at for at, what, _ in room.controls.done if what == "halt"]
     begun = room.controls.done[0][0]
     assert halted - begun == pytest.approx(FIRST_PRESS + PATIENCE, abs=2 * STATE_INTERVAL)
-    assert player.hands.held.keys == frozenset()
+    assert player.player_input.held.keys == frozenset()
 
     room.controls.done.clear()
     player.holds_w()
@@ -110,11 +114,11 @@ async def test_a_press_counts_for_a_second_and_a_repeated_one_as_long_as_it_repe
     assert halted - last <= 0.5
 
 
-async def test_who_lets_go_stands_at_once(room: Room) -> None:
+async def test_figure_stands_at_once_after_a_release(room: Room) -> None:
     player = Player(room)
     player.holds_w()
     player.does("KeyUp", 87)
-    assert room.halted() == ["the operator let go"]
+    assert room.halted() == ["the operator released the controls"]
     await room.clock.advance(5)
     assert room.controls.words == ["drive", "halt"]
 
@@ -129,7 +133,7 @@ async def test_a_gamepad_that_tells_each_axis_is_passed_on_now_and_then_and_its_
     for axis in (1, 2, 3, 4):
         player.does("GamepadAnalog", 0, axis, 0.0)
     await room.clock.advance(STATE_INTERVAL * 2)
-    assert room.halted() == ["the operator let go"]
+    assert room.halted() == ["the operator released the controls"]
 
 
 async def test_the_end_of_all_stops_the_figure() -> None:
@@ -139,4 +143,4 @@ async def test_the_end_of_all_stops_the_figure() -> None:
     Player(room).holds_w()
     running.cancel()
     await settle()
-    assert room.halted() == ["no player is to operate any more"]
+    assert room.halted() == ["operation by players has ended"]

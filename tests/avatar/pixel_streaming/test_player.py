@@ -1,4 +1,4 @@
-"""A player is an application of the avatar's streams: what it is told, and what becomes of what it says."""
+"""A player is an application of the avatar's streams: what it receives, and what its messages cause."""
 
 from collections.abc import AsyncIterator
 
@@ -8,11 +8,11 @@ from openrois_avatar.facades.messages.reading import Said
 from openrois_avatar.pixel_streaming.guests import Guests
 from openrois_avatar.pixel_streaming.player import Player, Step
 from openrois_avatar.pixel_streaming.protocol import Message, written
-from openrois_avatar.streams import AvatarStreams, Published
-from openrois_avatar.teleoperation.pilot import Pilot
-from openrois_avatar.teleoperation.seat import Seat
-from openrois_avatar.teleoperation.steering import Steering
-from openrois_streaming.network.places import PlaceRules
+from openrois_body.teleoperation.operator_control import OperatorControl
+from openrois_body.teleoperation.pilot import Pilot
+from openrois_body.teleoperation.steering import Steering
+from openrois_media.streaming_interface import Published, StreamingInterface
+from openrois_streaming.network.session_limits import SessionLimits
 from openrois_streaming.peer import peer as peer_module
 from openrois_streaming.peer.data_channel import AnnouncedChannel
 from openrois_streaming.state import Party
@@ -31,11 +31,13 @@ class Stage:
     def __init__(self) -> None:
         self.clock = VirtualClock()
         self.controls = LoggedControls(self.clock)
-        self.seat = Seat("avatar/teleoperation", self.clock)
+        self.operator_control = OperatorControl("avatar/teleoperation", self.clock)
         self.publisher = FedPublisher()
         published = {PLACES[0]: Published(self.publisher, "video"), PLACES[1]: Published(FedPublisher(), "audio")}
-        self.streams = AvatarStreams("avatar", published, self.clock, seat=self.seat)
-        self.guests = Guests(self.seat, lambda stopped: Pilot(self.controls, Steering, self.clock, stopped), self.clock)
+        self.streams = StreamingInterface("avatar", published, self.clock, operator=self.operator_control)
+        self.guests = Guests(
+            self.operator_control, lambda stopped: Pilot(self.controls, Steering, self.clock, stopped), self.clock
+        )
         self.said: list[Said] = []
         self.steps: list[Step] = []
         self.player = self.join("ann", self.guests)
@@ -47,7 +49,7 @@ class Stage:
         """Let it answer, and its data channel be open."""
         await self.player.connect(())
         await settle()
-        await self.player.answer("answer")
+        await self.player.apply_answer("answer")
         connection = WirelessConnection.made[-1]
         connection.answers_questions = True
         connection.become("connected")
@@ -101,7 +103,7 @@ async def test_without_permission_it_only_looks(stage: Stage) -> None:
     await stage.player.leave()
 
 
-async def test_it_gets_a_key_frame_and_pauses_and_goes_on(stage: Stage) -> None:
+async def test_player_gets_a_key_frame_suspends_and_resumes(stage: Stage) -> None:
     channels = await stage.up()
     (session,) = stage.streams.sessions
     video = session.stream_ids[0]
@@ -120,12 +122,12 @@ async def test_it_gets_a_key_frame_and_pauses_and_goes_on(stage: Stage) -> None:
 
 
 async def test_candidates_pass_both_ways_and_bad_ones_are_dropped(stage: Stage) -> None:
-    await stage.player.candidate(wire.RtcCandidate(candidate="too early"))
-    await stage.player.answer("too early")
+    await stage.player.add_candidate(wire.RtcCandidate(candidate="too early"))
+    await stage.player.apply_answer("too early")
     await stage.up()
-    await stage.player.candidate(wire.RtcCandidate(candidate="candidate:1", sdp_mid="0"))
-    await stage.player.candidate(wire.RtcCandidate(candidate=""))
-    await stage.player.candidate(wire.RtcCandidate(candidate="ü" * 1024))
+    await stage.player.add_candidate(wire.RtcCandidate(candidate="candidate:1", sdp_mid="0"))
+    await stage.player.add_candidate(wire.RtcCandidate(candidate=""))
+    await stage.player.add_candidate(wire.RtcCandidate(candidate="ü" * 1024))
     assert not stage.player.over
 
 
@@ -139,8 +141,8 @@ async def test_a_peer_connection_that_ends_is_told_once(stage: Stage) -> None:
     assert len(stage.steps) == 1
 
 
-async def test_who_cannot_be_served_is_told_why(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(PlaceRules, "has_room", lambda *_: False)
+async def test_player_that_cannot_be_served_gets_the_reason(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(SessionLimits, "has_room", lambda *_: False)
     with pytest.raises(OutOfResources):
         await stage.player.connect(())
     await stage.player.leave()

@@ -48,10 +48,10 @@ def test_messages_are_read_and_written_as_the_front_end_packs_them(packed: str, 
         ("06", "LatencyTest: it ends within string"),
         ("06 0200 6100", "LatencyTest: its text ends too early"),
         ("50", "TouchStart: it ends within uint8"),
-        ("50 ff", "TouchStart: more fingers than a person has"),
+        ("50 ff", "TouchStart: must have at most 64 fields"),
     ],
 )
-def test_what_is_wrong_is_named(packed: str, problem: str) -> None:
+def test_fault_is_named(packed: str, problem: str) -> None:
     with pytest.raises(MessageError, match=problem):
         read(bytes.fromhex(packed))
 
@@ -60,8 +60,8 @@ def test_numbers_that_are_not_known_are_no_fault() -> None:
     assert read(b"\xc8whatever") is None
 
 
-def test_what_does_not_fit_is_not_written() -> None:
-    with pytest.raises(MessageError, match="KeyUp: 1 fields, not 2"):
+def test_message_with_wrong_values_is_not_written() -> None:
+    with pytest.raises(MessageError, match="KeyUp: must have 1 fields, not 2"):
         written(Message("KeyUp", (1, 2)))
 
 

@@ -1,4 +1,4 @@
-"""The adapter at a signaling server: who it says it is, whom it serves, and that it comes back."""
+"""The adapter at a signaling server: its id, the players that it serves, and its reconnection."""
 
 import asyncio
 from collections.abc import AsyncIterator, Callable
@@ -31,15 +31,15 @@ class Player:
         Player.made.append(self)
 
     async def connect(self, ice_servers: tuple[IceServer, ...]) -> None:
-        if self.player_id == "nobody":
+        if self.player_id == "refused":
             raise OutOfResources("there is no room")
         self.log.append([url for server in ice_servers for url in server.urls])
         self.say(wire.Offer(player_id=self.player_id, sdp="v=0"))
 
-    async def answer(self, sdp: str) -> None:
+    async def apply_answer(self, sdp: str) -> None:
         self.log.append(sdp)
 
-    async def candidate(self, found: wire.RtcCandidate) -> None:
+    async def add_candidate(self, found: wire.RtcCandidate) -> None:
         self.log.append(found.candidate)
         self.say(wire.IceCandidate(player_id=self.player_id, candidate=found))
 
@@ -82,7 +82,7 @@ async def left(player: Player) -> None:
         await player.left.wait()
 
 
-async def test_it_says_who_it_is_and_answers_pings(signaling: PixelSignaling) -> None:
+async def test_streamer_sends_its_id_and_answers_pings(signaling: PixelSignaling) -> None:
     assert signaling.of("endpointId") == [{"type": "endpointId", "id": "avatar", "protocolVersion": "1.3.0"}]
     await signaling.tell(type="ping", time=42)
     assert await signaling.until_heard("pong") == {"type": "pong", "time": 42}
@@ -91,7 +91,7 @@ async def test_it_says_who_it_is_and_answers_pings(signaling: PixelSignaling) ->
 async def test_a_player_is_offered_to_and_what_it_says_comes_in_order(signaling: PixelSignaling) -> None:
     servers = [{"urls": ["stun:stun.example.org"]}]
     await signaling.tell(type="config", peerConnectionOptions={"iceServers": servers})
-    await signaling.tell(type="nobody knows this")
+    await signaling.tell(type="unknown")
     await connect(signaling, "ann")
     assert await signaling.until_heard("offer") == {"type": "offer", "playerId": "ann", "sdp": "v=0"}
     await connect(signaling, "ann")
@@ -109,26 +109,31 @@ async def test_a_player_is_offered_to_and_what_it_says_comes_in_order(signaling:
 
 
 @pytest.mark.parametrize("more", [{"sfu": True}, {"sendOffer": False}])
-async def test_who_is_no_viewer_is_refused(signaling: PixelSignaling, more: dict[str, bool]) -> None:
+async def test_sfu_or_player_that_offers_itself_is_refused(signaling: PixelSignaling, more: dict[str, bool]) -> None:
     await connect(signaling, "ann", **more)
     refusal = await signaling.until_heard("disconnectPlayer")
-    assert (refusal["playerId"], refusal["reason"]) == ("ann", "the avatar offers, to players alone")
+    assert (refusal["playerId"], refusal["reason"]) == (
+        "ann",
+        "the avatar makes the offers, and serves players only, no SFU",
+    )
 
 
 async def test_there_is_room_for_so_many(signaling: PixelSignaling, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(streamer_module, "PLAYERS_LIMIT", 1)
     await connect(signaling, "ann")
     await connect(signaling, "bob")
-    assert (await signaling.until_heard("disconnectPlayer"))["reason"] == "the avatar has 1 players already"
+    assert (await signaling.until_heard("disconnectPlayer"))[
+        "reason"
+    ] == "the avatar has 1 players already, which is the limit"
 
 
-async def test_one_that_cannot_be_served_is_told_why_and_leaves_its_place(signaling: PixelSignaling) -> None:
-    await connect(signaling, "nobody")
+async def test_refused_player_gets_the_reason_and_leaves_its_place(signaling: PixelSignaling) -> None:
+    await connect(signaling, "refused")
     assert (await signaling.until_heard("disconnectPlayer"))["reason"] == "there is no room"
     await left(Player.made[0])
 
 
-async def test_one_whose_peer_connection_has_ended_leaves(signaling: PixelSignaling) -> None:
+async def test_player_with_an_ended_peer_connection_leaves(signaling: PixelSignaling) -> None:
     await connect(signaling, "ann")
     await signaling.until_heard("offer")
     (player,) = Player.made
@@ -137,7 +142,7 @@ async def test_one_whose_peer_connection_has_ended_leaves(signaling: PixelSignal
     await left(player)
 
 
-async def test_one_that_says_too_much_is_not_heard_on(
+async def test_messages_of_a_player_beyond_the_queue_are_dropped(
     signaling: PixelSignaling, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(streamer_module, "UNREAD_LIMIT", 1)
@@ -147,13 +152,11 @@ async def test_one_that_says_too_much_is_not_heard_on(
     with caplog.at_level("INFO"):
         player.later(player.follow)
         player.later(player.follow)
-    assert "player ann says more than can be dealt with" in caplog.text
+    assert "player ann sends too fast: a message is dropped" in caplog.text
 
 
 @pytest.mark.parametrize("said", ["no JSON", '{"type": "answer"}'])
-async def test_what_cannot_be_understood_ends_the_connection_and_it_comes_back(
-    signaling: PixelSignaling, said: str
-) -> None:
+async def test_malformed_message_ends_the_connection_which_is_made_again(signaling: PixelSignaling, said: str) -> None:
     await connect(signaling, "ann")
     await signaling.until_heard("offer")
     await signaling.streamers["avatar"].send(said)
@@ -196,4 +199,4 @@ async def test_where_nothing_or_something_else_answers_it_tries_again(caplog: py
             await enough.wait()
         task.cancel()
     assert tries == [1.0, 1.5, 2.25]
-    assert "is no signaling server" in caplog.text
+    assert "no signaling server for streamers answers at" in caplog.text

@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from openrois_avatar.check.acting import Patience
+from openrois_avatar.check.command_checks import Patience
 from openrois_avatar.check.finding import Finding, Outcome
-from openrois_avatar.check.visit import visiting
-from openrois_avatar.components.reaction import reaction_ref
+from openrois_avatar.check.session import check_session
 from openrois_avatar.link.messages import Completed, Event, Floor, Hello, Place, Quit, React, Thing, Things, Welcome
 from openrois_avatar.link.protocol import MessageType
 from openrois_avatar.link.server import LinkServer
 from openrois_avatar.scene import external_scene
+from openrois_body.components.reaction import reaction_ref
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.codecs import H264
 from openrois_streaming.publish.video_encoder import VideoEncoder
@@ -74,8 +74,8 @@ def outcomes(mono: Mono, tmp_path_factory: pytest.TempPathFactory) -> dict[str, 
 
 async def findings(address: str, *command: str) -> dict[str, Finding]:
     """What `openrois avatar check` finds."""
-    async with visiting(address, "s3cret", command, PATIENCE) as visit:
-        return {finding.check: finding async for finding in visit.findings()}
+    async with check_session(address, "s3cret", command, PATIENCE) as session:
+        return {finding.check: finding async for finding in session.findings()}
 
 
 def result(outcomes: dict[str, Any], name: str) -> Any:
@@ -91,7 +91,7 @@ ACTS = {"reaction", "stop", "hearing", "input", "walk", "halt", "drive", "sound 
     ("name", "does"),
     [("ring", {"ring", *ACTS}), ("socket", ACTS), ("unity", {"ring", *ACTS}), ("encoded", {"key frame"})],
 )
-def test_it_passes_the_check(outcomes: dict[str, Any], name: str, does: set[str]) -> None:
+def test_engine_passes_the_check(outcomes: dict[str, Any], name: str, does: set[str]) -> None:
     found: dict[str, Finding] = result(outcomes, name)
     assert [f"{each.check}: {each.seen}" for each in found.values() if each.outcome is Outcome.FAILED] == []
     passed = {each.check for each in found.values() if each.outcome is Outcome.PASSED}
@@ -183,7 +183,7 @@ def rounded(events: list[Event]) -> list[Event]:
 
 
 async def scene(address: str, runtime: str, program: str) -> tuple[RawVideo, list[Event]]:
-    """A picture of the scene of the components for Unity, and what was told of it."""
+    """A picture of the scene of the components for Unity, and the events about it."""
     events: list[Event] = []
     async with (
         LinkServer.listen(address, "", on_event=events.append) as server,
@@ -241,7 +241,7 @@ def test_a_malformed_adapter_is_told_and_left(outcomes: dict[str, Any]) -> None:
 
 
 async def malformed(runtime: str, program: str) -> tuple[list[str], list[str]]:
-    """What an engine prints, and tells an adapter whose first command is nonsense, at two connections."""
+    """What an engine prints, and sends an adapter whose first command is malformed, at two connections."""
     farewells: asyncio.Queue[str] = asyncio.Queue()
 
     async def adapter(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:

@@ -187,7 +187,7 @@ def told(mono: Mono, tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 
 def as_message(told: Mapping[str, Any]) -> Message:
-    """What it told of a message, as the reference has it."""
+    """Return the message that it reported, as the reference has it."""
     if "welcome" in told:
         return Welcome.from_json(told["welcome"])
     if "bye" in told:
@@ -221,7 +221,7 @@ def test_every_message_is_read(told: Any) -> None:
 
 
 @pytest.mark.parametrize("case", MALFORMED)
-def test_what_is_malformed_ends_with_a_clear_exception(told: Any, case: str) -> None:
+def test_malformed_message_ends_with_a_clear_exception(told: Any, case: str) -> None:
     stream, said = MALFORMED[case]
     assert by_reference(stream) is None
     assert said in told["streams"][STREAMS.index(stream)]["fault"]
@@ -240,7 +240,7 @@ def test_mutations_are_read_as_the_reference_does_or_refused(told: Any) -> None:
     assert refused > 300
 
 
-def test_mouths_move_as_those_of_the_embedded_avatar(told: Any) -> None:
+def test_mouths_move_as_in_the_embedded_avatar(told: Any) -> None:
     for (speak, cut, moments), weights in zip(MOUTHS, told["mouths"], strict=True):
         visemes = [(each.offset_ms / 1000, each.shape, each.weight) for each in speak.visemes]
         # Seconds from the start, to be exact where nanoseconds are many.
@@ -303,7 +303,7 @@ def test_sound_is_counted_by_samples_and_sounds_the_same(told: Any) -> None:
     assert np.abs(np.array(mixed["samples"]) / 32767 - tone).max() < 1e-3
 
 
-def test_what_does_not_fit_the_link_is_said_at_once(told: Any) -> None:
+def test_oversized_message_is_refused_at_once(told: Any) -> None:
     assert told["refused"] == [
         "address: expected unix:/path or tcp:host:port, not '127.0.0.1:1'",
         "address: expected unix:/path or tcp:host:port, not 'unix:'",

@@ -1,4 +1,4 @@
-"""An adapter that stands still is told where."""
+"""An adapter that blocks its event loop gets a warning that says where."""
 
 import asyncio
 import logging
@@ -11,9 +11,11 @@ from openrois.adapter import Component, command
 from openrois.adapter.blocking import told_of_blocking
 from openrois.testing import harness
 
+pytestmark = pytest.mark.extra(name="base")
+
 
 class Ears(logging.Handler):
-    """Keeps what is logged, and wakes who waits for it."""
+    """Keeps log records, and wakes the test that waits for one."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -46,7 +48,7 @@ async def test_it_says_where_and_says_it_once(ears: Ears) -> None:
     assert message.splitlines()[-1].strip()
 
 
-async def test_whoever_blocks_again_is_told_again(ears: Ears) -> None:
+async def test_another_block_is_logged_again(ears: Ears) -> None:
     with told_of_blocking(patience=0.01):
         for _ in range(2):
             ears.news.clear()
@@ -69,6 +71,6 @@ async def test_the_place_is_in_the_authors_code(ears: Ears) -> None:
         with told_of_blocking(patience=0.01):
             await client.component("robot/wheels").command("drive")
     first, place, *_ = next(told for told in ears.heard if "in drive" in told).splitlines()
-    assert "something blocks" in first
+    assert "this call blocks the adapter" in first
     assert place.endswith("in drive")
     assert __file__ in place

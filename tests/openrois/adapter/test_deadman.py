@@ -1,4 +1,4 @@
-"""What moves stops when nobody is in control of it, or nobody can tell."""
+"""What moves stops when no application is in control of it, or when that cannot be known."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -23,6 +23,8 @@ from tests.support.components import Lamp, Rover
 from tests.support.deployment import patience
 from tests.support.streams import FakeStreams
 
+pytestmark = pytest.mark.extra(name="gateway")
+
 ROVER = "r/rover"
 COMPLETED = "rois.command.completed"
 
@@ -39,7 +41,7 @@ class Winch(Component, authority="Test", function="actuation"):
 
 @dataclass
 class Time:
-    """Passes when a test says so; whoever sleeps wakes when its time has come."""
+    """Time that passes when a test says so; sleeps end when their time has come."""
 
     now: float = 100.0
     sleepers: list[tuple[float, asyncio.Future[None]]] = field(default_factory=list)
@@ -69,7 +71,7 @@ async def settle() -> None:
 @dataclass
 class Robot:
     time: Time
-    lifeline: Heartbeat
+    heartbeat: Heartbeat
     deadman: DeadMan
     registry: LocalRegistry
     rover: Rover
@@ -88,15 +90,15 @@ class Robot:
 @pytest.fixture
 async def robot() -> AsyncIterator[Robot]:
     time, asked = Time(), list[bool]()
-    lifeline, rover = Heartbeat(time.clock), Rover()
+    heartbeat, rover = Heartbeat(time.clock), Rover()
     async with TaskScope() as tasks:
-        deadman = DeadMan(lifeline, tasks, time.clock, time.sleep)
+        deadman = DeadMan(heartbeat, tasks, time.clock, time.sleep)
         registry = LocalRegistry("r", (rover, Winch("winch"), Lamp()))
         registry.guard = deadman.guard
-        lifeline.attach(asked.append)
+        heartbeat.attach(asked.append)
         for component_ref in (ROVER, "r/winch"):
             deadman.take_holder(HolderNotification(component_ref=component_ref, holds=True, epoch=1), client("ann"))
-        yield Robot(time, lifeline, deadman, registry, rover, asked)
+        yield Robot(time, heartbeat, deadman, registry, rover, asked)
 
 
 async def aborted(running: "asyncio.Task[object]") -> str:
@@ -116,7 +118,7 @@ def test_what_moves_has_one_by_itself() -> None:
 async def test_without_a_sign_of_life_it_stops(robot: Robot, command_type: str) -> None:
     running = await robot.driving(command_type)
     await robot.time.pass_by(0.3)
-    robot.lifeline.sign()
+    robot.heartbeat.sign()
     await robot.time.pass_by(0.1)
     await robot.time.pass_by(DEAD_MAN - ALLOWANCE - 0.11)
     assert not robot.rover.stopped.is_set()
@@ -138,22 +140,22 @@ async def test_what_came_while_this_process_did_not_run_is_read_first(robot: Rob
     running = await robot.driving()
     await robot.time.pass_by(5)
     assert not robot.rover.stopped.is_set()
-    robot.lifeline.sign()
+    robot.heartbeat.sign()
     await robot.time.pass_by(0.1)
     assert not running.done()
-    robot.lifeline.cut("the cable is out")
+    robot.heartbeat.cut("the cable is out")
     assert "the cable is out" in await aborted(running)
 
 
 async def test_a_gateway_that_gives_no_signs_is_missed_when_it_is_gone(robot: Robot) -> None:
-    robot.lifeline.cut("gone")
+    robot.heartbeat.cut("gone")
     running = await robot.driving()
     await robot.time.pass_by(0.45)
     await robot.time.pass_by(10)
     assert not robot.rover.stopped.is_set()
-    robot.lifeline.attach(robot.asked.append)
+    robot.heartbeat.attach(robot.asked.append)
     assert robot.asked == [True]
-    robot.lifeline.cut("gone again")
+    robot.heartbeat.cut("gone again")
     await aborted(running)
     assert robot.rover.stopped.is_set()
 
@@ -161,7 +163,7 @@ async def test_a_gateway_that_gives_no_signs_is_missed_when_it_is_gone(robot: Ro
 async def test_a_brake_that_fails_is_no_reason_to_wait(robot: Robot) -> None:
     robot.rover.fails = True
     running = await robot.driving("turn")
-    robot.lifeline.cut("gone")
+    robot.heartbeat.cut("gone")
     await aborted(running)
 
 
@@ -175,7 +177,7 @@ async def test_what_has_no_stop_is_cancelled(robot: Robot) -> None:
 async def test_what_may_go_on_goes_on(robot: Robot) -> None:
     running = robot.run("start", "r/lamp")
     await settle()
-    robot.lifeline.cut("gone")
+    robot.heartbeat.cut("gone")
     await robot.time.pass_by(10)
     assert not running.done()
     running.cancel()
@@ -186,7 +188,7 @@ async def test_twice_is_stopped_twice(robot: Robot) -> None:
         running = await robot.driving()
         robot.rover.driving.clear()
         robot.rover.stopped.clear()
-        robot.lifeline.cut("gone")
+        robot.heartbeat.cut("gone")
         await aborted(running)
         assert robot.rover.stopped.is_set()
 
@@ -198,7 +200,7 @@ async def test_a_stop_that_comes_at_the_same_moment_ends_the_start_before_it(rob
     assert not robot.rover.driving.is_set()
 
 
-async def test_who_is_cancelled_does_not_leave_anything_running(robot: Robot) -> None:
+async def test_a_cancelled_caller_leaves_nothing_running(robot: Robot) -> None:
     running = await robot.driving()
     running.cancel()
     await asyncio.wait({running})
@@ -213,10 +215,10 @@ def held(by: Client, epoch: int, robot: Robot, *, holds: bool = True) -> None:
     robot.deadman.take_holder(HolderNotification(component_ref=ROVER, holds=holds, epoch=epoch), by)
 
 
-async def test_nothing_begins_to_move_for_who_has_left(robot: Robot) -> None:
+async def test_nothing_begins_to_move_for_a_departed_application(robot: Robot) -> None:
     ann = client("ann")
     held(ann, 2, robot)
-    robot.deadman.forget(ann)
+    robot.deadman.forget_client(ann)
     assert "no application has control" in await aborted(robot.run())
     held(ann, 3, robot)
     held(ann, 3, robot, holds=False)
@@ -228,13 +230,13 @@ async def test_nothing_begins_to_move_for_who_has_left(robot: Robot) -> None:
     (await robot.driving()).cancel()
 
 
-async def test_it_moves_only_for_who_holds_it(robot: Robot) -> None:
+async def test_it_moves_only_for_its_holder(robot: Robot) -> None:
     ann, bob = client("ann"), client("bob")
     held(ann, 1, robot)
     running = await robot.driving()
     held(ann, 1, robot)
     held(bob, 1, robot, holds=False)
-    robot.deadman.forget(bob)
+    robot.deadman.forget_client(bob)
     await settle()
     assert not running.done()
     held(ann, 1, robot, holds=False)
@@ -244,7 +246,7 @@ async def test_it_moves_only_for_who_holds_it(robot: Robot) -> None:
     held(bob, 3, robot)
     assert "changed hands" in await aborted(running)
     running = await robot.driving()
-    robot.deadman.forget(bob)
+    robot.deadman.forget_client(bob)
     assert "is gone" in await aborted(running)
 
 
@@ -252,17 +254,17 @@ async def test_the_extension_below_hears_the_same(robot: Robot) -> None:
     streams = FakeStreams()
     both, none = HolderExtension(robot.deadman, streams), HolderExtension(robot.deadman, None)
     ann = client("ann")
-    told = HolderNotification(component_ref=ROVER, holds=True, epoch=1).model_dump(mode="json")
+    holds = HolderNotification(component_ref=ROVER, holds=True, epoch=1)
     assert (both.engines(), none.engines()) == (streams.engines(), frozenset())
     for extension in (both, none):
-        await extension.call(HolderNotification.method, told, ann)
-        await extension.forget(ann)
+        await extension.set_holder(holds, ann)
+        await extension.forget_client(ann)
     assert [name for name, _, _ in streams.calls] == [HolderNotification.method]
     with pytest.raises(Unsupported):
         await none.call("rois.stream.connect_stream", {}, ann)
 
 
-async def test_the_rest_of_a_sequence_does_not_move_when_who_sent_it_has_left() -> None:
+async def test_the_rest_of_a_sequence_does_not_move_when_its_sender_has_left() -> None:
     rover, lamp = Rover(), Lamp()
     async with AsyncExitStack() as stack:
         host = await stack.enter_async_context(wire.hosted(Engine("gateway")))
@@ -284,14 +286,14 @@ async def test_the_rest_of_a_sequence_does_not_move_when_who_sent_it_has_left() 
         ended = {told["command_id"]: told["status"] for told in [await app.next(COMPLETED), await app.next(COMPLETED)]}
         assert ended == {"first": "OK", "then": "ABORT"}
         assert not rover.driving.is_set()
-        # Whoever is in control moves it.
+        # The holder moves it.
         assert (await other.ask("rois.command.bind", component_ref=ROVER))["return_code"] == "OK"
         assert (await other.ask("rois.command.execute", command_unit_list=units[1:]))["return_code"] == "OK"
         async with patience():
             await rover.driving.wait()
 
 
-async def test_what_moves_stops_when_who_is_in_control_changes_connections() -> None:
+async def test_what_moves_stops_when_the_holder_changes_connections() -> None:
     rover = Rover()
     async with AsyncExitStack() as stack:
         host = await stack.enter_async_context(wire.hosted(Engine("gateway")))

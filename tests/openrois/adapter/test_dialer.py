@@ -15,6 +15,8 @@ from openrois.session.session import EngineHost
 from tests.support.demo import free_port
 from tests.support.wire import hosted
 
+pytestmark = pytest.mark.extra(name="gateway")
+
 
 class Time:
     """Delays are noted and pass at once, until there were `enough` of them."""
@@ -55,7 +57,7 @@ async def host() -> AsyncIterator[EngineHost]:
         yield made
 
 
-async def test_nobody_listens(host: EngineHost, caplog: pytest.LogCaptureFixture) -> None:
+async def test_no_gateway_listens(host: EngineHost, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.INFO)
 
     async def never(_far: ServerConnection) -> None:

@@ -1,4 +1,4 @@
-"""docs/adapter.md: every piece of Python in it runs, and its tests pass."""
+"""docs/how-to/adapter.md: every piece of Python in it runs, and its tests pass."""
 
 import asyncio
 import inspect
@@ -8,10 +8,12 @@ from typing import Any
 
 import pytest
 
-from openrois.testing import ComponentContract
+from openrois.testing import ComponentContract, harness
+
+pytestmark = pytest.mark.extra(name="demo")
 
 ROOT = Path(__file__).parents[3]
-GUIDE = (ROOT / "docs" / "adapter.md").read_text(encoding="utf-8")
+GUIDE = (ROOT / "docs" / "how-to" / "adapter.md").read_text(encoding="utf-8")
 PIECES = re.findall(r"^```python\n(.*?)^```$", GUIDE, re.DOTALL | re.MULTILINE)
 
 
@@ -19,7 +21,7 @@ def written() -> dict[str, Any]:
     """Return what all pieces define, one after the other."""
     defined: dict[str, Any] = {"__name__": "guide"}
     for number, piece in enumerate(PIECES):
-        exec(compile(piece, f"docs/adapter.md, piece {number}", "exec"), defined)
+        exec(compile(piece, f"docs/how-to/adapter.md, piece {number}", "exec"), defined)
     return defined
 
 
@@ -52,6 +54,11 @@ def test_its_components_keep_the_contract(guide: dict[str, Any]) -> None:
         for name in dir(contract):
             if name.startswith("test_"):
                 getattr(contract(), name)()
+
+
+async def test_a_class_of_the_standard_answers_a_query_of_its_own(guide: dict[str, Any]) -> None:
+    async with harness(guide["LampInformation"](), engine_id="lamp_1") as client:
+        assert await client.component("lamp_1/system_info").query("battery") == {"battery": 87.5}
 
 
 async def test_what_it_says_of_values(guide: dict[str, Any]) -> None:

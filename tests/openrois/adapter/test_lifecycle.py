@@ -10,6 +10,8 @@ from openrois.adapter.running import hosted
 from openrois.errors import BadParameter
 from tests.support.components import Lamp
 
+pytestmark = pytest.mark.extra(name="base")
+
 
 class Robot(Component):
     """Has a body that is there at the attempt that the test says."""

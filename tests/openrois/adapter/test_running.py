@@ -20,6 +20,8 @@ from tests.support.basics import Navigation
 from tests.support.components import Lamp
 from tests.support.deployment import gateway, until
 
+pytestmark = pytest.mark.extra(name="gateway")
+
 EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "lamp_adapter.py"
 
 
@@ -73,7 +75,7 @@ class TestServe:
                 assert host.engine.engine_id == "robot"
             await until(running.engine, lambda ids: "robot" not in ids)
 
-    async def test_what_moves_is_tried_from_outside_as_what_somebody_controls(self) -> None:
+    async def test_what_moves_is_tried_from_outside_with_a_holder(self) -> None:
         async with gateway() as running, serve(Navigation(), engine_id="robot", gateway=running.url):
             await until(running.engine, lambda ids: "robot" in ids)
             assert await findings(running.engine) == []
@@ -161,7 +163,7 @@ class TestRun:
         )
         assert (process.returncode, complaints) == (1, problem)
 
-    async def test_whoever_tells_it_twice_does_not_wait_for_what_does_not_end(self) -> None:
+    async def test_a_second_signal_does_not_wait_for_what_does_not_end(self) -> None:
         source = (
             "import asyncio\n"
             "from openrois.adapter import Component, run\n"

@@ -22,11 +22,11 @@ def manager(tmp_path: Path) -> Iterator[socket.socket]:
 
 
 def test_without_a_manager_nothing_is_told() -> None:
-    Supervisor({}).tell("READY=1")
+    Supervisor({}).notify_state("READY=1")
 
 
 def test_a_manager_that_is_gone_is_no_fault(tmp_path: Path) -> None:
-    Supervisor({"NOTIFY_SOCKET": str(tmp_path / "gone")}).tell("READY=1")
+    Supervisor({"NOTIFY_SOCKET": str(tmp_path / "gone")}).notify_state("READY=1")
 
 
 @pytest.mark.parametrize("microseconds", ["", "0", "soon"])
@@ -55,7 +55,7 @@ async def test_an_abstract_name() -> None:
         listening.bind("")
         listening.settimeout(30)
         name = listening.getsockname()
-        Supervisor({"NOTIFY_SOCKET": "@" + name[1:].decode()}).tell("READY=1")
+        Supervisor({"NOTIFY_SOCKET": "@" + name[1:].decode()}).notify_state("READY=1")
         assert listening.recv(100) == b"READY=1"
 
 

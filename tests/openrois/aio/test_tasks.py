@@ -113,7 +113,7 @@ class TestDeadline:
         with pytest.raises(KeyError), Deadline(0):
             await work()
 
-    async def test_whoever_is_cancelled_besides_ends(self) -> None:
+    async def test_a_task_that_is_also_cancelled_ends(self) -> None:
         entered = asyncio.Event()
 
         async def work() -> None:

@@ -13,6 +13,8 @@ from openrois.auth.keys import ALGORITHMS, StoredKeys
 from openrois.auth.principal import Role
 from openrois.auth.tokens import TokenVerifier
 
+pytestmark = pytest.mark.extra(name="gateway")
+
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 async def test_a_token_of_a_new_key(algorithm: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -63,7 +65,7 @@ def test_what_is_not_issued(options: list[str], tmp_path: Path, capsys: pytest.C
     key = tmp_path / "key"
     main(["new-key", str(key)])
     assert main(["issue", "--key", str(key), *options]) == 1
-    assert "no gateway would take such a token: --sub has 1 to 128 printable characters" in capsys.readouterr().err
+    assert "a gateway would refuse this token: --sub must have 1 to 128 printable characters" in capsys.readouterr().err
     assert main(["issue", "--key", str(tmp_path / "none"), "--sub", "a", "--role", "viewer"]) == 1
     assert "cannot be read" in capsys.readouterr().err
 
@@ -72,14 +74,14 @@ def test_what_is_not_issued(options: list[str], tmp_path: Path, capsys: pytest.C
 def test_what_is_no_time(ttl: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["issue", "--key", "x", "--sub", "a", "--role", "viewer", f"--ttl={ttl}"])
-    assert "is no time" in capsys.readouterr().err
+    assert "is no duration" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("ttl", ["2d", "25h", "999999d"])
 def test_what_no_gateway_would_take_for_so_long(ttl: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["issue", "--key", "x", "--sub", "a", "--role", "viewer", "--ttl", ttl])
-    assert "longer than a day" in capsys.readouterr().err
+    assert "a token may last for a day at most" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

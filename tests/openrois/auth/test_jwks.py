@@ -19,6 +19,8 @@ from openrois.auth.tokens import TokenVerifier
 from tests.support.clock import Clock
 from tests.support.tokens import Keys, claims_of, forge, jwk
 
+pytestmark = pytest.mark.extra(name="gateway")
+
 KEYS = Keys()
 NOW = 1_700_000_000.0
 
@@ -112,7 +114,7 @@ async def test_while_the_issuer_is_down_its_keys_hold_for_an_hour() -> None:
         assert await cache.find("a")
 
 
-async def test_who_has_a_good_key_does_not_wait_for_the_issuer() -> None:
+async def test_a_known_key_does_not_wait_for_the_issuer() -> None:
     issuer = Issuer("a")
     async with cached(issuer) as (cache, clock):
         await cache.find("a")
@@ -132,7 +134,7 @@ async def test_who_has_a_good_key_does_not_wait_for_the_issuer() -> None:
         assert await waiting == ()
 
 
-async def test_who_goes_away_does_not_end_the_fetch_of_others() -> None:
+async def test_a_cancelled_caller_does_not_end_the_fetch_of_others() -> None:
     issuer = Issuer("a")
     async with cached(issuer) as (cache, _):
         first, second = asyncio.ensure_future(cache.find("a")), asyncio.ensure_future(cache.find("a"))
@@ -168,7 +170,7 @@ async def test_over_http() -> None:
         (lambda _: web.Response(status=500), "answered 500"),
         (lambda _: web.Response(status=302, headers={"Location": "http://169.254.169.254/"}), "answered 302"),
         (lambda _: web.Response(body=b"x" * (MAX_KEY_FILE + 1)), "more than"),
-        (lambda _: web.Response(body=b"\xff"), "cannot be asked"),
+        (lambda _: web.Response(body=b"\xff"), "cannot be fetched"),
     ],
 )
 async def test_what_an_issuer_may_not_answer(answer: Callable[[web.Request], web.Response], words: str) -> None:
@@ -177,18 +179,18 @@ async def test_what_an_issuer_may_not_answer(answer: Callable[[web.Request], web
             await fetch_from_url(url)()
 
 
-async def test_nobody_is_there() -> None:
+async def test_an_issuer_that_is_not_there() -> None:
     async with serving(lambda _: web.Response()) as url:
         pass
-    with pytest.raises(ValueError, match="cannot be asked"):
+    with pytest.raises(ValueError, match="cannot be fetched"):
         await fetch_from_url(url)()
 
 
 @pytest.mark.parametrize(
     ("url", "words"),
     [
-        ("http://issuer.example/jwks", "only https"),
-        ("http://127.0.0.1.issuer.example/jwks", "only https"),
+        ("http://issuer.example/jwks", "give an https address"),
+        ("http://127.0.0.1.issuer.example/jwks", "give an https address"),
         ("file:///etc/passwd", "no https"),
         ("https://", "no https"),
         ("issuer.example", "no https"),

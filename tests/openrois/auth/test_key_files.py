@@ -1,11 +1,12 @@
 """Keys in files."""
 
+import os
 import stat
 from pathlib import Path
 
 import pytest
 
-from openrois.auth.key_files import make_key_files, read_key_file, read_keys, read_signing_key
+from openrois.auth.key_files import is_exposed, make_key_files, read_key_file, read_keys, read_signing_key
 from openrois.auth.keys import ALGORITHMS, MAX_KEY_FILE
 from tests.support.tokens import SECRET, Keys, key_file, pem
 
@@ -42,7 +43,7 @@ def test_a_flaw_names_the_file_and_not_what_is_in_it(tmp_path: Path) -> None:
 
 
 def test_a_public_key_signs_nothing(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="give the private one"):
+    with pytest.raises(ValueError, match="give the private key"):
         read_signing_key(key_file(tmp_path, pem(Keys().p256)))
     with pytest.raises(ValueError, match="key"):
         read_signing_key(key_file(tmp_path, "-----BEGIN PRIVATE KEY-----\nxx\n-----END PRIVATE KEY-----"))
@@ -56,3 +57,27 @@ def test_a_secret_that_others_can_read(tmp_path: Path, caplog: pytest.LogCapture
     read_keys([path])
     assert "chmod 600" in caplog.text
     assert SECRET not in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("owner", "mode", "exposed"),
+    [
+        (1000, 0o600, False),
+        (1000, 0o640, True),
+        (1000, 0o604, True),
+        (0, 0o600, False),
+        (0, 0o640, False),
+        (0, 0o440, False),
+        (0, 0o644, True),
+    ],
+)
+def test_files_readable_by_others_are_exposed(
+    owner: int, mode: int, exposed: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "secret"
+    path.touch()
+    path.chmod(mode)
+    there = list(path.stat())
+    there[4] = owner
+    monkeypatch.setattr(Path, "stat", lambda _path: os.stat_result(there))
+    assert is_exposed(path) is exposed

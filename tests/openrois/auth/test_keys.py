@@ -1,4 +1,4 @@
-"""Keys: what each is for is told by the key alone, and what is too weak or not ours is refused."""
+"""Keys: the use of each follows from the key alone, and what is too weak or not ours is refused."""
 
 import datetime as dt
 import json
@@ -46,10 +46,10 @@ def test_what_a_key_is_for() -> None:
         ("x" * 31, "at least 32 characters"),
         ("x" * 40 + "\n" + "y" * 40, "one line"),
         ("x" * 40 + " y", "one line"),
-        ("-----BEGIN PUBLIC KEY-----\nxxxx\n-----END PUBLIC KEY-----", "is none"),
-        ("-----BEGIN CERTIFICATE-----\nxxxx\n-----END CERTIFICATE-----", "is none"),
-        ("-----BEGIN RSA PRIVATE KEY-----", "public key only"),
-        ("-----BEGIN OPENSSH PRIVATE KEY-----", "public key only"),
+        ("-----BEGIN PUBLIC KEY-----\nxxxx\n-----END PUBLIC KEY-----", "is damaged"),
+        ("-----BEGIN CERTIFICATE-----\nxxxx\n-----END CERTIFICATE-----", "is damaged"),
+        ("-----BEGIN RSA PRIVATE KEY-----", "give a gateway the public key"),
+        ("-----BEGIN OPENSSH PRIVATE KEY-----", "give a gateway the public key"),
     ],
 )
 def test_what_is_no_key(text: str, words: str) -> None:
@@ -62,12 +62,12 @@ def test_several_keys_in_one_file() -> None:
     assert [key.algorithm for key in parse_keys(old)] == ["ES256"]
     assert [key.algorithm for key in parse_keys(f"# the former one\n{old}{new}")] == ["ES256", "EdDSA"]
     assert [key.algorithm for key in parse_keys(SECRET)] == ["HS256"]
-    # Whoever signed a certificate signs no tokens.
+    # The signer of a certificate signs no tokens.
     chain = certificate(keys().rsa) + certificate(keys().p256)
     assert [key.algorithm for key in parse_keys(chain)] == ["RS256"]
-    with pytest.raises(ValueError, match="is none"):
+    with pytest.raises(ValueError, match="is damaged"):
         parse_keys(old + "-----BEGIN PUBLIC KEY-----\nxxxx\n-----END PUBLIC KEY-----")
-    with pytest.raises(ValueError, match="public key only"):
+    with pytest.raises(ValueError, match="give a gateway the public key"):
         parse_keys(old + new + "-----BEGIN PRIVATE KEY-----")
     with pytest.raises(ValueError, match="more than 64 keys"):
         parse_keys(old * (MAX_KEYS + 1))
@@ -87,7 +87,7 @@ def test_no_key_of_a_file_is_passed_over() -> None:
         for text in (spki + other, other + spki, spki * 2 + other):
             with pytest.raises(ValueError, match=r"(CERTIFICATE|EC PARAMETERS).*PUBLIC KEY"):
                 parse_keys(text)
-    with pytest.raises(ValueError, match="is none"):
+    with pytest.raises(ValueError, match="is damaged"):
         parse_keys(spki + rsa_key.replace("-----", "----", 2).replace("----BEGIN", "-----BEGIN"))
 
 

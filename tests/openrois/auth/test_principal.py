@@ -13,12 +13,12 @@ from openrois.types.methods import METHODS
 
 BASE = [method.name for method in METHODS if not method.extension]
 STREAMS = [method.name for method in METHODS if method.extension == "rois.stream"]
-SIGNALING = sorted(signaling_methods(Relay(None, lambda: 0.0), "somebody", None))  # type: ignore[arg-type]
+SIGNALING = sorted(signaling_methods(Relay(None, lambda: 0.0), "anna", None))  # type: ignore[arg-type]
 ACTING = {f"rois.command.{verb}" for verb in ("bind", "bind_any", "release", "set_parameter", "execute")}
 
 
 def principal(*roles: Role, scope: tuple[str, ...] = ("*",)) -> Principal:
-    return Principal("somebody", frozenset(roles), scope)
+    return Principal("anna", frozenset(roles), scope)
 
 
 def test_every_method_of_the_gateway_stands_in_the_table() -> None:
@@ -94,9 +94,9 @@ def test_paths() -> None:
     ],
 )
 def test_scope(scope: tuple[str, ...], seen: list[str], hidden: list[str]) -> None:
-    somebody = principal(Role.VIEWER, scope=scope)
-    assert [ref for ref in seen if not somebody.sees(ref)] == []
-    assert [ref for ref in hidden if somebody.sees(ref)] == []
+    viewer = principal(Role.VIEWER, scope=scope)
+    assert [ref for ref in seen if not viewer.sees(ref)] == []
+    assert [ref for ref in hidden if viewer.sees(ref)] == []
 
 
 @given(st.lists(st.text(alphabet="ab/*?[]!-.|\\", max_size=6), max_size=4), st.text(alphabet="ab/.|\\[]", max_size=6))

@@ -1,4 +1,4 @@
-"""Who is not let in any more."""
+"""Revoked subjects and tokens."""
 
 from contextlib import suppress
 

@@ -16,6 +16,8 @@ from openrois.auth.tokens import TokenVerifier, check_signature, read_header
 from tests.support.forgeries import forgeries
 from tests.support.tokens import SECRET, Keys, b64, claims_of, forge, issue, part, pem
 
+pytestmark = pytest.mark.extra(name="gateway")
+
 NOW = 1_700_000_000.0
 GOOD = claims_of(NOW)
 HS: dict[str, object] = {"alg": "HS256", "typ": "JWT"}
@@ -116,7 +118,7 @@ async def test_times_and_clocks(issued: float, expires: float, not_before: float
         assert (refused.value.reason, refused.value.subject) == (expected, "alice")
 
 
-async def test_a_key_that_nobody_knows_and_keys_that_nobody_has() -> None:
+async def test_an_unknown_key_and_keys_that_are_unavailable() -> None:
     class Nothing:
         async def find(self, key_id: str) -> tuple[VerificationKey, ...]:
             if key_id:
@@ -126,10 +128,10 @@ async def test_a_key_that_nobody_knows_and_keys_that_nobody_has() -> None:
         def is_usable(self) -> bool:
             return False
 
-    nobody = TokenVerifier(Nothing(), ClaimRules(), lambda: NOW)
+    verifier = TokenVerifier(Nothing(), ClaimRules(), lambda: NOW)
     for header, reason in ((HS, Refusal.UNKNOWN_KEY), ({**HS, "kid": "k"}, Refusal.KEYS_UNAVAILABLE)):
         with pytest.raises(TokenRefused) as refused:
-            await nobody.verify(forge(header, GOOD))
+            await verifier.verify(forge(header, GOOD))
         assert refused.value.reason is reason
 
 
@@ -162,6 +164,6 @@ def test_any_signature_is_refused(signature: bytes, algorithm: str) -> None:
 def test_nothing_shows_a_secret() -> None:
     assert SECRET not in repr(trusted())
     private = keys().rsa.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption()).decode()
-    with pytest.raises(ValueError, match="public key only") as refused:
+    with pytest.raises(ValueError, match="give a gateway the public key") as refused:
         parse_key(private)
     assert private[40:80] not in str(refused.value)

@@ -18,7 +18,7 @@ def test_usage_names_every_command(arguments: list[str], capsys: pytest.CaptureF
     shown = capsys.readouterr().out
     for entry in entry_points(group="openrois.commands"):
         assert re.search(rf"^  {entry.name} +\w.+\w$", shown, re.MULTILINE), entry.name
-    assert re.search(r"^  gateway +run a gateway until it is told to stop$", shown, re.MULTILINE)
+    assert re.search(r"^  gateway +run a gateway until it is stopped$", shown, re.MULTILINE)
 
 
 @pytest.mark.parametrize("text", ["import gone\n", '"""Dances."""', '"""', None])

@@ -8,8 +8,10 @@ from openrois.client import Client
 from tests.support import grounds
 from tests.support.grounds import Clock, Ground, Line
 
+NEEDS = {"gateway": pytest.mark.extra(name="gateway")}
 
-@pytest.fixture(params=grounds.GROUNDS)
+
+@pytest.fixture(params=[pytest.param(name, marks=NEEDS.get(name, ())) for name in grounds.GROUNDS])
 async def ground(request: pytest.FixtureRequest) -> AsyncIterator[Ground]:
     async with grounds.ground(request.param) as standing:
         yield standing

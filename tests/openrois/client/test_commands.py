@@ -17,6 +17,8 @@ from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Completed
 from tests.support.grounds import Ground, Line
 
+pytestmark = pytest.mark.extra(name="base")
+
 
 @pytest.fixture
 async def lamp(client: Client) -> ComponentProxy:
@@ -195,7 +197,7 @@ async def answer_everything_at_once(_host: Any, stream: MessageStream) -> None:
     nonsense = (
         "no JSON",
         '{"jsonrpc":"2.0","method":"rois.command.completed","params":{"command_id":"c1","status":"PERHAPS"}}',
-        '{"jsonrpc":"2.0","method":"rois.command.completed","params":{"command_id":"of nobody","status":"OK"}}',
+        '{"jsonrpc":"2.0","method":"rois.command.completed","params":{"command_id":"unknown","status":"OK"}}',
         '{"jsonrpc":"2.0","method":"rois.event.notify_event","params":{"event_id":"e","event_type":"x","subscribe_id":"?"}}',
         '{"jsonrpc":"2.0","method":"rois.system.notify_error","params":{}}',
         '{"jsonrpc":"2.0","id":99,"result":{"return_code":"OK"}}',

@@ -33,6 +33,8 @@ from tests.support import grounds
 from tests.support.authorization import principal
 from tests.support.grounds import Clock, Line
 
+pytestmark = pytest.mark.extra(name="base")
+
 LAMP = "toys/lamp"
 
 
@@ -82,7 +84,7 @@ class TestResuming:
         await clock.pass_time()
         await running
 
-    async def test_nobody_else_has_it_meanwhile(self, line: Line, clock: Clock, ann: Client) -> None:
+    async def test_no_other_application_gets_it_meanwhile(self, line: Line, clock: Clock, ann: Client) -> None:
         notices = ann.notices(Connected)
         await ann.bind(LAMP)
         line.cut()
@@ -116,7 +118,7 @@ class TestResuming:
         with pytest.raises(ConnectionLost):
             await running
 
-    async def test_who_does_not_come_back_learns_it_in_time(
+    async def test_commands_of_a_session_that_is_not_resumed_fail_in_time(
         self, line: Line, clock: Clock, ann: Client, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         await ann.bind(LAMP)
@@ -180,7 +182,7 @@ class TestResuming:
 
 
 async def test_a_session_that_another_one_has_resumed(line: Line, clock: Clock, ann: Client, bob: Client) -> None:
-    """The client comes back as somebody else, and does not fight: it is told what it has lost."""
+    """The client comes back with another subject, and does not fight: it is notified of what it has lost."""
     lost = ann.notices(BindingLost)
     await ann.bind(LAMP)
     running = await ann.component(LAMP).command("start").execute()
@@ -230,16 +232,16 @@ class TestRestart:
             assert not len(ann._application.commands)
             assert await ended == {"total": 2}
 
-    async def test_what_was_told_to_nobody_is_lost(self, line: Line, clock: Clock, tmp_path: Path) -> None:
+    async def test_an_end_notified_to_a_lost_connection_is_lost(self, line: Line, clock: Clock, tmp_path: Path) -> None:
         """The first connection after the restart asks, and breaks before it hears the answer."""
         async with restarted(line, tmp_path) as restart, Client(dial=line.dial, reconnect=clock.reconnect()) as ann:
             await ann.bind(LAMP)
             running = await ann.component(LAMP).command("start").execute()
             await line.lamp.glowing.wait()
             await restart()
-            line.host.journal.tell("local", running.command_id)
+            line.host.journal.deliver_outcome("local", running.command_id)
             await clock.pass_time()
-            with pytest.raises(ConnectionLost, match="was told before, and not heard"):
+            with pytest.raises(ConnectionLost, match="was notified over the lost connection, and never arrived"):
                 await running
 
     async def test_without_a_token_too(self, clock: Clock, tmp_path: Path) -> None:
@@ -328,18 +330,18 @@ class TestHandover:
         line.host.leases.keep_only(line.host.engine.directory.component_profiles)
         if comes_back:
             await line.host.engine.attach(line.toys)
-        with pytest.raises((OutOfResources, Unsupported), match=r"in line for it no more|there is no component"):
+        with pytest.raises((OutOfResources, Unsupported), match=r"request it again|there is no component"):
             await asyncio.wait_for(asking, 10)
 
     async def test_what_is_not_shown_any_more_is_waited_for_no_more(self, line: Line, ann: Client) -> None:
         told = ann.notices(ControlRequested)
         await ann.bind(LAMP)
-        tenure = TokenExpiry(principal("operator", "toys/*"))
-        line.speaks = partial(serve_application, tenure=tenure)
+        expiry = TokenExpiry(principal("operator", "toys/*"))
+        line.speaks = partial(serve_application, expiry=expiry)
         async with Client(dial=line.dial) as carl:
             asking = asyncio.ensure_future(carl.control.request(LAMP, wait=True))
             await heard(told)
-            tenure.replace(principal("operator", "toys/bell"))
+            expiry.replace(principal("operator", "toys/bell"))
             with pytest.raises(Unsupported, match="there is no component"):
                 await asyncio.wait_for(asking, 10)
 
@@ -406,7 +408,7 @@ class TestHandover:
             await bob.control.request("toys/none")
         assert (await bob.control.status(LAMP)).state is LeaseState.HELD
 
-    async def test_whoever_goes_does_not_wait(self, line: Line, ann: Client, bob: Client) -> None:
+    async def test_an_application_that_leaves_does_not_wait(self, line: Line, ann: Client, bob: Client) -> None:
         await bob.bind(LAMP)
         told = bob.notices(ControlRequested)
         asking = asyncio.ensure_future(ann.control.request(LAMP))
@@ -425,7 +427,7 @@ async def test_stop(line: Line, ann: Client, bob: Client) -> None:
         await running
     assert LAMP in await ann.control.stop_all(component_ref=LAMP)
     with pytest.raises(Unsupported):
-        await ann.control.stop_all("nobody")
+        await ann.control.stop_all("unknown")
 
 
 async def test_what_does_not_stop_is_named(line: Line, ann: Client) -> None:

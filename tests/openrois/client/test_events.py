@@ -1,4 +1,4 @@
-"""Events: iterators with a bounded buffer, typed payloads, and subscriptions that end when nobody reads."""
+"""Events: iterators with a bounded buffer, typed payloads, and subscriptions that end without a reader."""
 
 import asyncio
 import gc
@@ -14,6 +14,8 @@ from openrois.errors import BadParameter, Unsupported
 from openrois.types.messages import Result
 from tests.support.fleet import NOON
 from tests.support.grounds import Ground, eventually
+
+pytestmark = pytest.mark.extra(name="base")
 
 
 @pytest.fixture
@@ -97,7 +99,7 @@ async def test_two_readers_of_one_subscription_share_it(ground: Ground, client: 
     await rang.close()
 
 
-async def test_whoever_is_cancelled_at_the_moment_of_subscribing_hears_nothing(
+async def test_a_caller_cancelled_at_the_moment_of_subscribing_gets_no_events(
     ground: Ground, client: Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     route = client._subscriptions._route
@@ -118,7 +120,7 @@ async def test_whoever_is_cancelled_at_the_moment_of_subscribing_hears_nothing(
         assert await anext(rang) == {"tune": "a scale"}
 
 
-async def test_what_cannot_be_subscribed_is_said_to_who_reads(client: Client) -> None:
+async def test_a_refused_subscription_raises_at_its_reader(client: Client) -> None:
     nothing = client.component(PersonDetection, "toys/nothing").person_detected()
     with pytest.raises(Unsupported, match=r"no component that (meets|satisfies) the condition has this"):
         await anext(nothing)
@@ -158,7 +160,7 @@ async def test_a_subscription_says_what_it_is(client: Client) -> None:
     assert repr(navigation.reached_target()) == (
         f"<Subscription to reached_target where {where(component_ref='robot/navigation')}>"
     )
-    with pytest.raises(ValueError, match="at least one"):
+    with pytest.raises(ValueError, match="buffer must be at least 1"):
         navigation.reached_target(buffer=0)
 
 

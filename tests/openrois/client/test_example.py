@@ -5,9 +5,13 @@ import sys
 from pathlib import Path
 from typing import Final
 
+import pytest
+
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
 from tests.support.fleet import everything
+
+pytestmark = pytest.mark.extra(name="gateway")
 
 EXAMPLES: Final = Path(__file__).parents[3] / "docs" / "examples"
 

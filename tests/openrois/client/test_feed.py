@@ -10,6 +10,8 @@ from openrois.client.feed import Feed
 from openrois.engine.condition import parse_condition
 from tests.support.grounds import Line
 
+pytestmark = pytest.mark.extra(name="base")
+
 PROPERTIES = frozenset({"component_ref", "component_type"})
 
 
@@ -17,7 +19,7 @@ async def test_the_oldest_makes_room_for_the_newest_and_is_counted() -> None:
     feed = Feed[int](buffer=2)
     for number in range(5):
         feed.offer(number)
-    feed.end()
+    feed.end_feed()
     assert [number async for number in feed] == [3, 4]
     assert feed.dropped == 3
 
@@ -35,8 +37,8 @@ async def test_a_reader_waits_for_what_is_wanted() -> None:
 async def test_an_end_with_an_error_comes_after_what_waits_and_stays() -> None:
     feed = Feed[int]()
     feed.offer(1)
-    feed.end(ConnectionError("gone"))
-    feed.end()
+    feed.end_feed(ConnectionError("gone"))
+    feed.end_feed()
     feed.offer(2)
     assert await anext(feed) == 1
     for _ in range(2):
@@ -54,11 +56,11 @@ async def test_several_readers_share_a_feed() -> None:
 
 
 def test_a_buffer_holds_something() -> None:
-    with pytest.raises(ValueError, match="at least one"):
+    with pytest.raises(ValueError, match="buffer must be at least 1"):
         Feed[int](buffer=0)
 
 
-async def test_a_feed_that_nobody_reads_any_more_is_forgotten(line: Line) -> None:
+async def test_a_feed_without_reader_is_dropped(line: Line) -> None:
     async with Client(dial=line.dial) as client:
         client.notices()
         feed = client.notifications()
@@ -67,7 +69,19 @@ async def test_a_feed_that_nobody_reads_any_more_is_forgotten(line: Line) -> Non
         assert list(client._application.listeners) == [feed]
 
 
-async def test_notifications_that_nobody_knows_reach_who_reads_them(line: Line) -> None:
+async def test_a_feed_ends_with_its_block(line: Line) -> None:
+    async with Client(dial=line.dial) as client:
+        async with client.notifications("example.news") as told:
+            handlers = client._application.notifications
+            handlers["example.news"]({"it": "rains"})
+        handlers["example.news"]({"it": "snows"})
+        assert [each.params async for each in told] == [{"it": "rains"}]
+        async with client.notices() as notices:
+            pass
+        assert [each async for each in notices] == []
+
+
+async def test_unknown_notifications_reach_their_readers(line: Line) -> None:
     async with Client(dial=line.dial) as client:
         told = client.notifications("example.news")
         handlers = client._application.notifications

@@ -12,6 +12,8 @@ from openrois.types.codes import CompletedStatus, ErrorType
 from openrois.types.messages import Argument, CommandUnit, ConcurrentCommands, Parameter
 from tests.support.grounds import Ground
 
+pytestmark = pytest.mark.extra(name="base")
+
 LAMP = "toys/lamp"
 
 
@@ -42,7 +44,7 @@ async def test_search_is_by_condition(client: Client) -> None:
         await client.search("component_ref")
 
 
-async def test_a_component_belongs_to_who_bound_it_first(ground: Ground, client: Client) -> None:
+async def test_a_component_belongs_to_the_first_that_bound_it(ground: Ground, client: Client) -> None:
     async with ground.client() as other:
         await client.bind(LAMP)
         await client.bind(LAMP)
@@ -56,7 +58,7 @@ async def test_a_component_belongs_to_who_bound_it_first(ground: Ground, client:
         await client.bind("toys/nothing")
 
 
-async def test_whoever_leaves_gives_back_what_it_bound(ground: Ground, client: Client) -> None:
+async def test_leaving_releases_what_was_bound(ground: Ground, client: Client) -> None:
     async with ground.client() as other:
         await other.bind(LAMP)
     await client.bind(LAMP)

@@ -27,6 +27,8 @@ from openrois.types.codes import ComponentStatus
 from tests.support.fleet import NOON, everything, example
 from tests.support.grounds import Ground
 
+pytestmark = pytest.mark.extra(name="base")
+
 STREAMS = ("AudioStreaming", "VideoStreaming")
 
 
@@ -317,7 +319,9 @@ async def test_what_gives_what_does_not_fit_is_named(client: Client) -> None:
     class Wrong(Payload):
         colour: int
 
-    with pytest.raises(ComponentFailed, match="brightness of toys/lamp gave what does not fit: colour: Field required"):
+    with pytest.raises(
+        ComponentFailed, match="brightness of toys/lamp returned a value that does not fit: colour: Field required"
+    ):
         await client.component("toys/lamp").query("brightness", Wrong)
 
 

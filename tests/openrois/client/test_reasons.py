@@ -18,6 +18,8 @@ from openrois.testing import harness
 from openrois.transport.memory import MemoryStream, memory_pair
 from tests.support.grounds import Ground
 
+pytestmark = pytest.mark.extra(name="base")
+
 LAMP = "toys/lamp"
 BIND = "rois.command.bind"
 

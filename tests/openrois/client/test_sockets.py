@@ -1,4 +1,4 @@
-"""A client over real sockets: how it dials, what it says when nobody answers, and gateways that die and come back."""
+"""A client over real sockets: how it dials, its errors without a gateway, and gateways that die and come back."""
 
 import asyncio
 import http
@@ -24,6 +24,8 @@ from tests.support.demo import free_port
 from tests.support.fleet import everything
 from tests.support.grounds import Clock
 
+pytestmark = pytest.mark.extra(name="gateway")
+
 AT_ONCE = Reconnect(first=0.01, limit=0.05)
 
 
@@ -39,14 +41,14 @@ def test_a_password_does_not_belong_in_an_address() -> None:
     assert "secret" not in str(refusal.value)
 
 
-async def test_nobody_there() -> None:
+async def test_no_gateway_there() -> None:
     port = free_port()
     with pytest.raises(ConnectionFailed, match=rf"no gateway answers at ws://127.0.0.1:{port}/; `openrois gateway` "):
         async with Client(f"ws://127.0.0.1:{port}"):
             pass
 
 
-async def test_somebody_who_is_no_gateway() -> None:
+async def test_a_server_that_is_no_gateway() -> None:
     async def chat(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         await reader.readuntil(b"\r\n\r\n")
         writer.write(b"HTTP/1.1 200 OK\r\nContent-Length: 2\r\n\r\nhi")
@@ -60,7 +62,7 @@ async def test_somebody_who_is_no_gateway() -> None:
                 pass
 
 
-async def test_somebody_who_speaks_another_language() -> None:
+async def test_a_server_of_another_protocol() -> None:
     async def chat(_reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         writer.write(b"220 mail.example ESMTP\r\n")
         await writer.drain()
@@ -73,7 +75,7 @@ async def test_somebody_who_speaks_another_language() -> None:
                 pass
 
 
-async def test_somebody_who_takes_the_call_and_says_nothing() -> None:
+async def test_a_server_that_accepts_and_stays_silent() -> None:
     async def keep_silent(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         await reader.read()
         writer.close()
@@ -182,7 +184,7 @@ async def test_a_gateway_that_says_goodbye(code: int, reason: str) -> None:
 
 @asynccontextmanager
 async def cable(port: int) -> AsyncIterator[tuple[int, asyncio.Event]]:
-    """Forward to a port, until the event is set: then nothing passes, and nobody is told."""
+    """Forward to a port, until the event is set: then nothing passes, and neither side notices."""
     pulled = asyncio.Event()
     ends: list[asyncio.StreamWriter] = []
     forwarding: list[asyncio.Task[None]] = []

@@ -25,13 +25,15 @@ from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.messages import EventNotification
 from tests.support.grounds import Clock, Line
 
+pytestmark = pytest.mark.extra(name="base")
+
 LAMP = "toys/lamp"
 HOLD = object()
 
 
 @dataclass
 class Script:
-    """A gateway that answers as told, and OK otherwise.
+    """A gateway that answers as the test sets, and OK otherwise.
 
     Attributes:
         answers: by method: the members of the result, or a function of the params that gives them, or HOLD.
@@ -226,7 +228,7 @@ async def test_a_subscription_that_was_closed_is_over(line: Line, script: Script
         await never_open.close()
         assert [event async for event in never_open] == []
         assert script.times("rois.event.subscribe") == 0
-        with pytest.raises(RuntimeError, match="make another one"):
+        with pytest.raises(RuntimeError, match="subscribe again"):
             await never_open.__aenter__()
 
 
@@ -250,7 +252,7 @@ async def test_a_stream_status_that_is_none(line: Line, script: Script, strict: 
 
 
 class TestGivingUp:
-    """Whoever is cancelled holds nothing: not if the answer comes later, and not if it comes in the same moment."""
+    """A cancelled caller holds nothing: not if the answer comes later, and not if it comes in the same moment."""
 
     CASES = pytest.mark.parametrize(
         ("method", "members", "undone"),

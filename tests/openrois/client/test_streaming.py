@@ -13,6 +13,8 @@ from openrois.types.streams import StreamStatusNotification
 from tests.support.grounds import Ground, Line, eventually, serve_plain
 from tests.support.streams import Camera, FakeStreams
 
+pytestmark = pytest.mark.extra(name="base")
+
 
 @pytest.fixture
 async def streams(line: Line) -> FakeStreams:
@@ -103,13 +105,13 @@ async def test_a_plain_gateway_turns_strict_rois_into_the_extension_of_its_engin
         camera = client.component(VideoStreaming, "cameras/camera")
         stream_id = await camera.connect_stream()
         assert await camera.get_stream_status(stream_id) is StreamStatus.STREAMING_NOT_RUNNING
-        with pytest.raises(Unsupported, match="is not told how late"):
+        with pytest.raises(Unsupported, match="takes no playout reports"):
             await camera.report_playout(stream_id, 0.1)
         await camera.disconnect_stream(stream_id)
         assert not streams.streams
 
 
-async def test_a_stream_that_nobody_waits_for_any_more_is_given_back(line: Line, streams: FakeStreams) -> None:
+async def test_a_stream_whose_caller_is_gone_is_disconnected(line: Line, streams: FakeStreams) -> None:
     line.speaks = serve_plain
     async with Client(dial=line.dial) as client:
         camera = client.component(VideoStreaming, "cameras/camera")
@@ -164,7 +166,7 @@ async def test_the_streams_of_an_application_end_with_it(line: Line, streams: Fa
         await streams.gone.wait()
 
 
-async def test_whoever_reads_notifications_hears_those_it_named(line: Line) -> None:
+async def test_a_reader_of_notifications_gets_the_named_ones(line: Line) -> None:
     async with Client(dial=line.dial) as client:
         named, everything = client.notifications("rois.event.notify_event"), client.notifications()
         async with client.subscribe("rang"):
@@ -174,7 +176,7 @@ async def test_whoever_reads_notifications_hears_those_it_named(line: Line) -> N
         assert (await anext(named)).params["results"][0]["value"] == "a scale"
         assert (await anext(everything)).method == "rois.system.profile_changed"
         assert (await anext(everything)).method == "rois.event.notify_event"
-        named.end()
+        named.end_feed()
         assert [each async for each in named] == []
 
 

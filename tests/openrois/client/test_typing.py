@@ -11,6 +11,8 @@ import pytest
 
 import openrois.client
 
+pytestmark = pytest.mark.extra(name="dev")
+
 ROOT: Final = Path(__file__).parents[3]
 
 APPLICATION: Final = """
@@ -83,7 +85,7 @@ speech: SpeechSynthesis
 
 def guide() -> dict[str, str]:
     """Return the guide's pieces of Python as modules: what stands at their top, and a function with what awaits."""
-    text = (ROOT / "docs" / "client.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "how-to" / "client.md").read_text(encoding="utf-8")
     modules = {}
     for number, piece in enumerate(re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)):
         imports = "".join(re.findall(r"^from .*\n", piece, re.MULTILINE))
@@ -110,7 +112,7 @@ def test_the_guide_is_right(tmp_path: Path) -> None:
 
 
 def test_what_the_guide_says_is_raised_comes_from_the_client() -> None:
-    text = (ROOT / "docs" / "client.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "how-to" / "client.md").read_text(encoding="utf-8")
     table = text.partition("| raised | when |")[2].partition("\n\n")[0]
     raised = re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (`.*?) \|", table, re.MULTILINE)))
     assert len(raised) == 10

@@ -18,7 +18,7 @@ from openrois.errors import OutOfResources
 MANY = 1_000_000_000
 
 
-def somebody() -> Allowance:
+def owner() -> Allowance:
     return Allowance("one application", MANY, MANY)
 
 
@@ -31,16 +31,16 @@ def somebody() -> Allowance:
 )
 def test_one_subject_has_a_share(count: int, text: int, reason: str) -> None:
     budget = CommandQuota()
-    taken = budget.take(somebody(), count, text, "ann")
-    own = somebody()
+    taken = budget.accept_commands(owner(), count, text, "ann")
+    own = owner()
     with pytest.raises(OutOfResources, match=reason):
-        budget.take(own, 1, 1, "ann")
+        budget.accept_commands(own, 1, 1, "ann")
     assert (own.taken, own.text, budget.taken, budget.text) == (0, 0, count, text)
-    budget.take(somebody(), 1, 1, "bob")
-    budget.take(somebody(), 1, 1, None)
+    budget.accept_commands(owner(), 1, 1, "bob")
+    budget.accept_commands(owner(), 1, 1, None)
     for _ in range(count):
         taken.end_one()
-    budget.take(own, 1, 1, "ann")
+    budget.accept_commands(own, 1, 1, "ann")
 
 
 @pytest.mark.parametrize("text", [0, 4096])
@@ -51,7 +51,7 @@ def test_however_many_take_all_they_can_the_next_finds_something(text: int) -> N
         """Take until no more is given; return how often there was something."""
         for times in range(MAX_OF_SUBJECT + 1):
             try:
-                taken.append(budget.take(somebody(), 1, text, subject))
+                taken.append(budget.accept_commands(owner(), 1, text, subject))
             except OutOfResources:
                 return times
         raise AssertionError
@@ -59,46 +59,46 @@ def test_however_many_take_all_they_can_the_next_finds_something(text: int) -> N
     shares = [fill(f"subject {number}") for number in range(64)]
     assert shares[:4] == [3072, 2304, 1728, 1296]
     assert fill("subject 0") == 0
-    assert {fill(f"somebody new {number}") for number in range(400)} == {FIRST_OF_SUBJECT}
-    budget.take(somebody(), 1, STOP_TEXT, "subject 1", beyond=1)
+    assert {fill(f"new subject {number}") for number in range(400)} == {FIRST_OF_SUBJECT}
+    budget.accept_commands(owner(), 1, STOP_TEXT, "subject 1", beyond=1)
 
 
 @pytest.mark.parametrize("text", [0, FIRST_TEXT_OF_SUBJECT // FIRST_OF_SUBJECT])
 def test_what_is_reserved_is_for_the_first_commands_of_each_subject(text: int) -> None:
     budget, taken = CommandQuota(), []
     # Whatever has filled the rest.
-    taken.append(budget.take(somebody(), budget.most - RESERVED, budget.most_text - RESERVED_TEXT))
+    taken.append(budget.accept_commands(owner(), budget.most - RESERVED, budget.most_text - RESERVED_TEXT))
     subjects = [f"subject {number}" for number in range(RESERVED // FIRST_OF_SUBJECT)]
     for subject in subjects:
         for _ in range(FIRST_OF_SUBJECT):
-            taken.append(budget.take(somebody(), 1, text, subject))
+            taken.append(budget.accept_commands(owner(), 1, text, subject))
         with pytest.raises(OutOfResources, match="a smaller share than usual"):
-            budget.take(somebody(), 1, 1, subject)
+            budget.accept_commands(owner(), 1, 1, subject)
     with pytest.raises(OutOfResources, match="the engine has at most"):
-        budget.take(somebody(), 1, 0, "one subject more")
+        budget.accept_commands(owner(), 1, 0, "one subject more")
     taken[-1].end_one()
-    budget.take(somebody(), 1, text, subjects[-1])
+    budget.accept_commands(owner(), 1, text, subjects[-1])
 
 
 def test_a_first_command_that_is_too_long_has_no_share_of_what_is_reserved() -> None:
     budget = CommandQuota()
-    budget.take(somebody(), 1, budget.most_text - RESERVED_TEXT)
+    budget.accept_commands(owner(), 1, budget.most_text - RESERVED_TEXT)
     with pytest.raises(OutOfResources, match="a smaller share than usual"):
-        budget.take(somebody(), 1, FIRST_TEXT_OF_SUBJECT + 1, "ann")
-    budget.take(somebody(), 1, FIRST_TEXT_OF_SUBJECT, "ann")
+        budget.accept_commands(owner(), 1, FIRST_TEXT_OF_SUBJECT + 1, "ann")
+    budget.accept_commands(owner(), 1, FIRST_TEXT_OF_SUBJECT, "ann")
 
 
-def test_who_is_the_only_subject_has_the_whole() -> None:
+def test_the_only_subject_has_the_whole() -> None:
     budget = CommandQuota()
-    budget.take(somebody(), budget.most, budget.most_text)
+    budget.accept_commands(owner(), budget.most, budget.most_text)
     with pytest.raises(OutOfResources, match="the engine has at most"):
-        budget.take(somebody(), 1)
+        budget.accept_commands(owner(), 1)
 
 
-def test_shares_that_nobody_uses_are_forgotten() -> None:
+def test_unused_shares_are_dropped() -> None:
     budget = CommandQuota()
     for number in range(100):
-        taken = budget.take(somebody(), 1, 1, f"subject {number}")
+        taken = budget.accept_commands(owner(), 1, 1, f"subject {number}")
         assert len(budget._shares) <= 2
         taken.end_one()
     del taken
@@ -107,7 +107,7 @@ def test_shares_that_nobody_uses_are_forgotten() -> None:
 
 def test_a_stop_is_taken_when_nothing_else_is() -> None:
     budget, own = CommandQuota(most=2, most_text=100), Allowance("one application", 2, 100)
-    budget.take(own, 2, 100)
-    budget.take(own, 1, STOP_TEXT, "ann", beyond=1)
+    budget.accept_commands(own, 2, 100)
+    budget.accept_commands(own, 1, STOP_TEXT, "ann", beyond=1)
     with pytest.raises(OutOfResources):
-        budget.take(own, 1, 0, "ann", beyond=1)
+        budget.accept_commands(own, 1, 0, "ann", beyond=1)

@@ -17,7 +17,7 @@ def at_once(*units: CommandUnit, delay: int | None = None) -> ConcurrentCommands
 
 
 class Clock:
-    """Time that passes when everybody waits for it, straight to the next moment that somebody waits for."""
+    """Time that passes when every task waits for it, straight to the next deadline."""
 
     def __init__(self) -> None:
         self.now = 0.0

@@ -60,7 +60,7 @@ async def test_what_several_ask_for_before_it_has_begun_is_done_once_and_goes_on
         assert await stop_components(engine, accepted, tasks, (), "nothing stops") == {}
 
 
-async def test_whoever_asks_while_it_stops_shares_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_request_while_it_stops_shares_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
     assert PAUSE == 0.05
     engine, told, may_end = Engine("robot"), asyncio.Queue[None](), asyncio.Event()
 

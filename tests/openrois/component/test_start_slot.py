@@ -36,7 +36,7 @@ async def test_the_next_start_begins_when_the_one_before_has_ended() -> None:
         await first
     await settle()
     assert work.begun == 2
-    await starts.end()
+    await starts.end_running()
     with pytest.raises(Aborted):
         await second
 

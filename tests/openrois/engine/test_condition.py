@@ -83,7 +83,7 @@ def test_what_does_not_match(text: str) -> None:
         "AND component_ref = 'x'",
         "NOT component_ref = 'x'",
         "(component_ref = 'x')",
-        "nobody = 'x'",
+        "unknown = 'x'",
         "Component_Ref = 'x'",
         "'component_ref' = 'x'",
         '"component_ref = ' + "'x'",

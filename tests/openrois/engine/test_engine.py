@@ -12,6 +12,7 @@ from openrois.engine.registry import LocalRegistry
 from openrois.errors import BadParameter, EngineUnreachable, Unsupported
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, RoISIdentifier
+from openrois.types.streams import HolderNotification
 from tests.support.components import Bell, Lamp
 
 LAMP = HRIComponentProfile(identifier=RoISIdentifier(code="urn:lamp"), name="lamp")
@@ -67,7 +68,10 @@ class FarExtension:
         self.calls.append((method, client.client_id))
         return {"return_code": "OK"}
 
-    async def forget(self, client: Client) -> None:
+    async def set_holder(self, notification: HolderNotification, client: Client) -> None:
+        self.calls.append((notification.method, client.client_id))
+
+    async def forget_client(self, client: Client) -> None:
         if self.broken:
             raise EngineUnreachable("gone")
         self.forgotten.append(client.client_id)
@@ -278,7 +282,7 @@ class TestRouting:
         assert b.asked == ["subscribe e of b/lamp", "unsubscribe an id"]
 
     async def test_a_subscription_to_a_component_that_went_is_forgotten(self, engine: Engine) -> None:
-        """The bus has told its sink already; what is noted here may not grow with every coming and going."""
+        """The bus has notified its sink already; what is noted here may not grow with every coming and going."""
         far = Far(tree("a", refs=("a/lamp", "a/bell")))
         await engine.attach(far)
         await engine.subscribe("a/lamp", "e", lambda _item: None)
@@ -287,7 +291,7 @@ class TestRouting:
         await engine.unsubscribe("an id")
         assert far.asked == ["subscribe e of a/lamp"]
 
-    @pytest.mark.parametrize("ref", ["", "a", "/lamp", "nobody/lamp", "x" * 1000])
+    @pytest.mark.parametrize("ref", ["", "a", "/lamp", "absent/lamp", "x" * 1000])
     async def test_a_reference_that_leads_nowhere(self, engine: Engine, ref: str) -> None:
         await engine.attach(Far(tree("a")))
         with pytest.raises(Unsupported) as raised:
@@ -308,7 +312,7 @@ class TestExtension:
         assert [method for method, _ in a.extension.calls] == ["component_ref", "stream_id", "peer_id"]
         assert b.extension.calls == [("x", "me")]
 
-    @pytest.mark.parametrize("params", [{}, {"stream_id": 5}, {"stream_id": "nobody/1"}, {"stream_id": "a/1"}])
+    @pytest.mark.parametrize("params", [{}, {"stream_id": 5}, {"stream_id": "absent/1"}, {"stream_id": "a/1"}])
     async def test_a_call_that_leads_nowhere_or_to_an_engine_without_streams(
         self, engine: Engine, params: dict[str, Any]
     ) -> None:
@@ -316,7 +320,21 @@ class TestExtension:
         with pytest.raises(Unsupported):
             await engine.extension.call("x", params, Client("me", lambda _method, _params: None))
 
-    async def test_everybody_hears_that_a_client_is_gone(
+    async def test_a_holder_is_notified_to_the_engine_of_the_component_also_without_streams(
+        self, engine: Engine
+    ) -> None:
+        a, b = Far(tree("a")), Far(tree("b"))
+        a.extension = FarExtension()
+        client = Client("me", lambda _method, _params: None)
+        for bus in (a, b):
+            await engine.attach(bus)
+        await engine.extension.set_holder(HolderNotification(component_ref="a/x", holds=True, epoch=1), client)
+        assert a.extension.calls == [("openrois.holder", "me")]
+        for ref in ("b/x", "absent/x"):
+            with pytest.raises(Unsupported):
+                await engine.extension.set_holder(HolderNotification(component_ref=ref, holds=True, epoch=1), client)
+
+    async def test_every_bus_learns_that_a_client_is_gone(
         self, engine: Engine, caplog: pytest.LogCaptureFixture
     ) -> None:
         buses = [Far(tree(name)) for name in "abc"]
@@ -324,9 +342,9 @@ class TestExtension:
         for bus in buses:
             await engine.attach(bus)
         with caplog.at_level(logging.INFO):
-            await engine.extension.forget(Client("me", lambda _method, _params: None))
+            await engine.extension.forget_client(Client("me", lambda _method, _params: None))
         assert buses[2].extension.forgotten == ["me"]
-        assert "could not be told" in caplog.text
+        assert "could not end what a departed client has" in caplog.text
 
     async def test_which_engines_have_it(self, engine: Engine) -> None:
         a, b = Far(tree("a", tree("a1"))), Far(tree("b", tree("b1")))

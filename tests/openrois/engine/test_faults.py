@@ -1,4 +1,4 @@
-"""Faults from the component that has them up to whoever listens to an engine above it."""
+"""Faults from a component up to the listeners of an engine above it."""
 
 import asyncio
 
@@ -34,7 +34,7 @@ class Clumsy(Component):
 
 
 class Heard:
-    """The faults that an engine told."""
+    """The faults that an engine notified."""
 
     def __init__(self, engine: Engine) -> None:
         self.faults: list[Fault] = []
@@ -91,7 +91,7 @@ class TestComponents:
         (fault,) = heard.faults
         assert (fault.error_type, fault.description) == (ErrorType.USER_DEFINED_ERROR, "the paint is off")
 
-    async def test_one_that_is_in_no_registry_reports_to_nobody(self) -> None:
+    async def test_a_component_without_registry_reports_nowhere(self) -> None:
         with pytest.raises(ComponentFailed):
             await Clumsy().ask("mood")
 
@@ -159,7 +159,7 @@ class TestMint:
         mint = FaultMint("robot", clock, clock)
         made = [mint.make(ErrorType.USER_DEFINED_ERROR, "", "x") for _ in range(FAULTS_AT_ONCE + 10)]
         assert made.count(None) == 10
-        assert "came too fast to be told: 8 so far" in caplog.text
+        assert "were not reported, too many at a time: 8 so far" in caplog.text
         clock.now += 1
         assert mint.make(ErrorType.USER_DEFINED_ERROR, "", "x") is not None
 

@@ -36,7 +36,7 @@ async def test_the_profile_lists_components_in_the_order_they_were_given() -> No
     assert list(directory.component_profiles) == ["robot/b", "robot/a"]
 
 
-async def test_one_emission_is_one_event_for_all_who_listen_to_it() -> None:
+async def test_one_emission_is_one_event_for_every_subscriber() -> None:
     near, far = Bell("near"), Bell("far")
     registry = LocalRegistry("robot", [near, far], wall_clock=lambda: 0.0)
     heard: list[tuple[str, Event | SubscriptionLost]] = []
@@ -59,7 +59,7 @@ async def test_one_emission_is_one_event_for_all_who_listen_to_it() -> None:
 
 
 class Owl(Bell):
-    """A bell that takes note of who listens."""
+    """A bell that counts its subscribers."""
 
     def __init__(self) -> None:
         super().__init__("owl")

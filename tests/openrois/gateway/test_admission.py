@@ -1,4 +1,4 @@
-"""Who is let in: tokens by header and by subprotocol, roles and paths, hosts and origins; and what strangers learn."""
+"""Admission: tokens by header and by subprotocol, roles and paths, hosts and origins; and what a refusal shows."""
 
 import asyncio
 import json
@@ -17,6 +17,8 @@ from openrois.gateway.settings import GatewaySettings
 from tests.support.forgeries import forgeries
 from tests.support.guarded import Guarded, ask, fresh, guarded
 from tests.support.tokens import SECRET, Keys
+
+pytestmark = pytest.mark.extra(name="gateway")
 
 V1 = "openrois.v1"
 NOT_FOR_THIS = b"the token is not for this: adapters need the role adapter, applications another\n"
@@ -161,7 +163,7 @@ async def test_origins_and_hosts(tmp_path: Path) -> None:
         for origin in ("null", "https://evil.example", "https://evil-app.example.org", "http://app.example.org"):
             assert (await refused(coming, token, origin=origin))[0] == 403
             assert (await refused(coming, offered=bearer, origin=origin))[0] == 403
-        # Who offers a token as browsers do, and says no origin, is no browser.
+        # A client that offers a token as browsers do, without an origin, is no browser.
         assert (await refused(coming, offered=bearer))[0] == 403
         for alone in (bearer[1], bearer[1].upper(), f"x{bearer[1]}", token):
             assert (await refused(coming, offered=(alone,), origin="https://app.example.org"))[0] == 400
@@ -256,7 +258,7 @@ async def test_a_flood_of_strangers_does_not_fill_the_trail(monkeypatch: pytest.
     async with guarded(tmp_path) as coming:
         for _ in range(10):
             await refused(coming)
-        # Whoever has a token that is genuine is not hidden by them.
+        # Refusals with a genuine token are not hidden by them.
         await refused(coming, fresh(iat=1, exp=2))
     assert [(line["reason"], line.get("who")) for line in coming.audited()] == [("missing", None)] * 3 + [
         ("expired", "alice")

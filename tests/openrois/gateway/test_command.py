@@ -15,6 +15,8 @@ from openrois.gateway import command
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 
+pytestmark = pytest.mark.extra(name="gateway")
+
 
 @pytest.fixture(autouse=True)
 def _quiet(monkeypatch: pytest.MonkeyPatch) -> None:

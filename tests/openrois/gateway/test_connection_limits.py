@@ -1,4 +1,4 @@
-"""Who still gets in when many are in already."""
+"""Limits of connections for applications, adapters and addresses."""
 
 import asyncio
 from collections import Counter
@@ -23,45 +23,49 @@ def turned_away() -> Counter[str]:
 
 
 @pytest.fixture
-def places(monkeypatch: pytest.MonkeyPatch, turned_away: Counter[str]) -> ConnectionLimits:
+def limits(monkeypatch: pytest.MonkeyPatch, turned_away: Counter[str]) -> ConnectionLimits:
     monkeypatch.setattr(module, "MAX_APPLICATIONS", 3)
     monkeypatch.setattr(module, "MAX_ADAPTERS", 1)
     return ConnectionLimits(lambda reason: turned_away.update((reason,)), per_address=2)
 
 
-def test_adapters_have_places_of_their_own(places: ConnectionLimits, turned_away: Counter[str]) -> None:
-    with places.of_application("a"), places.of_application("a"), places.of_application("b"):
-        assert places.is_full
-        with pytest.raises(web.HTTPServiceUnavailable), places.of_application("c"):
+def test_adapters_have_places_of_their_own(limits: ConnectionLimits, turned_away: Counter[str]) -> None:
+    with (
+        limits.of_application("a"),
+        limits.of_application("a"),
+        limits.of_application("b"),
+    ):
+        assert limits.is_full
+        with pytest.raises(web.HTTPServiceUnavailable), limits.of_application("c"):
             pass
-        with places.of_adapter(), pytest.raises(web.HTTPServiceUnavailable), places.of_adapter():
+        with limits.of_adapter(), pytest.raises(web.HTTPServiceUnavailable), limits.of_adapter():
             pass
-    assert not places.is_full
-    with places.of_adapter():
-        assert places.is_full
-        with places.of_application("c"):
+    assert not limits.is_full
+    with limits.of_adapter():
+        assert limits.is_full
+        with limits.of_application("c"):
             pass
     assert turned_away == {"full": 2}
 
 
-def test_one_address_has_so_many(places: ConnectionLimits, turned_away: Counter[str]) -> None:
-    with places.of_application("a"), places.of_application("a"):
-        with pytest.raises(web.HTTPTooManyRequests), places.of_application("a"):
+def test_one_address_has_so_many(limits: ConnectionLimits, turned_away: Counter[str]) -> None:
+    with limits.of_application("a"), limits.of_application("a"):
+        with pytest.raises(web.HTTPTooManyRequests), limits.of_application("a"):
             pass
-        with places.of_application("b"):
+        with limits.of_application("b"):
             pass
-    with places.of_application("a"):
+    with limits.of_application("a"):
         pass
     assert turned_away == {"too many from one address": 1}
 
 
-async def test_of_a_crowd_a_few_come_in_at_a_time(places: ConnectionLimits) -> None:
+async def test_of_a_crowd_a_few_come_in_at_a_time(limits: ConnectionLimits) -> None:
     inside: list[int] = []
     came: list[int] = []
     may_go = asyncio.Event()
 
     async def come(number: int) -> None:
-        async with places.entering():
+        async with limits.entering():
             came.append(number)
             inside.append(number)
             assert len(inside) <= ENTERING
@@ -73,12 +77,12 @@ async def test_of_a_crowd_a_few_come_in_at_a_time(places: ConnectionLimits) -> N
             crowd.create_task(come(number))
         gives_up = crowd.create_task(come(20))
         await asyncio.sleep(0)
-        assert (came, places.waiting) == (list(range(ENTERING)), 21 - ENTERING)
+        assert (came, limits.waiting) == (list(range(ENTERING)), 21 - ENTERING)
         gives_up.cancel()
         await asyncio.sleep(0)
-        assert places.waiting == 20 - ENTERING
+        assert limits.waiting == 20 - ENTERING
         may_go.set()
-    assert (came, places.waiting) == (list(range(20)), 0)
+    assert (came, limits.waiting) == (list(range(20)), 0)
 
 
 async def test_an_adapter_does_not_wait_behind_a_crowd(monkeypatch: pytest.MonkeyPatch) -> None:

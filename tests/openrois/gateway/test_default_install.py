@@ -1,4 +1,4 @@
-"""A gateway that is started without any option is reached at one port of this machine, and tells strangers nothing."""
+"""A gateway without options is reached at one port of this machine, and gives other clients no information."""
 
 import asyncio
 import os

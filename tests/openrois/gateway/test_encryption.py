@@ -97,7 +97,7 @@ def serial_of(coming: Guarded, authority: Authority) -> str:
         return str(found["serialNumber"])
 
 
-async def test_a_new_certificate_without_dropping_anyone(tmp_path: Path) -> None:
+async def test_a_new_certificate_without_dropping_a_connection(tmp_path: Path) -> None:
     authority = Authority(tmp_path)
     cert, key = authority.issue()
     async with guarded(tmp_path, tls_cert=cert, tls_key=key) as coming:
@@ -127,7 +127,7 @@ def test_what_is_no_certificate(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="cannot be used"):
         Certificate(key, cert, time.time)
     authority.issue(password=b"canary-password")
-    with pytest.raises(ValueError, match=r"cert\.pem.*locked with a password"):
+    with pytest.raises(ValueError, match=r"cert\.pem.*encrypted with a password"):
         Certificate(cert, key, time.time)
 
 
@@ -170,4 +170,4 @@ def test_one_that_has_ended_is_used_and_said_to_have(tmp_path: Path, caplog: pyt
     assert not caplog.messages
     assert Certificate(cert, key, lambda: end).ends == end
     (said,) = caplog.messages
-    assert said.startswith(f"the certificate {cert} ended on ")
+    assert said.startswith(f"the certificate {cert} expired on ")

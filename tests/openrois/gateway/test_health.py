@@ -13,6 +13,8 @@ from openrois.gateway.server import Gateway
 from openrois.observability.health import Readiness
 from tests.support import deployment
 
+pytestmark = pytest.mark.extra(name="gateway")
+
 TOKEN = "s" * 16
 
 
@@ -64,7 +66,7 @@ async def test_a_gateway_without_keys_asks_for_them(tmp_path: Path) -> None:
 
 
 def test_the_table_for_operators_lists_what_may_lack() -> None:
-    page = (Path(__file__).parents[3] / "docs" / "operating.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "how-to" / "operating.md").read_text(encoding="utf-8")
     table = page.partition("| `lacking` |")[2].partition("\n\n")[0]
     listed = {line.split("`")[1] for line in table.splitlines() if line.startswith("| `")}
     source = (Path(__file__).parents[3] / "openrois" / "gateway" / "server.py").read_text(encoding="utf-8")

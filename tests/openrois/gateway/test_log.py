@@ -21,7 +21,7 @@ TOKEN = "not-a-token-that-a-pattern-knows"
 
 
 class Nothing(Redaction):
-    """Hides nothing: that nobody logs a secret is to be seen without the last net."""
+    """Hides nothing, so that a secret in the log shows."""
 
     def __call__(self, text: str) -> str:
         return text

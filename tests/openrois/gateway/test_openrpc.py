@@ -79,7 +79,7 @@ async def test_an_answer_is_of_the_type_that_it_says() -> None:
         for method, params in (
             ("rois.system.get_profile", {}),
             ("rois.command.search", {}),
-            ("rois.command.bind", {"component_ref": "nobody/x"}),
+            ("rois.command.bind", {"component_ref": "absent/x"}),
             ("openrois.hello", {"version": "1"}),
             ("signaling.ice_servers", {}),
         ):

@@ -69,12 +69,12 @@ REFUSED = [
 
 
 @pytest.mark.parametrize("origin", ADMITTED)
-def test_whose_pages_may_connect(origin: str) -> None:
+def test_pages_of_allowed_origins_connect(origin: str) -> None:
     assert RULES.admits(origin, HOST)
 
 
 @pytest.mark.parametrize("origin", REFUSED)
-def test_whose_pages_may_not(origin: str) -> None:
+def test_pages_of_other_origins_are_refused(origin: str) -> None:
     assert not RULES.admits(origin, HOST)
 
 

@@ -75,7 +75,7 @@ async def test_without_tokens_each_connection_is_a_subject_of_its_own() -> None:
         assert await viewers[0].code("rois.stream.connect_stream", component_ref=CAMERA) == "OUT_OF_RESOURCES"
 
 
-async def test_the_adapter_is_told_who_may_not_bind(tmp_path: Path) -> None:
+async def test_the_adapter_is_notified_of_clients_that_may_not_bind(tmp_path: Path) -> None:
     async with guarded(tmp_path) as gateway, AsyncExitStack() as stack:
         streams = await with_camera(gateway.gateway)
         for roles in (["viewer"], ["operator"], ["maintenance", "viewer"], ["administrator"]):

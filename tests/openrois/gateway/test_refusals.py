@@ -81,7 +81,7 @@ async def test_the_trail_alone_tells_what_is_out_of_scope_from_what_is_not_there
     records = told(tmp_path / "audit")
     assert [record["method"] for record in records] == [method for method, _, _ in asked]
     for record, (_, _, hidden) in zip(records, asked, strict=True):
-        assert record["who"] == "somebody"
+        assert record["who"] == "anna"
         assert ("(out of scope: fleet/move)" in record["reason"]) == bool(hidden)
 
 

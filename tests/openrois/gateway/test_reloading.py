@@ -1,4 +1,4 @@
-"""Files are read again when they change, or when somebody says so."""
+"""Files are read again when they change, or on demand."""
 
 import asyncio
 import logging
@@ -16,18 +16,18 @@ def test_what_has_changed_is_read_again(tmp_path: Path) -> None:
     reloader = Reloader()
     reloader.add((one, other), lambda: read.append("both"), "both")
     reloader.add((other,), lambda: read.append("other"), "the other")
-    reloader.look()
+    reloader.reload_changed()
     assert read == []
     one.write_text("11")
-    reloader.look()
-    reloader.look()
+    reloader.reload_changed()
+    reloader.reload_changed()
     assert read == ["both"]
     other.write_text("2")
-    reloader.look()
+    reloader.reload_changed()
     assert read == ["both", "both", "other"]
     other.unlink()
-    reloader.look()
-    reloader.look(at_all=True)
+    reloader.reload_changed()
+    reloader.reload_changed(at_all=True)
     assert read[3:] == ["both", "other", "both", "other"]
 
 
@@ -38,14 +38,14 @@ def test_what_cannot_be_used_is_said(tmp_path: Path, caplog: pytest.LogCaptureFi
     reloader = Reloader()
     reloader.add((tmp_path / "x",), reload, "the keys")
     with caplog.at_level(logging.ERROR):
-        reloader.look(at_all=True)
-    assert "the keys: what was read before holds on: it is nonsense" in caplog.text
+        reloader.reload_changed(at_all=True)
+    assert "the keys: the previous content stays in use: it is nonsense" in caplog.text
     assert reloader.failures == 1
 
 
 @pytest.mark.parametrize("error", [FileNotFoundError("it went while it was read"), RecursionError(), KeyError("x")])
 def test_whatever_goes_wrong_the_others_are_read(error: Exception, tmp_path: Path) -> None:
-    """Who is revoked would be let in for ever."""
+    """A revoked token would be accepted for ever."""
 
     def reload() -> None:
         raise error
@@ -54,7 +54,7 @@ def test_whatever_goes_wrong_the_others_are_read(error: Exception, tmp_path: Pat
     reloader = Reloader()
     reloader.add((tmp_path / "x",), reload, "the keys")
     reloader.add((tmp_path / "y",), lambda: read.append("y"), "the list of revocations")
-    reloader.look(at_all=True)
+    reloader.reload_changed(at_all=True)
     assert (reloader.failures, read) == (1, ["y"])
 
 

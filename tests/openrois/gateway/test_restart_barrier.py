@@ -60,7 +60,7 @@ async def test_applications_wait_for_the_adapters_that_were_there(path: Path) ->
             assert await ready(gateway)
 
 
-async def test_who_does_not_come_back_is_waited_for_once(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_an_adapter_that_stays_away_is_waited_for_once(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "RETURN_TIME", 0.05)
     before(path, "robot")
     async with deployment.gateway(journal=path) as gateway, knocking(gateway) as app:
@@ -69,7 +69,7 @@ async def test_who_does_not_come_back_is_waited_for_once(path: Path, monkeypatch
     assert known(path) == frozenset()
 
 
-async def test_who_is_there_at_the_end_is_remembered_and_who_has_left_is_not(path: Path) -> None:
+async def test_engines_at_the_end_are_kept_and_departed_ones_are_not(path: Path) -> None:
     async with AsyncExitStack() as stack, AsyncExitStack() as ending_first:
         gateway = await ending_first.enter_async_context(deployment.gateway(journal=path))
         await stack.enter_async_context(adapter(gateway, *Robot().parts()))
@@ -79,7 +79,7 @@ async def test_who_is_there_at_the_end_is_remembered_and_who_has_left_is_not(pat
     assert known(path) == {"robot"}
 
 
-async def test_whoever_is_sent_away_to_come_back_is_remembered(path: Path) -> None:
+async def test_an_engine_closed_for_a_restart_is_kept(path: Path) -> None:
     async with deployment.gateway(journal=path) as gateway, adapter(gateway, *Robot().parts()):
         await gateway.drain()
     assert known(path) == {"robot"}

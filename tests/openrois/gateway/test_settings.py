@@ -1,4 +1,4 @@
-"""What a gateway can be told, and what is refused in a sentence."""
+"""The settings of a gateway, and those that are refused, with a sentence."""
 
 from pathlib import Path
 from typing import Any
@@ -27,22 +27,22 @@ def test_not_this_machine(host: str) -> None:
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"port": -1}, "TCP port"),
-        ({"port": 65536}, "TCP port"),
-        ({"engine_id": ""}, "engine id"),
-        ({"engine_id": "a/b"}, "engine id"),
+        ({"port": -1}, "--port must be between 0 and 65535, not -1"),
+        ({"port": 65536}, "not 65536"),
+        ({"engine_id": ""}, "--engine-id '' is not valid"),
+        ({"engine_id": "a/b"}, "--engine-id 'a/b' is not valid"),
         ({"ice_servers": ("stun.example.org",)}, "STUN"),
         ({"ice_servers": ("turn:x",)}, "STUN"),
         ({"ice_servers": ("stun:" + "x" * 512,)}, "STUN"),
         ({"ice_servers": ("stuns:stun.example.org",)}, "STUN"),
-        ({"turn": ("stun:x",), "turn_secret": "s" * 16}, "no address of a TURN server"),
-        ({"turn": ("turn:x y",), "turn_secret": "s" * 16}, "no address of a TURN server"),
+        ({"turn": ("stun:x",), "turn_secret": "s" * 16}, "no TURN address"),
+        ({"turn": ("turn:x y",), "turn_secret": "s" * 16}, "no TURN address"),
         ({"turn": ("turn:x",)}, "given together"),
         ({"turn_secret": "s" * 16}, "given together"),
         ({"turn": ("turn:x",), "turn_secret": "short"}, "at least 16 characters"),
-        ({"turn_ttl": 59}, "60 to 86400"),
-        ({"turn_ttl": 86401}, "60 to 86400"),
-        ({"adapter_timeout": 0}, "seconds"),
+        ({"turn_ttl": 59}, "--turn-ttl must be between 60 and 86400 seconds, not 59"),
+        ({"turn_ttl": 86401}, "not 86401"),
+        ({"adapter_timeout": 0}, "--adapter-timeout must be more than 0 and less than 3600 seconds, not 0"),
         ({"adapter_timeout": float("nan")}, "finite"),
         ({"adapter_timeout": float("inf")}, "finite"),
     ],
@@ -62,13 +62,13 @@ def test_what_is_fine() -> None:
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.0.1", "gateway.example.org"])
-def test_who_listens_for_others_asks_for_tokens_and_does_tls(host: str) -> None:
+def test_a_gateway_for_other_machines_needs_tokens_and_tls(host: str) -> None:
     key, cert = Path("key"), Path("cert")
     for settings, words in (
-        ({}, "without authentication"),
-        ({"tls_cert": cert, "tls_key": key}, "without authentication"),
-        ({"auth_keys": (key,)}, "without TLS"),
-        ({"auth_jwks": "https://issuer.example/jwks"}, "without TLS"),
+        ({}, "needs authentication"),
+        ({"tls_cert": cert, "tls_key": key}, "needs authentication"),
+        ({"auth_keys": (key,)}, "needs TLS"),
+        ({"auth_jwks": "https://issuer.example/jwks"}, "needs TLS"),
     ):
         with pytest.raises(ValueError, match=words):
             GatewaySettings(host=host, **settings)
@@ -79,23 +79,29 @@ def test_who_listens_for_others_asks_for_tokens_and_does_tls(host: str) -> None:
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"auth_keys": (Path("a"),), "auth_jwks": "https://issuer.example/"}, "from one of these"),
-        ({"auth_jwks": "http://issuer.example/"}, "only https"),
+        (
+            {"auth_keys": (Path("a"),), "auth_jwks": "https://issuer.example/"},
+            "give only one of --auth-key, --auth-jwks",
+        ),
+        ({"auth_jwks": "http://issuer.example/"}, "give an https address"),
         ({"auth_jwks": "ftp://issuer.example/"}, "no https address"),
-        ({"auth_issuer": "x"}, "no tokens"),
-        ({"auth_revocations": Path("x")}, "no tokens"),
-        ({"auth_max_lifetime": 59}, "60 to 86400"),
-        ({"auth_max_lifetime": 86401}, "60 to 86400"),
+        ({"auth_issuer": "x"}, "require --auth-key or --auth-jwks"),
+        ({"auth_revocations": Path("x")}, "require --auth-key or --auth-jwks"),
+        ({"auth_max_lifetime": 59}, "--auth-max-lifetime must be between 60 and 86400 seconds, not 59"),
+        ({"auth_max_lifetime": 86401}, "not 86401"),
         ({"allow_origins": ("https://app.example.org/",)}, "no origin"),
         ({"allow_origins": ("*",)}, "no origin"),
         ({"allow_origins": ("null",)}, "no origin"),
-        ({"allow_hosts": ("https://app.example.org",)}, "no host's name"),
-        ({"allow_hosts": ("app.example.org:8765",)}, "no host's name"),
-        ({"allow_hosts": ("",)}, "no host's name"),
-        ({"tls_elsewhere": True}, "lets others in"),
+        ({"allow_hosts": ("https://app.example.org",)}, "no name of a host"),
+        ({"allow_hosts": ("app.example.org:8765",)}, "no name of a host"),
+        ({"allow_hosts": ("",)}, "no name of a host"),
+        ({"tls_elsewhere": True}, "--tls-elsewhere needs authentication"),
         ({"tls_cert": Path("x")}, "given together"),
         ({"tls_key": Path("x")}, "given together"),
-        ({"tls_cert": Path("x"), "tls_key": Path("y"), "tls_elsewhere": True}, "not in both"),
+        (
+            {"tls_cert": Path("x"), "tls_key": Path("y"), "tls_elsewhere": True},
+            "give either --tls-elsewhere or --tls-cert",
+        ),
     ],
 )
 def test_what_is_refused_of_access(settings: dict[str, Any], words: str) -> None:

@@ -21,7 +21,7 @@ def sessions(path: Path) -> list[dict[str, Any]]:
     return [line for line in lines if line["kind"] == "session"]
 
 
-async def test_who_comes_and_leaves_is_recorded_beside_what_was_done(tmp_path: Path) -> None:
+async def test_sign_ins_and_sign_outs_are_recorded_beside_actions(tmp_path: Path) -> None:
     async with guarded(tmp_path) as coming:
         async with coming.dial(fresh(sub="anna", roles=["operator", "viewer"], jti="t1")) as connection:
             await ask(connection, "rois.system.connect")
@@ -40,7 +40,7 @@ async def test_who_comes_and_leaves_is_recorded_beside_what_was_done(tmp_path: P
     assert adapter_left["correlation"] != came["correlation"]
 
 
-async def test_who_is_not_let_in_has_not_signed_in(tmp_path: Path) -> None:
+async def test_a_refused_client_has_not_signed_in(tmp_path: Path) -> None:
     async with guarded(tmp_path) as coming:
         with pytest.raises(Exception, match="401"):
             await coming.dial("x.y.z")

@@ -15,7 +15,7 @@ from tests.support.session import settle
 
 @asynccontextmanager
 async def joined() -> AsyncIterator[tuple[ServerSocket, ClientConnection]]:
-    """A server's end that nobody reads from, and the other end of it."""
+    """A server's end without a reader, and the other end of it."""
     made: asyncio.Future[ServerSocket] = asyncio.get_running_loop().create_future()
     over = asyncio.Event()
 

@@ -1,11 +1,11 @@
-"""How long a connection may last: told before, ended on time, made longer by a new token of the same subject."""
+"""The end of a connection with its token: announced before, on time, put off by a new token of the same subject."""
 
 import asyncio
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import pytest
 from websockets.asyncio.client import ClientConnection
@@ -13,7 +13,6 @@ from websockets.exceptions import ConnectionClosed
 
 from openrois.aio.tasks import TaskScope
 from openrois.auth.principal import Principal, Role
-from openrois.auth.tokens import TokenVerifier
 from openrois.gateway.renewal import REFRESH, Renewal
 from openrois.gateway.token_expiry import TOKEN_ENDED, TokenExpiries, TokenExpiry
 from openrois.observability.audit import Audit
@@ -41,11 +40,11 @@ class Watched:
         self.clock = Clock(1000.0)
         self.revoked: set[str] = set()
         self.audit = Audit()
-        self.tenures = TokenExpiries(self.clock, lambda p: p.subject in self.revoked, self.audit, tasks)
+        self.expiries = TokenExpiries(self.clock, lambda p: p.subject in self.revoked, self.audit, tasks)
 
     def at(self, now: float) -> None:
         self.clock.now = now
-        self.tenures.look()
+        self.expiries.check_tokens()
 
 
 @asynccontextmanager
@@ -59,14 +58,14 @@ async def test_whatever_goes_wrong_in_one_session_all_end_in_their_time(caplog: 
         raise ZeroDivisionError("a bug")
 
     async with watched() as here:
-        tenures = [TokenExpiry(principal(1100), fail), TokenExpiry(principal(1100))]
+        expiries = [TokenExpiry(principal(1100), fail), TokenExpiry(principal(1100))]
         connections = [Connection(), Connection()]
-        with here.tenures.holding(tenures[0], connections[0]), here.tenures.holding(tenures[1], connections[1]):
+        with here.expiries.holding(expiries[0], connections[0]), here.expiries.holding(expiries[1], connections[1]):
             here.at(1100)
             await asyncio.sleep(0)
             assert [len(connection.closed) for connection in connections] == [1, 1]
-            assert [tenure.is_over for tenure in tenures] == [True, True]
-            assert tenures[0].principal.roles == frozenset()
+            assert [expiry.is_over for expiry in expiries] == [True, True]
+            assert expiries[0].principal.roles == frozenset()
     assert "a bug" in caplog.text
 
 
@@ -86,9 +85,9 @@ async def test_a_connection_ends_with_its_token() -> None:
     async with watched() as here:
         seen: list[Principal] = []
         warnings: list[float] = []
-        tenure = TokenExpiry(principal(1100), seen.append, noting(warnings))
+        expiry = TokenExpiry(principal(1100), seen.append, noting(warnings))
         connection = Connection()
-        with here.tenures.holding(tenure, connection):
+        with here.expiries.holding(expiry, connection):
             here.at(1039)
             assert not warnings
             here.at(1040)
@@ -99,15 +98,15 @@ async def test_a_connection_ends_with_its_token() -> None:
             here.at(1100)
             # Before the connection is even closed it may nothing any more.
             assert [(p.subject, p.roles, p.scope) for p in seen] == [("alice", frozenset(), ())]
-            assert tenure.is_over
+            assert expiry.is_over
             await asyncio.sleep(0)
             assert connection.closed == [(TOKEN_ENDED, "the token has expired")]
             here.at(1200)
-            assert here.tenures.ended == here.audit.refusals == 1
+            assert here.expiries.ended == here.audit.refusals == 1
     assert connection.closed == [(TOKEN_ENDED, "the token has expired")]
 
 
-async def test_who_does_not_understand_is_told_once_it_does() -> None:
+async def test_a_client_without_extensions_is_warned_after_its_hello() -> None:
     async with watched() as here:
         understood = False
         told: list[float] = []
@@ -116,7 +115,7 @@ async def test_who_does_not_understand_is_told_once_it_does() -> None:
             told.append(seconds)
             return understood
 
-        with here.tenures.holding(TokenExpiry(principal(1010), on_expiring=tell), Connection()):
+        with here.expiries.holding(TokenExpiry(principal(1010), on_expiring=tell), Connection()):
             here.at(1001)
             here.at(1002)
             understood = True
@@ -129,8 +128,8 @@ async def test_a_connection_ends_when_its_subject_is_revoked() -> None:
     async with watched() as here:
         alice, bob = Connection(), Connection()
         with (
-            here.tenures.holding(TokenExpiry(principal(9999)), alice),
-            here.tenures.holding(TokenExpiry(principal(None, "bob")), bob),
+            here.expiries.holding(TokenExpiry(principal(9999)), alice),
+            here.expiries.holding(TokenExpiry(principal(None, "bob")), bob),
         ):
             here.at(1001)
             here.revoked.add("alice")
@@ -144,11 +143,11 @@ async def test_a_connection_ends_when_its_subject_is_revoked() -> None:
 async def test_a_new_token_makes_it_longer_and_warns_again() -> None:
     async with watched() as here:
         told: list[float] = []
-        tenure = TokenExpiry(principal(1030), on_expiring=noting(told))
+        expiry = TokenExpiry(principal(1030), on_expiring=noting(told))
         connection = Connection()
-        with here.tenures.holding(tenure, connection):
+        with here.expiries.holding(expiry, connection):
             here.at(1000)
-            tenure.replace(principal(1200))
+            expiry.replace(principal(1200))
             here.at(1050)
             here.at(1150)
             here.at(1200)
@@ -168,8 +167,8 @@ async def test_it_looks_every_second() -> None:
                 enough.set()
                 await asyncio.Event().wait()
 
-        tenures = TokenExpiries(Clock(0), lambda _p: False, Audit(), tasks, sleep)
-        tasks.start(tenures.watch())
+        expiries = TokenExpiries(Clock(0), lambda _p: False, Audit(), tasks, sleep)
+        tasks.start(expiries.watch())
         await enough.wait()
         assert slept == [1.0, 1.0, 1.0]
 
@@ -191,7 +190,7 @@ async def hello(connection: ClientConnection) -> None:
     assert (await ask(connection, "openrois.hello", version="1"))["result"]["return_code"] == "OK"
 
 
-async def test_who_is_revoked_is_out_and_stays_out(tmp_path: Path) -> None:
+async def test_revoked_token_ends_session_and_is_refused_again(tmp_path: Path) -> None:
     revocations = tmp_path / "revoked"
     revocations.write_text("")
     async with guarded(tmp_path, auth_revocations=revocations) as coming:
@@ -218,25 +217,24 @@ async def test_a_connection_that_has_ended_is_not_made_longer_by_a_token_that_wa
     """Keys may have to be fetched, which takes seconds; meanwhile the present token ends, or is revoked."""
     asked, known = asyncio.Event(), asyncio.Event()
 
-    class Slow:
-        async def verify(self, _token: str) -> Principal:
-            asked.set()
-            await known.wait()
-            return principal(9999)
+    async def verify_slowly(_token: str) -> Principal:
+        asked.set()
+        await known.wait()
+        return principal(9999)
 
     async with watched() as here:
         seen: list[Principal] = []
-        tenure = TokenExpiry(principal(1100), seen.append)
-        renewal = Renewal(cast(TokenVerifier, Slow()), here.clock, here.audit)
-        handler = renewal.method(tenure, lambda _principal: True, lambda _reason: None)[REFRESH]
-        with here.tenures.holding(tenure, Connection()):
+        expiry = TokenExpiry(principal(1100), seen.append)
+        renewal = Renewal(verify_slowly, here.clock, here.audit)
+        handler = renewal.method(expiry, lambda _principal: True, lambda _reason: None)[REFRESH]
+        with here.expiries.holding(expiry, Connection()):
             renewing = asyncio.ensure_future(handler({"token": "x.y.z"}))
             await asked.wait()
             here.at(1100)
             known.set()
             assert (await renewing).result.return_code == "BAD_PARAMETER"
     assert [(p.subject, p.roles) for p in seen] == [("alice", frozenset())]
-    assert tenure.principal.roles == frozenset()
+    assert expiry.principal.roles == frozenset()
 
 
 async def test_a_new_token_on_the_same_connection(tmp_path: Path) -> None:

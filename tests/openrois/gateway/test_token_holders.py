@@ -77,7 +77,7 @@ async def test_what_an_application_is_told_without_a_good_token(
     assert SECRET not in caplog.text
 
 
-async def test_a_certificate_that_nobody_known_has_signed(tmp_path: Path) -> None:
+async def test_a_certificate_without_a_known_authority(tmp_path: Path) -> None:
     cert, key = Authority(tmp_path).issue()
     (tmp_path / "other").mkdir()
     stranger = Authority(tmp_path / "other")

@@ -1,4 +1,4 @@
-"""Connections that say nothing, or only half of it, and what they cost those who do."""
+"""Connections without a request header, or with half of one, and what they cost others."""
 
 import asyncio
 import ssl
@@ -151,11 +151,11 @@ async def never_asked(_request: web.BaseRequest) -> web.StreamResponse:
 
 async def test_of_too_many_from_one_address_its_oldest_is_cut() -> None:
     cut: list[str] = []
-    heads = module.HeaderTimeouts(lambda _reason: None, 4, 2)
+    header_timeouts = module.HeaderTimeouts(lambda _reason: None, 4, 2)
 
     class Silent(module.Connection):
         def __init__(self, name: str, address: str) -> None:
-            super().__init__(web.Server(never_asked), heads, address, loop=asyncio.get_running_loop())
+            super().__init__(web.Server(never_asked), header_timeouts, address, loop=asyncio.get_running_loop())
             self.name = name
 
         def abort(self) -> bool:
@@ -163,13 +163,13 @@ async def test_of_too_many_from_one_address_its_oldest_is_cut() -> None:
             return True
 
     for name, address in (("a1", "A"), ("b1", "B"), ("b2", "B"), ("b3", "B"), ("c1", "C"), ("c2", "C")):
-        heads.join(Silent(name, address))
+        header_timeouts.join(Silent(name, address))
     # The third of B cuts the first of B, though that of A is older; with the fifth of all the oldest is A's.
     assert cut == ["b1", "a1"]
-    assert heads.silent == 4
-    for each in tuple(heads._open):
-        heads.leave(each)
-    assert (heads.silent, heads.open, +heads._of_address) == (0, 0, {})
+    assert header_timeouts.silent == 4
+    for each in tuple(header_timeouts._open):
+        header_timeouts.leave(each)
+    assert (header_timeouts.silent, header_timeouts.open, +header_timeouts._of_address) == (0, 0, {})
 
 
 @pytest.mark.parametrize(
@@ -223,7 +223,7 @@ async def flood(gateway: Gateway, said: bytes) -> None:
         assert near.is_cut
 
 
-async def test_who_is_gone_is_not_waited_for(monkeypatch: pytest.MonkeyPatch, encryption: Settings) -> None:
+async def test_a_closed_connection_is_not_waited_for(monkeypatch: pytest.MonkeyPatch, encryption: Settings) -> None:
     monkeypatch.setattr(module, "HEAD_TIMEOUT", 3600.0)
     async with deployment.gateway(metrics="0", **encryption) as gateway, aiohttp.ClientSession() as http:
 

@@ -103,7 +103,7 @@ def test_a_message_has_so_many_fragments() -> None:
     assert in_parts((first + middle * (MAX_FRAGMENTS - 2) + last) * 3, [])[1] is None
     passed, fault = in_parts(first + middle * (MAX_FRAGMENTS - 1), [])
     assert len(passed) == 6 * (MAX_FRAGMENTS - 1) + len(MARK)
-    assert fault == Fault(1008, "a message has at most 1024 fragments")
+    assert fault == Fault(1008, "a message may have 1024 fragments at most")
 
 
 @pytest.mark.parametrize("opcode", [PING, PONG])

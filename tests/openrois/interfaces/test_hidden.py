@@ -250,8 +250,8 @@ async def test_faults_of_engines() -> None:
 
 
 @pytest.mark.parametrize("role", [Role.VIEWER, Role.ADMINISTRATOR])
-async def test_ids_of_others_are_like_ids_of_nobody(role: Role) -> None:
-    """Of a stream, a command, an event, a subscription, an error: what another session has, and what nobody has."""
+async def test_ids_of_others_are_like_unknown_ids(role: Role) -> None:
+    """Of a stream, a command, an event, a subscription, an error: the id of another session, and an unknown one."""
     async with place("fleet") as where:
         person, navigation, camera = SCOPE
         owner, thief = principal("operator", "*", subject="owner"), principal(role, "*", subject="thief")

@@ -23,7 +23,7 @@ from openrois.types.methods import METHODS
 from openrois.types.profiles import HRIComponentProfile
 from tests.support.authorization import Place, Wire, place, principal
 
-SIGNALING: Final = sorted(signaling_methods(Relay(None, lambda: 0.0), "somebody", None))  # type: ignore[arg-type]
+SIGNALING: Final = sorted(signaling_methods(Relay(None, lambda: 0.0), "anna", None))  # type: ignore[arg-type]
 
 # Who may call: viewer, maintenance, operator, administrator, adapter. Then what is answered of a component that is out
 # of scope or absent, and of one in scope that the application has bound.
@@ -254,7 +254,7 @@ class Trial:
         if method == "rois.command.execute" and "connect_stream" in str(params):
             may_reach |= {("query", self.ref), ("rois.stream.connect_stream", self.ref)}
         if method == "openrois.stop_all":
-            # Who holds a part of an engine stops the whole of it, and can do nothing else to the rest.
+            # The holder of a part of an engine stops the whole of it, and can do nothing else to the rest.
             may_reach = {("invoke", f"{FLEET}/{kind.name}") for kind in _ACTING} if allowed else set()
         if not reached <= may_reach:
             self.verdicts.allowed.append(f"{case} reached {reached}")

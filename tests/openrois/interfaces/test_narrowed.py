@@ -1,4 +1,4 @@
-"""What was told before a new token showed less: nobody may ask about it any more."""
+"""Details of what was notified before a new token with a smaller scope: they are refused."""
 
 import asyncio
 import json
@@ -16,12 +16,12 @@ LAMP = "robot/lamp"
 
 
 async def test_events_errors_and_results_are_of_those_that_are_shown() -> None:
-    engine, tenure = Engine("gateway"), TokenExpiry(principal("operator", "*"))
+    engine, expiry = Engine("gateway"), TokenExpiry(principal("operator", "*"))
     await engine.attach(LocalRegistry("robot", (Lamp(), Lamp("other"))))
-    async with TaskScope() as tasks, Place(EngineHost(engine, tasks), {}).application(tenure) as app:
+    async with TaskScope() as tasks, Place(EngineHost(engine, tasks), {}).application(expiry) as app:
 
         async def run(command_type: str, told: str) -> dict[str, Any]:
-            """Run a command to its end, and return what is told meanwhile, whichever comes first."""
+            """Run a command to its end, and return the notification that comes meanwhile, before or after it."""
             unit = {"component_ref": LAMP, "command_type": command_type, "command_id": command_type}
             assert await app.code("rois.command.execute", {"command_unit_list": [unit]}) == "OK"
             heard: dict[str, dict[str, Any]] = {}
@@ -42,9 +42,9 @@ async def test_events_errors_and_results_are_of_those_that_are_shown() -> None:
             ("rois.command.get_command_result", {"command_id": "switch"}),
         ]
         assert [await app.code(*call) for call in asked] == ["OK"] * 3
-        tenure.replace(principal("operator", "robot/other"))
+        expiry.replace(principal("operator", "robot/other"))
         assert [await app.code(*call) for call in asked] == ["BAD_PARAMETER"] * 3
-        tenure.replace(principal("operator", "robot/l*"))
+        expiry.replace(principal("operator", "robot/l*"))
         assert [await app.code(*call) for call in asked] == ["OK"] * 3
 
 

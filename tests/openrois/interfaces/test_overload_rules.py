@@ -67,8 +67,8 @@ def test_what_it_overtakes(urgent: Request, waiting: Request, overtaken: bool, m
     waits = request_queue.RequestQueue(
         lambda *_started: None, lambda request, _reason: refused.append(request), queue_rules()
     )
-    waits.take(waiting, 1)
-    waits.take(urgent, 1)
+    waits.put_request(waiting, 1)
+    waits.put_request(urgent, 1)
     assert refused == [waiting] * overtaken
 
 
@@ -102,4 +102,4 @@ def test_the_answer_is_that_of_the_method() -> None:
     result = refusal("rois.query.query")
     assert isinstance(result, ResultsResult)
     assert result.return_code == "OUT_OF_RESOURCES"
-    assert refusal("nobody.knows") is None
+    assert refusal("unknown.method") is None

@@ -101,7 +101,7 @@ class Thieves(RuleBasedStateMachine):
 
     @rule(target=ids, name=SESSIONS)
     def hear_an_event(self, name: str) -> tuple[str, str]:
-        """Everybody who has subscribed hears it, and may ask about it; others may not."""
+        """Every subscriber gets it, and may read its details; others may not."""
         wire = self.wires[name]
         if name not in self.subscribed:
             told = self.run(
@@ -123,7 +123,7 @@ class Thieves(RuleBasedStateMachine):
 
     @rule(name=SESSIONS, thief=SESSIONS)
     def end_the_subscription_of_another(self, name: str, thief: str) -> None:
-        """It is answered OK, as for an id that nobody knows, and nothing ends."""
+        """It is answered OK, as an unknown id is, and nothing ends."""
         subscribe_id = self.subscribed.get(name, new_id("gateway"))
         if thief != name:
             code = self.run(self.wires[thief].code("rois.event.unsubscribe", {"subscribe_id": subscribe_id}))
@@ -149,7 +149,7 @@ class Thieves(RuleBasedStateMachine):
 
     @rule(target=ids, name=SESSIONS)
     def have_a_fault(self, name: str) -> tuple[str, str]:
-        """A component is faulty: those who work with it are told, and may ask."""
+        """A component is faulty: applications that work with it are notified, and may read the details."""
 
         async def report() -> None:
             self.where.host.engine.report(ErrorType.USER_DEFINED_ERROR, "a fault", PERSON)
@@ -178,11 +178,11 @@ class Thieves(RuleBasedStateMachine):
                 assert [each["value"] for each in answer[-1]["result"]["results"]] == ([given] if given else [])
         else:
             assert answer[-1]["result"]["return_code"] == refusal
-            unknown = json.dumps(self.answer(thief, method, {member: "nobody"}))
-            assert json.dumps(answer).replace(value, "nobody") == unknown
+            unknown = json.dumps(self.answer(thief, method, {member: "unknown"}))
+            assert json.dumps(answer).replace(value, "unknown") == unknown
 
     def answer(self, name: str, method: str, params: dict[str, str]) -> list[dict[str, Any]]:
-        """Ask, and return the answer and the reason that stands before it; what is told besides is kept."""
+        """Ask, and return the answer and the reason that stands before it; other notifications are kept."""
         frames = [json.loads(frame) for frame in self.run(self.wires[name].ask(method, params))]
         answers = [each for each in frames if "id" in each or each["method"] == "openrois.reason"]
         self.wires[name].frames += [json.dumps(each) for each in frames if each not in answers]
@@ -190,7 +190,7 @@ class Thieves(RuleBasedStateMachine):
 
     @invariant()
     def streams_are_where_they_belong(self) -> None:
-        """Nobody has ended or paused a stream that is another's: the engine has all of them still."""
+        """No session has ended or suspended a stream of another: the engine has all of them still."""
         if self.wires:
             streams = {value for own in self.own.values() for kind, value in own if kind == "stream"}
             assert set(self.where.robots["fleet"].streams.streams) == streams
@@ -208,7 +208,7 @@ def changed(value: str, change: str) -> str:
     }[change]
 
 
-def test_nobody_is_answered_for_another() -> None:
+def test_no_session_is_answered_for_another() -> None:
     assert {"operator", "viewer", "root"} <= _WATCHES
     few = settings(max_examples=RUNS, deadline=None, database=None, suppress_health_check=list(HealthCheck))
     run_state_machine_as_test(Thieves, settings=settings(few, stateful_step_count=30))

@@ -1,4 +1,4 @@
-"""Who may stop everything on an engine, and what is left of waiting for a component when a new token shows less."""
+"""Who may stop everything on an engine, and requests for a component that a new token takes out of scope."""
 
 from typing import Any
 
@@ -16,7 +16,7 @@ LAMP = {"component_ref": "robot/lamp"}
 
 
 @pytest.mark.parametrize("params", [{"engine_id": "robot"}, LAMP])
-async def test_who_holds_nothing_of_an_engine_does_not_stop_it(params: dict[str, Any]) -> None:
+async def test_without_a_component_of_the_engine_stop_all_is_refused(params: dict[str, Any]) -> None:
     engine = Engine("gateway")
     await engine.attach(LocalRegistry("robot", (Lamp(),)))
     await engine.attach(LocalRegistry("rover", (Lamp(),)))
@@ -32,15 +32,15 @@ async def test_who_holds_nothing_of_an_engine_does_not_stop_it(params: dict[str,
             assert (await app.result("openrois.stop_all", params))["stopped"] == ["robot/lamp"]
 
 
-async def test_who_is_shown_a_component_no_more_does_not_wait_for_it() -> None:
-    engine, tenure = Engine("gateway"), TokenExpiry(principal("operator", "*", subject="bob"))
+async def test_a_component_that_left_the_scope_is_not_waited_for() -> None:
+    engine, expiry = Engine("gateway"), TokenExpiry(principal("operator", "*", subject="bob"))
     await engine.attach(LocalRegistry("robot", (Lamp(),)))
     async with TaskScope() as tasks:
         here = Place(EngineHost(engine, tasks), {})
-        async with here.application(principal("operator", "*")) as ann, here.application(tenure) as bob:
+        async with here.application(principal("operator", "*")) as ann, here.application(expiry) as bob:
             assert await ann.code("rois.command.bind", LAMP) == "OK"
             assert await bob.code("openrois.lease.request", LAMP) == "OK"
-            tenure.replace(principal("viewer", "*", subject="bob"))
+            expiry.replace(principal("viewer", "*", subject="bob"))
             assert here.host.leases.model.waiting.count() == 0
             assert await ann.code("rois.command.release", LAMP) == "OK"
             assert here.host.leases.model.holding.held() == frozenset()

@@ -1,4 +1,4 @@
-"""Who may send a microphone or a camera into an engine: its operator, and nobody else."""
+"""Only the operator of an engine sends a microphone or a camera into it."""
 
 import json
 from typing import Any
@@ -88,7 +88,7 @@ def sent(where: Place) -> int:
 
 
 @pytest.mark.parametrize("role", ["operator", "administrator"])
-async def test_the_operator_sends_and_nobody_else(role: str) -> None:
+async def test_only_the_operator_sends(role: str) -> None:
     async with place("fleet") as where, where.application(principal(role, "*")) as wire:
         assert await wire.code("rois.stream.connect_stream", connecting()) == "OUT_OF_RESOURCES"
         assert await wire.code("rois.stream.connect_stream", connecting('{"direction": "recvonly"}')) == "OK"
@@ -124,13 +124,13 @@ async def test_of_an_engine_that_shows_nothing_to_hold_the_role_is_enough(scope:
 
 
 @pytest.mark.parametrize("who", [LOCAL])
-async def test_without_authentication_nobody_is_asked(who: Principal) -> None:
+async def test_without_authentication_no_lease_is_needed(who: Principal) -> None:
     async with place("fleet") as where, where.application(who) as wire:
         assert await wire.code("rois.stream.connect_stream", connecting()) == "OK"
 
 
 @pytest.mark.parametrize("how", ["release", "disconnect", "take"])
-async def test_who_operates_no_more_sends_no_more(how: str) -> None:
+async def test_losing_control_ends_uplinks(how: str) -> None:
     async with place("fleet", "other") as where, where.application(principal("operator", "*")) as wire:
         await wire.result("openrois.hello", {"version": "1"})
         for ref in (NAVIGATION, "fleet/move", "other/navigation"):
@@ -155,7 +155,7 @@ async def test_who_operates_no_more_sends_no_more(how: str) -> None:
         assert len(where.robots["other"].streams.streams) == 1
 
 
-async def test_who_operates_no_more_when_the_stream_is_made_does_not_have_it() -> None:
+async def test_losing_control_while_the_stream_is_made_ends_it() -> None:
     async with place("fleet") as where, where.application(principal("operator", "*")) as wire:
         streams = where.robots["fleet"].streams
         await wire.result("rois.command.bind", {"component_ref": NAVIGATION})

@@ -61,7 +61,7 @@ def test_what_was_told_is_forgotten(path: Path) -> None:
     assert journal.former.find("bob", "runs") is not None
 
 
-def test_who_was_there_at_the_end_is_known_to_the_next_run(path: Path) -> None:
+def test_engines_at_the_end_are_known_to_the_next_run(path: Path) -> None:
     write(path, *(Presence(name, is_there=here) for name, here in (("a", True), ("b", True), ("b", False))))
     write(path, Presence("a", is_there=False), Presence("a", is_there=True), Presence("c", is_there=True))
     journal = JournalFile(path)
@@ -116,7 +116,7 @@ def test_it_stays_small(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert known.find("ann", "199-49") is not None
 
 
-def test_what_nobody_asks_about_is_forgotten_after_days(path: Path) -> None:
+def test_commands_without_a_query_are_dropped_after_days(path: Path) -> None:
     write(path, accepted("old", at=LONG_AGO), accepted("new"))
     journal = JournalFile(path)
     journal.close()

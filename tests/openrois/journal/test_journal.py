@@ -55,16 +55,16 @@ async def test_a_command_is_in_the_file_before_it_is_accepted(path: Path) -> Non
     with Journal(path) as again:
         former = again.find("ann", "one")
         assert former is not None
-        assert former.end is CompletedStatus.OK
-        assert again.tell("ann", "two") is again.find("ann", "two") is not None
-        assert again.tell("ann", "two") is None
-        assert again.tell("bob", "one") is None
+        assert former.completed_status is CompletedStatus.OK
+        assert again.deliver_outcome("ann", "two") is again.find("ann", "two") is not None
+        assert again.deliver_outcome("ann", "two") is None
+        assert again.deliver_outcome("bob", "one") is None
     with Journal(path) as last:
         assert last.find("ann", "two") is None
         assert last.find("ann", "one") is not None
 
 
-async def test_without_a_file_nothing_is_kept_and_nobody_waits() -> None:
+async def test_without_a_file_nothing_is_kept_or_waited_for() -> None:
     with Journal() as journal:
         await journal.accepted("s", "ann", {"one": "robot/lamp"})
         journal.ended("s", "one", CompletedStatus.OK, "", ())
@@ -84,7 +84,7 @@ async def test_a_disk_that_stands_still_delays_for_a_moment_only(path: Path, mon
         assert again.find("ann", "one") is not None
 
 
-async def test_a_disk_that_is_full_stops_nobody_and_is_tried_again(
+async def test_a_disk_that_is_full_stops_no_command_and_is_tried_again(
     path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(journal_module, "_RETRY", 0.01)

@@ -33,7 +33,7 @@ async def test_a_late_error_ends_the_wait_for_a_late_result(calls: Calls) -> Non
     assert not late
 
 
-async def test_the_end_fails_who_still_waits(calls: Calls) -> None:
+async def test_the_end_fails_calls_that_still_wait(calls: Calls) -> None:
     (_, _, waiting), (_, _, leaving), (late_id, _, _) = (calls.open("m", {}, None, pytest.fail) for _ in range(3))
     leaving.cancel()
     calls.abandon(late_id)

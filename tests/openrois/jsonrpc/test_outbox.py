@@ -76,7 +76,7 @@ async def test_room_comes_back_as_messages_are_taken() -> None:
     assert outbox.dropped == 0
 
 
-async def test_whoever_asks_first_has_room_first() -> None:
+async def test_callers_get_room_in_the_order_of_their_requests() -> None:
     outbox, asked = Outbox(control_limit=2), list[str]()
 
     async def ask(name: str) -> None:
@@ -89,7 +89,7 @@ async def test_whoever_asks_first_has_room_first() -> None:
     await asyncio.sleep(0)
     assert asked == []
     assert await outbox.get() == "a"
-    # There is room, and nobody who waits for it has noticed.
+    # There is room, and the call that waits for it has not noticed.
     tasks.append(asyncio.ensure_future(ask("third")))
     async with asyncio.timeout(1):
         assert [await outbox.get() for _ in range(3)] == ["first", "second", "third"]
@@ -135,7 +135,7 @@ async def test_text_is_bounded_too(monkeypatch: pytest.MonkeyPatch) -> None:
     assert await taken(outbox) == ["b" * 10]
 
 
-async def test_who_asks_waits_while_it_is_half_full() -> None:
+async def test_a_request_waits_while_it_is_half_full() -> None:
     outbox = Outbox(control_limit=4)
     for text in ("a", "b", "c"):
         async with asyncio.timeout(1):
@@ -150,7 +150,7 @@ async def test_who_asks_waits_while_it_is_half_full() -> None:
         await waiting
 
 
-async def test_a_closed_one_keeps_nobody_waiting() -> None:
+async def test_a_closed_outbox_releases_every_caller() -> None:
     outbox = Outbox(control_limit=2)
     outbox.put("a")
     waiting = asyncio.ensure_future(outbox.room())

@@ -87,7 +87,7 @@ def test_missing_and_null_params_are_an_empty_object(params: str) -> None:
 
 
 @pytest.mark.parametrize("params", ["[]", "[1]", "1", '"text"', "false"])
-def test_params_that_are_no_object_are_left_to_whoever_knows_the_method(params: str) -> None:
+def test_params_that_are_no_object_are_left_to_the_handler(params: str) -> None:
     request = Peer().receive(f'{{"jsonrpc":"2.0","id":1,"method":"m","params":{params}}}')
     assert request == Request(1, "m", json.loads(params))
 
@@ -115,7 +115,7 @@ def test_requests_have_ids_of_their_own_and_each_answer_counts_once() -> None:
 
 
 @pytest.mark.parametrize("request_id", ['"1"', "99", "null", "1.0", "1.5"])
-def test_an_answer_nobody_waits_for_is_not_answered(request_id: str) -> None:
+def test_an_unrequested_answer_is_not_answered(request_id: str) -> None:
     peer = Peer()
     peer.request("m", {})
     for member in ('"result":1', '"error":{"code":1,"message":"x"}'):
@@ -133,8 +133,8 @@ def test_the_reason_of_a_violation_does_not_grow_with_the_message() -> None:
 def test_a_forgotten_request_is_not_outstanding() -> None:
     peer = Peer()
     request_id, _ = peer.request("m", {})
-    peer.forget(request_id)
-    peer.forget(request_id)
+    peer.abandon_request(request_id)
+    peer.abandon_request(request_id)
     assert isinstance(peer.receive(f'{{"jsonrpc":"2.0","id":{request_id},"result":1}}'), Violation)
 
 
@@ -216,7 +216,7 @@ def test_a_model_is_written_where_an_object_stands() -> None:
     st.text(max_size=2),
 )
 def test_the_quick_reader_reads_as_the_exact_one(value: Any, at: int, noise: str) -> None:
-    """Whatever Python's own reader takes for JSON is that, and nothing else is: also where somebody scribbled in it."""
+    """Exactly what Python's own reader takes for JSON is JSON, also in a text with random changes."""
     text = json.dumps(value)
     for candidate in (text, text[:at] + noise + text[at:]):
         try:

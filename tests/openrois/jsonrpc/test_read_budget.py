@@ -21,7 +21,7 @@ def test_fewer_in_a_row_where_a_turn_takes_long() -> None:
 
 
 async def test_what_is_long_leaves_others_their_turn() -> None:
-    """Nobody else's turn comes later than behind so many characters, however many messages wait."""
+    """Other tasks have their turn behind so many characters at the latest, however many messages wait."""
     taken = 0
 
     def take(_params: object) -> None:

@@ -25,7 +25,7 @@ class Door:
             lambda waiting: self._read(waiting),
             rate=rate,
         )
-        self.intake = RequestQueue(self._start, self._refuse, rules)
+        self.queue = RequestQueue(self._start, self._refuse, rules)
 
     def _read(self, waiting: Request) -> set[str]:
         self.read.append(str(waiting.id))
@@ -40,7 +40,7 @@ class Door:
 
     def ask(self, *names: str, method: str = "act", about: str = "lamp", length: int = 10) -> None:
         for name in names:
-            self.intake.take(Request(name, method, about), length)
+            self.queue.put_request(Request(name, method, about), length)
 
 
 @pytest.fixture(autouse=True)
@@ -54,7 +54,7 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_so_many_run_others_wait_in_line_and_too_many_are_refused() -> None:
     door = Door()
     door.ask("a", "b", "c", "d", "e", "f")
-    assert (door.started, len(door.intake), list(door.refused)) == (["a", "b"], 3, ["f"])
+    assert (door.started, len(door.queue), list(door.refused)) == (["a", "b"], 3, ["f"])
     assert door.refused["f"] == "3 requests wait already; retry_after=1"
     for name in ("b", "a", "c"):
         door.over[name]()
@@ -63,15 +63,15 @@ def test_so_many_run_others_wait_in_line_and_too_many_are_refused() -> None:
         door.over[name]()
     door.ask("g", "h", "i")
     assert door.started[5:] == ["g", "h"]
-    assert (len(door.intake), door.intake.refused) == (1, 1)
+    assert (len(door.queue), door.queue.refused) == (1, 1)
 
 
 def test_what_waits_when_the_connection_ends_never_starts() -> None:
     door = Door()
     door.ask("a", "b", "c", "d")
-    door.intake.close()
+    door.queue.close()
     door.over["a"]()
-    assert (door.started, len(door.intake)) == (["a", "b"], 0)
+    assert (door.started, len(door.queue)) == (["a", "b"], 0)
 
 
 def test_those_that_wait_are_bounded_by_their_text_too() -> None:
@@ -83,7 +83,7 @@ def test_those_that_wait_are_bounded_by_their_text_too() -> None:
     door.over["a"]()
     door.ask("f", length=10)
     assert list(door.refused) == ["d"]
-    assert len(door.intake) == 2
+    assert len(door.queue) == 2
 
 
 def test_what_is_urgent_passes_all_and_is_the_last_word_on_what_it_is_about() -> None:
@@ -94,7 +94,7 @@ def test_what_is_urgent_passes_all_and_is_the_last_word_on_what_it_is_about() ->
     assert door.started == ["a", "b", "s"]
     assert door.refused == {"c": "it waited when stop came"}
     door.ask("e")
-    assert (len(door.intake), door.intake.urgent) == (2, 1)
+    assert (len(door.queue), door.queue.urgent) == (2, 1)
     door.over["a"]()
     assert door.started[-1] == "d"
 
@@ -120,7 +120,7 @@ def test_urgent_ones_do_not_count_until_there_are_too_many_of_them() -> None:
     assert door.refused == {"v": "it waited when stop came"}
 
 
-def test_whoever_asks_too_often_reads_when_to_ask_again() -> None:
+def test_too_many_requests_are_refused_with_retry_after() -> None:
     clock = Clock()
     door = Door(RateLimit(2, 4, clock))
     door.ask("a", "b", "c")
@@ -136,10 +136,10 @@ def test_whoever_asks_too_often_reads_when_to_ask_again() -> None:
 
 def test_without_rules_nothing_is_urgent() -> None:
     started: list[Request] = []
-    intake = RequestQueue(lambda request, _over: started.append(request), lambda _request, _reason: None, QueueRules())
+    queue = RequestQueue(lambda request, _over: started.append(request), lambda _request, _reason: None, QueueRules())
     for number in range(4):
-        intake.take(Request(number, "stop", {}), 1)
-    assert ([request.id for request in started], len(intake), intake.urgent) == ([0, 1], 2, 0)
+        queue.put_request(Request(number, "stop", {}), 1)
+    assert ([request.id for request in started], len(queue), queue.urgent) == ([0, 1], 2, 0)
     assert not QueueRules().meant(started[0])
     assert QueueRules().named(started[0]) is None
     assert QueueRules().refusal("stop") is None

@@ -157,7 +157,7 @@ class TestServing:
                 for _ in range(100):
                     await other.stream.send("nonsense")
                     assert (await other.hear())["error"]["code"] == -32700
-                await other.say(id=7, result="nobody asked")
+                await other.say(id=7, result="unrequested")
                 await other.say(id=8, method="echo")
                 assert (await other.hear())["id"] == 8
         assert len(caplog.records) == 7
@@ -241,7 +241,7 @@ class TestEnding:
             for request_id in range(MAX_RUNNING_REQUESTS + 4):
                 await other.say(id=request_id, method="slow")
             await settle()
-            assert len(other.session.intake) == 4
+            assert len(other.session.request_queue) == 4
             other.stream.abort()
             assert (await other.ended()).code == 1006
 
@@ -250,8 +250,8 @@ class TestEnding:
         async with connected({"slow": slow, "echo": echo}) as other:
             await other.say(id=1, method="slow")
             await settle()
-            other.session.end(4000, "over")
-            other.session.end(4001, "again")
+            other.session.end_session(4000, "over")
+            other.session.end_session(4001, "again")
             await other.say(id=2, method="echo")
             closed = await other.ended()
             assert (closed.code, closed.reason) == (4000, "over")
@@ -259,7 +259,7 @@ class TestEnding:
             assert len(other.session.outbox) == 0
             await other.session.stream.send("farewell")
             assert await other.stream.receive() == "farewell"
-            other.session.end(4001, "again")
+            other.session.end_session(4001, "again")
 
     async def test_close_sends_what_waits_first(self) -> None:
         async with connected() as other:
@@ -363,7 +363,7 @@ def test_a_handler_is_what_method_returns() -> None:
     assert asyncio.run(handler({"number": 4})) == 4
 
 
-async def test_who_is_cancelled_while_a_session_ends_is_cancelled() -> None:
+async def test_a_call_cancelled_while_a_session_ends_is_cancelled() -> None:
     ending, may_end = asyncio.Event(), asyncio.Event()
 
     async def linger(_params: dict[str, Any]) -> dict[str, Any]:

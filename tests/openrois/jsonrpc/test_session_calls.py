@@ -114,7 +114,7 @@ async def test_a_late_result_is_given_to_on_late_once(how: str) -> None:
         assert late == ["late"]
 
 
-async def test_what_on_late_raises_and_a_late_error_hurt_nobody() -> None:
+async def test_an_exception_of_on_late_and_a_late_error_are_harmless() -> None:
     def refuse(_result: Any) -> None:
         raise ZeroDivisionError
 
@@ -127,7 +127,7 @@ async def test_what_on_late_raises_and_a_late_error_hurt_nobody() -> None:
         assert (await other.hear())["id"] == "next"
 
 
-async def test_an_error_for_a_cancelled_call_hurts_nobody() -> None:
+async def test_an_error_for_a_cancelled_call_is_harmless() -> None:
     async with connected({"echo": echo}) as other:
         call = asyncio.ensure_future(other.session.call("m", {}))
         await other.say(id=(await other.hear())["id"], error={"code": 1, "message": "no"})
@@ -181,7 +181,7 @@ async def test_a_question_that_waits_for_room_fails_with_the_connection() -> Non
         assert {type(end) for end in ended} == {SessionClosed}
 
 
-async def test_time_for_which_the_process_stood_still_is_nobody_elses(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_pause_of_the_process_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(session, "STOOD_STILL", 0.02)
     loop = asyncio.get_running_loop()
     answer: asyncio.Future[object] = loop.create_future()

@@ -85,7 +85,7 @@ async def test_an_outbox_whose_own_message_uses_it_up_takes_nothing_more() -> No
     budget, outbox = UnreadBudget(10), Outbox()
     with budget.account("a", outbox.close) as outbox.account:
         outbox.put("12345")
-        with pytest.raises(OutboxOverflow, match="all connections together"):
+        with pytest.raises(OutboxOverflow, match="too much waits unread on all connections"):
             outbox.put("123456")
         assert (len(outbox), budget.total) == (0, 0)
         with pytest.raises(OutboxOverflow):

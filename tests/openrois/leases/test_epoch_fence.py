@@ -1,4 +1,4 @@
-"""Two gateways that both believe to be in charge."""
+"""Two gateways that both claim one adapter."""
 
 from openrois.leases.epoch_fence import EpochFence
 
@@ -13,6 +13,6 @@ def test_the_later_holder_wins() -> None:
     assert not fence.note("new", "r/arm", 3)
     assert fence.admits("new", "r/arm")
     assert fence.admits("old", "r/lamp")
-    fence.forget("new")
-    fence.forget("nobody")
+    fence.forget_parent("new")
+    fence.forget_parent("unknown")
     assert fence.admits("old", "r/arm")

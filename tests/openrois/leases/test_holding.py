@@ -1,4 +1,4 @@
-"""Who holds which component."""
+"""Holders of components."""
 
 import pytest
 

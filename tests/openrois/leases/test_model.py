@@ -32,7 +32,7 @@ class Session:
 
 @dataclass
 class Reference:
-    """Plain lists of who holds and who waits; the head of each is the holder. Nothing else is remembered."""
+    """Plain lists of holders and of requests; the head of each is the holder. Nothing else is kept."""
 
     lines: dict[str, list[Session]] = field(default_factory=lambda: {LAMP: [], ARM: []})
 
@@ -64,7 +64,7 @@ class Reference:
 
 
 class LeaseMachine(RuleBasedStateMachine):
-    """Four applications and two components; what the model tells of holders is added up and compared, too."""
+    """Four applications and two components; the model's notifications about holders are added up and compared, too."""
 
     seats = st.integers(0, 3)
     refs = st.sampled_from((LAMP, ARM))
@@ -97,7 +97,7 @@ class LeaseMachine(RuleBasedStateMachine):
                 case Gained(ref, holder, epoch):
                     assert ref not in self.told
                     self.begun(ref, holder, epoch)
-                    # Whoever has it now asks no more.
+                    # The new holder asks no more.
                     done = [
                         key for key, asked in self.asked.items() if (asked.component_ref, asked.asker) == (ref, holder)
                     ]
@@ -218,7 +218,7 @@ class LeaseMachine(RuleBasedStateMachine):
         self.show(former, self.live(by) if by < 4 else Session(next(self.numbers)), subject)
 
     def show(self, former: Session, successor: Session, subject: str) -> None:
-        """Whoever shows the token, lost or not, is the holder from then on; it may wait in a line meanwhile."""
+        """The session that shows the token is the holder from then on, lost or not; it may wait meanwhile."""
         if successor is former or self.model.holding.held_by(successor):
             # The gateway asks the model for those alone that hold nothing.
             return
@@ -251,7 +251,7 @@ class LeaseMachine(RuleBasedStateMachine):
                 asked = [key for key, of in self.asked.items() if (of.component_ref, of.asker) == (ref, successor)]
                 for key in asked:
                     del self.asked[key]
-        # The line of who goes on is that of the former from now on; that of its own is forgotten.
+        # Its line is that of the former session from now on; its own is dropped.
         self.used = [(token, of) for token, of in self.used if of is not successor]
         self.used = [(token, successor if of is former else of) for token, of in self.used]
         self.used.append((former.token, successor))
@@ -264,7 +264,7 @@ class LeaseMachine(RuleBasedStateMachine):
     def resume_itself(self, seat: int) -> None:
         session = self.live(seat)
         if session.token:
-            with pytest.raises(Unsupported, match="not itself"):
+            with pytest.raises(Unsupported, match="resume a former one"):
                 self.model.resume(session.token, "ann", session, self.now)
 
     @rule(which=st.integers(0, 5))
@@ -336,7 +336,7 @@ def asked(changes: list[Change]) -> Request:
     return change.request
 
 
-def test_who_does_not_answer_keeps_it_and_may_be_asked_again(model: LeaseModel) -> None:
+def test_a_silent_holder_keeps_it_and_may_be_asked_again(model: LeaseModel) -> None:
     request = asked(model.request(LAMP, BOB, 0))
     assert model.request(LAMP, BOB, 1) == []
     assert model.next_due() == PATIENCE
@@ -352,7 +352,7 @@ def test_who_does_not_answer_keeps_it_and_may_be_asked_again(model: LeaseModel) 
     ]
 
 
-def test_whoever_has_it_needs_not_ask(model: LeaseModel) -> None:
+def test_the_holder_need_not_request_it(model: LeaseModel) -> None:
     assert model.request(LAMP, ANN, 0) == []
     assert model.take(LAMP, ANN, 0) == []
     assert model.take(ARM, BOB, 0) == [Gained(ARM, BOB, 2, Why.BOUND)]
@@ -373,7 +373,7 @@ def test_a_component_that_is_gone_is_waited_for_no_more(model: LeaseModel) -> No
     assert model.waiting.queue(LAMP) == ()
 
 
-def test_who_comes_back_is_asked_what_it_missed(model: LeaseModel) -> None:
+def test_a_holder_that_is_back_is_asked_what_it_missed(model: LeaseModel) -> None:
     token = model.token(ANN, "ann")
     assert model.lose(ANN, 0) == [Queued(LAMP)]
     first, second = asked(model.request(LAMP, BOB, 0)), asked(model.request(LAMP, EVE, 0))
@@ -419,10 +419,10 @@ def test_a_session_that_is_still_there_is_put_out(model: LeaseModel) -> None:
     assert model.holding.held_by(BOB) == {LAMP: 3}
 
 
-def test_who_resumes_waits_no_more_for_what_it_holds_now(model: LeaseModel) -> None:
+def test_resuming_withdraws_requests_for_what_is_held_now(model: LeaseModel) -> None:
     token = model.token(ANN, "ann")
     model.request(LAMP, BOB, 0)
     model.resume(token, "ann", BOB, 1)
     assert model.waiting.queue(LAMP) == ()
-    with pytest.raises(Unsupported, match="not itself"):
+    with pytest.raises(Unsupported, match="resume a former one"):
         model.resume(model.token(BOB, "ann"), "ann", BOB, 1)

@@ -29,11 +29,11 @@ def test_the_next_replaces_the_one_before() -> None:
     assert tokens.find(second, "ann").replayed
 
 
-def test_what_is_forgotten_nobody_knows() -> None:
+def test_a_forgotten_token_is_unknown() -> None:
     tokens = ResumeTokens()
     token = tokens.issue("session", "ann")
-    tokens.forget("session")
-    tokens.forget("session")
+    tokens.forget_holder("session")
+    tokens.forget_holder("session")
     assert tokens.find(token, "ann") == Redeemed()
     assert not tokens.has_one("session")
 

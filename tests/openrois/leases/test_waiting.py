@@ -1,4 +1,4 @@
-"""Who waits for a component."""
+"""The queue for a component."""
 
 from openrois.leases.waiting import Request, Waiting
 

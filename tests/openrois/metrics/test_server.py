@@ -8,6 +8,8 @@ import pytest
 from openrois.http_limits import header_timeout
 from openrois.metrics.server import MAX_SCRAPES, MetricsUnavailable, metrics_address, serving_metrics
 
+pytestmark = pytest.mark.extra(name="gateway")
+
 
 async def write(accept: str) -> tuple[bytes, str]:
     return f"openrois_x 1 {accept}\n".encode(), "text/plain; version=0.0.4"
@@ -71,7 +73,7 @@ async def test_what_is_no_text_is_no_token() -> None:
 
 
 @pytest.mark.parametrize("said", [b"", b"GET /metrics HTTP/1.1\r\nHost: x\r\n\r\nGET /me"])
-async def test_who_does_not_say_what_it_wants_is_cut(monkeypatch: pytest.MonkeyPatch, said: bytes) -> None:
+async def test_a_connection_without_request_header_is_cut(monkeypatch: pytest.MonkeyPatch, said: bytes) -> None:
     monkeypatch.setattr(header_timeout, "HEAD_TIMEOUT", 0.05)
     reasons: list[str] = []
     async with serving_metrics("127.0.0.1", 0, write, turned_away=reasons.append) as url:

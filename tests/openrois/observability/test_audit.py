@@ -23,7 +23,7 @@ def told(path: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in path.read_text().splitlines()]
 
 
-def test_who_did_what_and_who_was_refused_what(tmp_path: Path) -> None:
+def test_actions_and_refusals_are_recorded_with_their_principal(tmp_path: Path) -> None:
     path = tmp_path / "audit"
     with Audit(path, clock=Clock(1000.5)) as audit, correlation.connection("abcd"):
         audit.acted(ANNA, "rois.command.bind", "robot/arm", "kind")
@@ -70,7 +70,7 @@ def test_a_record_is_one_line_whatever_is_in_it(texts: list[str]) -> None:
         assert record.get("who", "") == (shown if len(shown) <= 300 else shown[:300] + "…")
 
 
-def test_nowhere_is_counted_and_keeps_nobody_from_anything() -> None:
+def test_without_a_file_records_are_counted_and_nothing_is_refused() -> None:
     with Audit() as audit:
         audit.acted(ANNA, "rois.command.bind", "robot/arm")
         audit.refused(ANNA, "rois.command.bind", "robot/arm", "held")
@@ -78,7 +78,7 @@ def test_nowhere_is_counted_and_keeps_nobody_from_anything() -> None:
     assert (audit.actions, audit.refusals, audit.waiting, audit.lost, audit.failures) == (1, 1, 0, 0, 0)
 
 
-def test_administrators_do_nothing_without_a_record_and_everybody_else_goes_on(tmp_path: Path) -> None:
+def test_administrators_do_nothing_without_a_record_and_others_go_on(tmp_path: Path) -> None:
     audit = Audit(tmp_path / "audit", limit=2)  # not entered: nothing is written
     audit.refused(None, "m", "s", "r")
     audit.refused(None, "m", "s", "r")

@@ -24,7 +24,7 @@ def _levels() -> Iterator[None]:
 
 
 @pytest.mark.parametrize(("verbose", "level"), [(False, logging.INFO), (True, logging.DEBUG)])
-def test_our_news_and_everybody_elses_warnings(verbose: bool, level: int) -> None:
+def test_our_information_and_warnings_of_libraries(verbose: bool, level: int) -> None:
     set_up_logging(verbose=verbose)
     assert {logging.getLogger(f"{name}.module").getEffectiveLevel() for name in OURS} == {level}
     assert not logging.getLogger("aiohttp.server").isEnabledFor(logging.INFO)

@@ -186,7 +186,7 @@ class TestNoGateway:
         sentence = "'ws://127.0.0.1:99999/' is no address of a gateway, such as ws://127.0.0.1:8765/"
         assert (status, err) == (1, f"openrois profile: {sentence}\n")
 
-    async def test_who_waits_no_longer_ends_it(self) -> None:
+    async def test_an_interrupt_ends_it(self) -> None:
         async def keep_silent(connection: ServerConnection) -> None:
             await connection.recv()
             process.send_signal(signal.SIGINT)
@@ -198,7 +198,7 @@ class TestNoGateway:
             assert await process.communicate() == (b"", b"")
         assert process.returncode == 130
 
-    async def test_nobody_listens(self, run: Run) -> None:
+    async def test_no_gateway_listens(self, run: Run) -> None:
         url = f"ws://127.0.0.1:{free_port()}/"
         status, out, err = await run("export", "--url", url)
         assert (status, out, err.count("\n")) == (1, "", 1)
@@ -245,9 +245,9 @@ class TestNoGateway:
             ({"return_code": "ERROR"}, "{url} answers ERROR and no profile"),
             (
                 {"profile": {"identifier": {}}},
-                "{url} answers with a profile that is none: profile.identifier.code: Field",
+                "{url} answers with a malformed profile: profile.identifier.code: Field",
             ),
-            ([], "{url} answers with a profile that is none: Input should be a valid dictionary"),
+            ([], "{url} answers with a malformed profile: Input should be a valid dictionary"),
             ({"return_code": "OK"}, "the gateway has no profile of its own"),
             (None, "what answers at {url} is no gateway: "),
         ],
@@ -268,7 +268,7 @@ class TestNoGateway:
         assert (status, out) == (1, "")
         assert err.startswith("openrois profile: " + sentence.format(url=url))
 
-    async def test_who_says_nothing(self) -> None:
+    async def test_a_silent_server(self) -> None:
         async def keep_silent(connection: ServerConnection) -> None:
             await connection.wait_closed()
 
@@ -336,7 +336,7 @@ class TestImport:
         [
             (b"", "line 1: this is no XML: no element found"),
             (b"<a/>", "line 1: a is no profile: rois:HRIEngineProfile or rois:HRIComponentProfile is expected"),
-            (b'{"name": "x",\n}', "line 2: this is no JSON: "),
+            (b'{"name": "x",\n]', "line 2: this is no JSON: "),
             (b'{"name": "x"}', "identifier: Field required"),
             (b'[{"name": "x"}]', "0.identifier: Field required"),
             (b"[5]", "0: Input should be a valid dictionary"),

@@ -1,4 +1,4 @@
-"""Whether a parent has taken an engine in."""
+"""Whether a parent has attached an engine."""
 
 import pytest
 
@@ -21,8 +21,8 @@ def test_a_parent_that_will_say_so_is_waited_for(attachment: Attachment, told: l
     assert told == []
     attachment.confirm()
     attachment.confirm()
-    attachment.end()
-    attachment.end()
+    attachment.connection_ended()
+    attachment.connection_ended()
     assert told == [True, False]
 
 
@@ -40,5 +40,5 @@ def test_one_of_the_base_wire_is_known_by_its_questions(attachment: Attachment, 
 
 
 def test_one_that_never_took_it_in_is_not_missed(attachment: Attachment, told: list[bool]) -> None:
-    attachment.end()
+    attachment.connection_ended()
     assert told == []

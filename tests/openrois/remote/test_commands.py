@@ -38,7 +38,7 @@ async def test_ids_are_remembered_within_a_bound() -> None:
     ours.id_for("one more")
     assert ours.id_for("c0") == "c0"
     assert ours.id_for("running") != "running"
-    ours.forget(running)
+    ours.forget_command(running)
     assert ours.id_for("running") == "running"
     wide = MAX_USED_TEXT // MAX_ID
     for number in range(wide + 1):

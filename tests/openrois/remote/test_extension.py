@@ -13,6 +13,7 @@ from openrois.errors import ComponentFailed
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
 from openrois.remote import extension
 from openrois.remote.extension import EXTENSION_NOTIFICATIONS, RemoteExtension
+from openrois.types.streams import HolderNotification
 
 OFFER = "signaling.offer"
 CONNECT, SUSPEND = "rois.stream.connect_stream", "rois.stream.suspend_stream"
@@ -83,7 +84,7 @@ async def test_a_call_carries_its_client_and_brings_what_is_told_it(other: Other
     assert other.asked == [(CONNECT, {"x": 1, "client_id": "ann"}), (CONNECT, {"client_id": "bob"})]
     for name in EXTENSION_NOTIFICATIONS:
         other.tell(name, client_id="ann", peer_id="robot/1")
-    other.tell(OFFER, client_id="nobody", peer_id="robot/1")
+    other.tell(OFFER, client_id="unknown", peer_id="robot/1")
     other.tell(OFFER, peer_id="robot/1")
     other.tell(OFFER, client_id=["ann"], peer_id="robot/1")
     assert ann == [(name, {"peer_id": "robot/1"}) for name in EXTENSION_NOTIFICATIONS]
@@ -119,17 +120,17 @@ async def test_the_other_side_speaks_for_its_own_alone(other: OtherSide, caplog:
 async def test_a_client_that_is_gone_is_named_once_and_hears_no_more(other: OtherSide) -> None:
     heard = Heard()
     ann = heard.client("ann")
-    await other.extension.forget(ann)
+    await other.extension.forget_client(ann)
     assert other.told == []
     await other.extension.call(CONNECT, {}, ann)
-    await other.extension.forget(ann)
-    await other.extension.forget(ann)
+    await other.extension.forget_client(ann)
+    await other.extension.forget_client(ann)
     other.tell(OFFER, client_id="ann", peer_id="robot/1")
     assert other.told == [("openrois.client_gone", {"client_id": "ann"})]
     assert heard == []
 
 
-async def test_who_comes_back_is_not_mistaken_for_who_was_there_before(other: OtherSide) -> None:
+async def test_an_application_that_comes_back_is_another_client(other: OtherSide) -> None:
     """An application whose way to here was cut is here twice, until what it had before is ended."""
     before, now = Heard(), Heard()
     former, later = before.client("ann"), now.client("ann")
@@ -141,31 +142,31 @@ async def test_who_comes_back_is_not_mistaken_for_who_was_there_before(other: Ot
     await other.extension.call(SUSPEND, {}, former)
     await other.extension.call(SUSPEND, {}, later)
     assert [params["client_id"] for _, params in other.asked[2:]] == ids
-    await other.extension.forget(former)
+    await other.extension.forget_client(former)
     assert other.told == [("openrois.client_gone", {"client_id": "ann"})]
     for client_id in ids:
         other.tell(OFFER, client_id=client_id, peer_id="robot/1")
     assert (len(before), len(now)) == (0, 1)
-    await other.extension.forget(later)
+    await other.extension.forget_client(later)
     assert other.told[1:] == [("openrois.client_gone", {"client_id": ids[1]})]
 
 
-async def test_who_never_connected_a_stream_is_not_noted(other: OtherSide) -> None:
+async def test_a_client_without_streams_is_not_kept(other: OtherSide) -> None:
     ann = Heard().client("ann")
     await other.extension.call(SUSPEND, {}, ann)
     assert other.asked == [(SUSPEND, {"client_id": "ann"})]
-    await other.extension.forget(ann)
+    await other.extension.forget_client(ann)
     assert other.told == []
     await other.extension.call(CONNECT, {}, Heard().client("ann"))
     await other.extension.call(SUSPEND, {}, ann)
     assert other.asked[2][1]["client_id"] != "ann"
 
 
-async def test_when_the_other_side_is_gone_nobody_is_named(other: OtherSide) -> None:
+async def test_when_the_other_side_is_gone_no_client_is_notified(other: OtherSide) -> None:
     ann = Heard().client("ann")
     await other.extension.call(CONNECT, {}, ann)
     other.extension.lost()
-    await other.extension.forget(ann)
+    await other.extension.forget_client(ann)
     assert other.told == []
 
 
@@ -187,15 +188,16 @@ async def test_a_stream_that_comes_too_late_is_ended(other: OtherSide, result: A
     ]
 
 
-async def test_who_holds_a_component_is_told_and_named_again_in_the_end(other: OtherSide) -> None:
+async def test_a_holder_is_notified_and_named_again_in_the_end(other: OtherSide) -> None:
     ann = Heard().client("ann")
-    held = {"component_ref": "robot/lamp", "holds": True, "epoch": 3}
-    await other.extension.call("openrois.holder", {**held, "holds": False}, ann)
+    holds = HolderNotification(component_ref="robot/lamp", holds=True, epoch=3)
+    ended, held = holds.model_copy(update={"holds": False}), holds.model_dump()
+    await other.extension.set_holder(ended, ann)
     assert other.told == []
-    await other.extension.call("openrois.holder", held, ann)
+    await other.extension.set_holder(holds, ann)
     await other.extension.call(SUSPEND, {}, ann)
-    await other.extension.call("openrois.holder", {**held, "holds": False}, ann)
-    await other.extension.forget(ann)
+    await other.extension.set_holder(ended, ann)
+    await other.extension.forget_client(ann)
     assert [params["client_id"] for _, params in other.asked] == ["ann"]
     assert other.told == [
         ("openrois.holder", {**held, "client_id": "ann"}),
@@ -204,14 +206,14 @@ async def test_who_holds_a_component_is_told_and_named_again_in_the_end(other: O
     ]
 
 
-async def test_in_a_crowd_who_is_gone_is_told_when_there_is_room(other: OtherSide) -> None:
+async def test_without_room_departed_clients_are_notified_later(other: OtherSide) -> None:
     came = [Heard().client(f"client {number}") for number in range(100)]
     for client in came:
         await other.extension.call(CONNECT, {}, client)
     other.crowd()
     waiting = len(other.outbox)
     for client in came:
-        await other.extension.forget(client)
+        await other.extension.forget_client(client)
     # Half of what may wait is left to what cannot be put off.
     assert (len(other.outbox), other.told) == (waiting, [])
     for _ in range(100):
@@ -219,27 +221,27 @@ async def test_in_a_crowd_who_is_gone_is_told_when_there_is_room(other: OtherSid
     assert other.told == [("openrois.client_gone", {"client_id": client.client_id}) for client in came]
 
 
-async def test_who_came_and_went_in_a_crowd_is_not_told_at_all(other: OtherSide) -> None:
+async def test_without_room_a_client_that_came_and_went_is_not_notified(other: OtherSide) -> None:
     other.crowd()
     for number in range(100):
         client = Heard().client(f"client {number}")
         asking = asyncio.ensure_future(other.extension.call(CONNECT, {}, client))
         await asyncio.sleep(0)
-        await other.extension.forget(client)
+        await other.extension.forget_client(client)
         if number % 2:
             asking.cancel()
     await other.ease()
     assert (other.asked, other.told) == ([], [])
 
 
-async def test_of_too_many_who_are_gone_the_connection_ends(other: OtherSide, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_too_many_departed_clients_end_the_connection(other: OtherSide, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(extension, "MAX_GONE", 10)
     came = [Heard().client(f"client {number}") for number in range(100)]
     for client in came:
         await other.extension.call(CONNECT, {}, client)
     other.crowd()
     for client in came[:12]:
-        await other.extension.forget(client)
+        await other.extension.forget_client(client)
     with pytest.raises(OutboxOverflow):
-        await asyncio.gather(*map(other.extension.forget, came[12:]))
+        await asyncio.gather(*map(other.extension.forget_client, came[12:]))
     assert len(other.told) < 10

@@ -1,4 +1,4 @@
-"""Who holds the components of a remote engine: what is told of it at once, and in a crowd."""
+"""Holders of the components of a remote engine: notifications at once, and without room."""
 
 import asyncio
 from collections.abc import AsyncIterator, Mapping
@@ -10,23 +10,24 @@ from openrois.aio.tasks import TaskScope
 from openrois.contract import Client
 from openrois.jsonrpc.outbox import Outbox
 from openrois.remote.lease_outbox import LeaseOutbox
+from openrois.types.streams import HolderNotification
 
 ANN, BOB = (Client(name, lambda _method, _params: None) for name in ("ann", "bob"))
 
 
 class OtherSide:
-    """A remote engine that reads what it is told when the test lets it."""
+    """A remote engine that reads its notifications when the test lets it."""
 
     def __init__(self, tasks: TaskScope) -> None:
         self.outbox = Outbox(control_limit=4)
         self.told: list[tuple[str, str, int, bool]] = []
-        self.holders = LeaseOutbox(lambda client: client.client_id, self._notify, self.outbox, tasks)
+        self.lease_outbox = LeaseOutbox(lambda client: client.client_id, self._notify, self.outbox, tasks)
 
     def _notify(self, _method: str, params: Mapping[str, Any]) -> None:
         self.told.append((params["component_ref"], params["client_id"], params["epoch"], params["holds"]))
 
     def take(self, client: Client, epoch: int, *, holds: bool = True, ref: str = "lamp") -> None:
-        self.holders.take({"component_ref": ref, "holds": holds, "epoch": epoch}, client)
+        self.lease_outbox.put_holder(HolderNotification(component_ref=ref, holds=holds, epoch=epoch), client)
 
     def crowd(self) -> None:
         """Let so much wait that there is no room."""
@@ -35,7 +36,7 @@ class OtherSide:
         self.told.clear()
 
     async def ease(self) -> list[tuple[str, str, int, bool]]:
-        """Read what waits, and return what is told then."""
+        """Read what waits, and return the notifications that follow."""
         assert self.told == []
         while len(self.outbox):
             await self.outbox.get()
@@ -62,7 +63,7 @@ async def test_with_room_everything_is_told_at_once(other: OtherSide) -> None:
 
 async def test_in_a_crowd_what_came_and_went_is_not_told(other: OtherSide) -> None:
     other.crowd()
-    for epoch in range(1000):
+    for epoch in range(1, 1000):
         other.take(ANN, epoch)
         other.take(ANN, epoch, holds=False)
         other.take(ANN, epoch, ref="door")
@@ -72,7 +73,7 @@ async def test_in_a_crowd_what_came_and_went_is_not_told(other: OtherSide) -> No
 
 
 @pytest.mark.parametrize("client", [ANN, BOB])
-async def test_whoever_holds_it_now_the_end_of_who_did_is_told_first(other: OtherSide, client: Client) -> None:
+async def test_the_former_holders_end_is_notified_before_the_present_holder(other: OtherSide, client: Client) -> None:
     other.take(ANN, 1)
     other.crowd()
     other.take(ANN, 1, holds=False)
@@ -88,12 +89,12 @@ async def test_of_an_application_that_is_gone_nothing_is_told(other: OtherSide) 
     other.crowd()
     other.take(ANN, 1, holds=False)
     other.take(BOB, 2)
-    other.holders.forget(BOB, None)
+    other.lease_outbox.forget_client(BOB, None)
     assert await other.ease() == [("lamp", "ann", 1, False)]
     other.take(ANN, 3)
     other.crowd()
     other.take(ANN, 3, holds=False)
-    other.holders.forget(ANN, "ann")
+    other.lease_outbox.forget_client(ANN, "ann")
     assert await other.ease() == []
 
 
@@ -106,17 +107,17 @@ async def test_what_was_handed_on_without_an_end_is_told_as_it_was(other: OtherS
 
 async def test_what_finds_no_room_waits_for_more(other: OtherSide) -> None:
     other.crowd()
-    for number in range(4):
+    for number in range(1, 5):
         other.take(ANN, number, ref=f"lamp {number}")
-    other.holders._notify = lambda _method, params: other.outbox.put(str(params["epoch"]))
+    other.lease_outbox._notify = lambda _method, params: other.outbox.put(str(params["epoch"]))
     assert [await other.outbox.get() for _ in range(2)] == ["much"] * 2
     texts = [await asyncio.wait_for(other.outbox.get(), 60) for _ in range(4)]
-    assert texts == ["0", "1", "2", "3"]
+    assert texts == ["1", "2", "3", "4"]
 
 
 async def test_nothing_is_told_when_the_other_side_is_gone(other: OtherSide) -> None:
     other.crowd()
     other.take(ANN, 1)
     other.outbox.close()
-    other.holders.clear()
+    other.lease_outbox.clear()
     assert await other.ease() == []

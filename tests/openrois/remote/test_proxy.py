@@ -21,7 +21,7 @@ TOY = "plain/toy"
 
 
 class Far:
-    """The remote engine, by hand: reads a request, answers it as told."""
+    """The remote engine, by hand: reads a request, answers it as the test sets."""
 
     def __init__(self, stream: MemoryStream, proxy: RemoteProxy, session: RpcSession) -> None:
         self.stream = stream
@@ -190,7 +190,7 @@ class TestReasons:
             {"request_id": "ID", "reason": ""},
             {"request_id": "ID"},
             {"command_id": "ID", "reason": "x"},
-            {"command_id": "nobody's", "reason": "x"},
+            {"command_id": "unknown", "reason": "x"},
             {"request_id": "ID", "reason": "x", "more": 1},
         ):
             assert await self.refuse(far, reason) == "the engine answered rois.query.query with TIMEOUT"
@@ -344,7 +344,7 @@ class TestInvoke:
                 await far.answer(request, results=[text])
             assert tuple(result.value for result in await invoking) == results
 
-    async def test_an_engine_that_was_never_asked_who_it_is_cannot_mint(self, far: Far) -> None:
+    async def test_an_engine_without_a_profile_cannot_mint(self, far: Far) -> None:
         invoking = asyncio.ensure_future(far.proxy.invoke(TOY, "set_parameter"))
         await far.answer(await far.asked("rois.command.set_parameter"), command_id="plain/1")
         with pytest.raises(ComponentFailed):

@@ -1,4 +1,4 @@
-"""What a sub-engine says to its parent, message by message."""
+"""The messages of a sub-engine to its parent, one by one."""
 
 import asyncio
 import json
@@ -174,7 +174,7 @@ class TestClientGone:
         await parent.ask("rois.stream.connect_stream", component_ref=CAMERA, client_id="ann")
         await parent.tell("openrois.client_gone", client_id="ann")
         await parent.tell("openrois.client_gone", client_id="ann")
-        await parent.tell("openrois.client_gone", client_id="nobody")
+        await parent.tell("openrois.client_gone", client_id="unknown")
         await parent.tell("openrois.client_gone")
         await settle()
         assert (child.streams.forgotten, child.streams.streams) == (["ann"], {})
@@ -196,7 +196,7 @@ class TestClientGone:
         await settle()
         assert (child.streams.forgotten, child.streams.streams) == (["ann"], {})
 
-    async def test_a_late_disconnect_brings_nobody_back(self, child: Child, parent: Parent) -> None:
+    async def test_a_late_disconnect_brings_no_client_back(self, child: Child, parent: Parent) -> None:
         await parent.ask("rois.stream.disconnect_stream", stream_id="robot/1", client_id="ann")
         await parent.tell("openrois.client_gone", client_id="ann")
         await settle()
@@ -324,7 +324,7 @@ async def test_of_two_gateways_that_believe_to_be_in_charge_the_later_one_is(chi
 
 
 async def test_what_acts_and_waits_for_its_turn_ends_with_the_connection(child: Child) -> None:
-    """Nobody could stop it: whoever would is not there any more."""
+    """Behind a lost connection no application could stop it."""
     near, far = memory_pair()
     turn = asyncio.Event()
     async with TaskScope() as tasks:
@@ -347,7 +347,7 @@ async def test_what_acts_and_waits_for_its_turn_ends_with_the_connection(child: 
             turn.set()
 
 
-async def test_an_adapter_that_nobody_asks_says_so(
+async def test_an_adapter_without_requests_logs_a_warning(
     child: Child, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr("openrois.remote.serve.UNASKED", 0.01)
@@ -355,6 +355,6 @@ async def test_an_adapter_that_nobody_asks_says_so(
         url = f"ws://127.0.0.1:{urlsplit(running.url).port}/robots"
         tasks.start(serve_parent(EngineHost(child.engine, tasks), url))
         async with asyncio.timeout(60):
-            while "asks this adapter anything" not in caplog.text:  # noqa: ASYNC110 - a log wakes nobody
+            while "sends this adapter any request" not in caplog.text:  # noqa: ASYNC110 - a log wakes no task
                 await asyncio.sleep(0.01)
-    assert f"no gateway at {url} asks" in caplog.text
+    assert f"no gateway at {url} sends" in caplog.text

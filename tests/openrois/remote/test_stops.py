@@ -1,4 +1,4 @@
-"""However many stops are asked for, one of a component is on its way; whoever asks meanwhile shares the next."""
+"""However many stops are requested, one of a component is on its way; requests meanwhile share the next."""
 
 import asyncio
 from collections.abc import AsyncIterator, Callable
@@ -54,7 +54,7 @@ async def robot() -> AsyncIterator[Robot]:
         yield Robot(tasks)
 
 
-async def test_who_asks_while_one_is_on_its_way_shares_the_next(robot: Robot) -> None:
+async def test_a_request_while_one_is_on_its_way_shares_the_next(robot: Robot) -> None:
     first = await robot.ask(3)
     assert len(robot.sent) == 1
     later = [*await robot.ask(100), *await robot.ask(100)]
@@ -82,7 +82,7 @@ async def test_one_that_takes_long_does_not_hold_up_the_next_once_it_is_accepted
     assert not first.done()
 
 
-async def test_one_that_nobody_accepts_does_not_either(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_one_that_is_not_accepted_does_not_either(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "STOP_TIMEOUT", 0.0)
     await robot.ask()
     await robot.ask()
@@ -97,7 +97,7 @@ async def test_one_that_nobody_accepts_does_not_either(robot: Robot, monkeypatch
     assert len(robot.sent) == 2
 
 
-async def test_it_is_sent_also_when_whoever_asked_is_gone_and_then_forgotten(robot: Robot) -> None:
+async def test_it_is_sent_also_when_its_caller_is_gone_and_then_dropped(robot: Robot) -> None:
     (first,), (second,) = await robot.ask(), await robot.ask()
     first.cancel()
     second.cancel()
@@ -112,7 +112,7 @@ async def test_it_is_sent_also_when_whoever_asked_is_gone_and_then_forgotten(rob
     assert len(robot.tasks) == 0
 
 
-async def test_what_fails_fails_for_all_who_asked(robot: Robot) -> None:
+async def test_a_failure_fails_every_caller(robot: Robot) -> None:
     first, later = await robot.ask(2), await robot.ask(2)
     robot.sent[0].ended.set_exception(ComponentFailed("it jams"))
     for each in first:

@@ -95,7 +95,7 @@ async def test_an_event_that_comes_before_add_returns_is_heard(other: OtherSide)
     assert heard == ["early"]
 
 
-async def test_a_refusal_is_everybodys_own(other: OtherSide) -> None:
+async def test_each_caller_gets_its_own_refusal(other: OtherSide) -> None:
     other.refuses = True
     outcomes = await asyncio.gather(*(other.shared.add(RANG, Heard()) for _ in range(2)), return_exceptions=True)
     assert [type(outcome) for outcome in outcomes] == [TimedOut, TimedOut]
@@ -106,7 +106,7 @@ async def test_a_refusal_is_everybodys_own(other: OtherSide) -> None:
     assert (heard, other.alive) == (["a"], {"3"})
 
 
-async def test_one_who_is_cancelled_leaves_the_rest(other: OtherSide) -> None:
+async def test_a_cancelled_subscriber_leaves_the_rest(other: OtherSide) -> None:
     other.may_answer.clear()
     heard = Heard()
     first = asyncio.ensure_future(other.shared.add(RANG, Heard()))
@@ -119,7 +119,7 @@ async def test_one_who_is_cancelled_leaves_the_rest(other: OtherSide) -> None:
     assert (heard, other.alive) == (["a"], {"2"})
 
 
-async def test_one_who_is_cancelled_just_when_the_answer_came_leaves_nothing(other: OtherSide) -> None:
+async def test_a_subscriber_cancelled_when_the_answer_came_leaves_nothing(other: OtherSide) -> None:
     inner = other.shared._subscribe
 
     async def subscribe(key: Key, register: Callable[[str], None]) -> None:
@@ -133,7 +133,7 @@ async def test_one_who_is_cancelled_just_when_the_answer_came_leaves_nothing(oth
     assert other.shared.key_of("1") is None
 
 
-async def test_who_comes_while_the_last_one_leaves_is_heard(other: OtherSide) -> None:
+async def test_a_subscriber_that_comes_while_the_last_leaves_gets_events(other: OtherSide) -> None:
     subscribe_id = await other.shared.add(RANG, Heard())
     other.may_answer.clear()
     leaving = asyncio.ensure_future(other.shared.remove(subscribe_id))
@@ -198,7 +198,7 @@ class TestTreeChanged:
         await other.shared.remove(subscribe_id)
         assert (rang, shut, other.alive) == (["lost"], ["still"], {"2"})
 
-    async def test_and_so_is_who_is_just_subscribing(self, other: OtherSide) -> None:
+    async def test_and_so_is_a_subscriber_that_still_waits(self, other: OtherSide) -> None:
         other.may_answer.clear()
         heard = Heard()
         adding = asyncio.ensure_future(other.shared.add(RANG, heard))

@@ -29,11 +29,11 @@ def tree() -> Directory:
 
 
 def viewer(*scope: str) -> Principal:
-    return Principal("somebody", frozenset({Role.VIEWER}), scope)
+    return Principal("anna", frozenset({Role.VIEWER}), scope)
 
 
 def administrator(*scope: str) -> Principal:
-    return Principal("somebody", frozenset({Role.ADMINISTRATOR}), scope)
+    return Principal("anna", frozenset({Role.ADMINISTRATOR}), scope)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""A scope or a role that shrinks: what was had and is out of it is lost at once, and the rest goes on."""
+"""A scope or a role that shrinks: what is out of it is lost at once, and the rest goes on."""
 
 import asyncio
 import json
@@ -10,7 +10,7 @@ from openrois.auth.principal import Principal
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.errors import Unsupported
 from openrois.gateway.token_expiry import TokenExpiry
-from openrois.scope.revocation import Claims
+from openrois.scope.revocation import Entitlements
 from openrois.types.codes import ErrorType, StreamStatus
 from openrois.types.references import new_id
 from tests.openrois.interfaces.test_matrix import condition, unit
@@ -20,21 +20,24 @@ KEPT, LOST = "kept", "lost"
 
 
 def test_claims() -> None:
-    operator, viewer = Claims(principal("operator", "kept/*")), Claims(principal("viewer", "kept/*"))
+    operator, viewer = Entitlements(principal("operator", "kept/*")), Entitlements(principal("viewer", "kept/*"))
     refs = ["kept/arm", "lost/arm"]
     assert (operator.lost_bindings(refs), viewer.lost_bindings(refs)) == (["lost/arm"], refs)
     streams = {"kept/1": "kept/camera", "lost/1": "lost/camera"}
-    maintenance = Claims(principal("maintenance", "kept/*"))
+    maintenance = Entitlements(principal("maintenance", "kept/*"))
     assert (viewer.lost_streams(streams), maintenance.lost_streams(streams)) == (["lost/1"], list(streams))
-    assert [claims.loses_subscription("kept/arm") for claims in (viewer, Claims(principal(None, "*")))] == [False, True]
+    assert [each.loses_subscription("kept/arm") for each in (viewer, Entitlements(principal(None, "*")))] == [
+        False,
+        True,
+    ]
     assert viewer.loses_subscription("lost/arm")
 
 
 class Holder:
     """An application that has one of everything of an engine that it keeps and of one that it will lose."""
 
-    def __init__(self, where: Place, wire: Wire, tenure: TokenExpiry) -> None:
-        self.where, self.wire, self.tenure = where, wire, tenure
+    def __init__(self, where: Place, wire: Wire, expiry: TokenExpiry) -> None:
+        self.where, self.wire, self.expiry = where, wire, expiry
         self.streams: dict[str, str] = {}
         self.events: dict[str, str] = {}
         self.errors: dict[str, str] = {}
@@ -71,9 +74,9 @@ EVERYTHING, NOTHING = (dict.fromkeys(("stream", "event", "result", "error"), eac
 
 @pytest.fixture
 async def holder() -> Any:
-    tenure = TokenExpiry(principal("operator", "kept/*", "lost/*"))
-    async with place(KEPT, LOST) as where, where.application(tenure) as wire:
-        made = Holder(where, wire, tenure)
+    expiry = TokenExpiry(principal("operator", "kept/*", "lost/*"))
+    async with place(KEPT, LOST) as where, where.application(expiry) as wire:
+        made = Holder(where, wire, expiry)
         for engine_id in (KEPT, LOST):
             await made.take(engine_id)
         yield made
@@ -82,7 +85,7 @@ async def holder() -> Any:
 async def test_what_leaves_the_scope_is_lost_and_the_rest_is_not(holder: Holder) -> None:
     where, wire = holder.where, holder.wire
     assert (await holder.has(KEPT), await holder.has(LOST)) == (EVERYTHING, EVERYTHING)
-    holder.tenure.replace(principal("operator", "kept/*"))
+    holder.expiry.replace(principal("operator", "kept/*"))
     told = await wire.until("rois.stream.notify_stream_status", lambda told: told["stream_id"] == holder.streams[LOST])
     assert told["status"] == "STREAMING_NOT_CONNECTED"
     await wire.until("rois.system.profile_changed")
@@ -106,7 +109,7 @@ async def test_what_leaves_the_scope_is_lost_and_the_rest_is_not(holder: Holder)
 
 async def test_a_peer_of_an_engine_out_of_sight_is_ended(holder: Holder) -> None:
     calls = holder.where.robots[LOST].streams.calls
-    holder.tenure.replace(principal("operator", "kept/*"))
+    holder.expiry.replace(principal("operator", "kept/*"))
     await holder.wire.until("rois.system.profile_changed")
     await holder.wire.code("rois.command.search", {})
     assert {"rois.stream.disconnect_stream", "signaling.bye"} <= {method for method, _, _ in calls}
@@ -115,7 +118,7 @@ async def test_a_peer_of_an_engine_out_of_sight_is_ended(holder: Holder) -> None
 @pytest.mark.parametrize(("role", "binds", "streams"), [("viewer", False, True), ("maintenance", False, False)])
 async def test_what_a_lesser_role_may_not_have(holder: Holder, role: str, binds: bool, streams: bool) -> None:
     where, wire = holder.where, holder.wire
-    holder.tenure.replace(principal(role, "kept/*", "lost/*"))
+    holder.expiry.replace(principal(role, "kept/*", "lost/*"))
     if not streams:
         for _ in holder.streams:
             await wire.until("rois.stream.notify_stream_status")
@@ -127,11 +130,11 @@ async def test_what_a_lesser_role_may_not_have(holder: Holder, role: str, binds:
 
 
 async def test_a_wider_scope_takes_nothing_and_shows_more() -> None:
-    tenure = TokenExpiry(principal("operator", "kept/*"))
-    async with place(KEPT, LOST) as where, where.application(tenure) as wire:
-        holder = Holder(where, wire, tenure)
+    expiry = TokenExpiry(principal("operator", "kept/*"))
+    async with place(KEPT, LOST) as where, where.application(expiry) as wire:
+        holder = Holder(where, wire, expiry)
         await holder.take(KEPT)
-        tenure.replace(principal("operator", "*"))
+        expiry.replace(principal("operator", "*"))
         await wire.until("rois.system.profile_changed")
         assert await holder.has(KEPT) == EVERYTHING
         assert len((await wire.result("rois.command.search", {}))["component_ref_list"]) == 2 * len(BASIC_COMPONENTS)
@@ -142,7 +145,7 @@ async def test_commands_whose_turn_has_not_come_do_not_run(holder: Holder) -> No
     where, wire = holder.where, holder.wire
     follow = {each: where.robots[each].robot for each in (KEPT, LOST)}
     for lesser in (principal("operator", "kept/*"), principal("viewer", "kept/*")):
-        holder.tenure.replace(principal("operator", "*"))
+        holder.expiry.replace(principal("operator", "*"))
         await wire.result("rois.command.bind", {"component_ref": follow[KEPT].ref("Follow")})
         doomed = LOST if "operator" in lesser.roles else KEPT
         refs = follow[KEPT].ref("PersonDetection"), follow[doomed].ref("FaceDetection")
@@ -151,7 +154,7 @@ async def test_commands_whose_turn_has_not_come_do_not_run(holder: Holder) -> No
         stop = _delayed(follow[KEPT], gate)
         where.reached()
         assert await wire.code("rois.command.execute", {"command_unit_list": sequence}) == "OK"
-        holder.tenure.replace(lesser)
+        holder.expiry.replace(lesser)
         gate.set()
         assert await wire.completed(sequence[0]["command_id"]) == "OK"
         assert await wire.completed(sequence[1]["command_id"]) == "ERROR"
@@ -173,14 +176,14 @@ def _delayed(robot: Any, gate: asyncio.Event) -> Any:
 
 
 async def test_what_is_being_made_when_the_scope_shrinks_is_not_had() -> None:
-    tenure = TokenExpiry(principal("operator", "*"))
-    async with place(LOST) as where, where.application(tenure) as wire:
+    expiry = TokenExpiry(principal("operator", "*"))
+    async with place(LOST) as where, where.application(expiry) as wire:
         streams = where.robots[LOST].streams
         streams.may_answer.clear()
         camera = {"component_ref": where.robots[LOST].robot.ref("VideoStreaming")}
         connecting = asyncio.ensure_future(wire.code("rois.stream.connect_stream", camera))
         await streams.called.wait()
-        tenure.replace(principal("operator", "other/*"))
+        expiry.replace(principal("operator", "other/*"))
         streams.may_answer.set()
         assert await connecting == "UNSUPPORTED"
         assert streams.streams == {}
@@ -190,10 +193,10 @@ async def test_a_stream_that_cannot_be_ended_is_no_reason_to_show_it(
     holder: Holder, caplog: pytest.LogCaptureFixture
 ) -> None:
     holder.where.robots[LOST].streams.refusal = Unsupported("not now")
-    holder.tenure.replace(principal("operator", "kept/*"))
+    holder.expiry.replace(principal("operator", "kept/*"))
     await holder.wire.until("rois.system.profile_changed")
     assert await holder.has(LOST) == NOTHING
-    assert "a stream that its application may not have any more could not be ended: not now" in caplog.text
+    assert "a stream that its application lost could not be ended: not now" in caplog.text
     streams = holder.where.robots[LOST].streams
     streams.announce(holder.streams[LOST], StreamStatus.STREAMING_RUNNING)
     streams.offer(streams.streams[holder.streams[LOST]].client, new_id(LOST), [])
@@ -204,7 +207,7 @@ async def test_a_stream_that_cannot_be_ended_is_no_reason_to_show_it(
 async def test_what_is_out_of_sight_in_an_engine_that_is_not_is_not_told_of_either(holder: Holder) -> None:
     robot, streams = holder.where.robots[LOST].robot, holder.where.robots[LOST].streams
     streams.refusal = Unsupported("not now")
-    holder.tenure.replace(principal("operator", robot.ref("Navigation")))
+    holder.expiry.replace(principal("operator", robot.ref("Navigation")))
     await holder.wire.until("rois.system.profile_changed")
     streams.announce(holder.streams[LOST], StreamStatus.STREAMING_RUNNING)
     frames = [json.loads(frame) for frame in await holder.wire.ask("rois.command.search", {})]
@@ -212,9 +215,9 @@ async def test_what_is_out_of_sight_in_an_engine_that_is_not_is_not_told_of_eith
     assert frames[-1]["result"]["component_ref_list"] == [robot.ref("Navigation")]
 
 
-async def test_who_does_not_see_it_does_not_wait_for_it_either() -> None:
-    tenure = TokenExpiry(principal("operator", "*"))
-    async with place(LOST) as where, where.application(tenure) as wire:
+async def test_a_component_out_of_scope_is_not_waited_for() -> None:
+    expiry = TokenExpiry(principal("operator", "*"))
+    async with place(LOST) as where, where.application(expiry) as wire:
         navigation = where.robots[LOST].robot.ref("Navigation")
         async with where.application(principal("operator", "*")) as other:
             await other.result("rois.command.bind", {"component_ref": navigation})
@@ -222,18 +225,18 @@ async def test_who_does_not_see_it_does_not_wait_for_it_either() -> None:
             lease = (await wire.result("openrois.lease.request", {"component_ref": navigation}))["lease"]
             assert lease["position"] == 1
             await other.until("openrois.lease.requested")
-            tenure.replace(principal("operator", "other/*"))
+            expiry.replace(principal("operator", "other/*"))
             await other.until("openrois.lease.withdrawn")
             await wire.until("rois.system.profile_changed")
             assert await other.code("rois.command.release", {"component_ref": navigation}) == "OK"
-        # Who watched it is not told any more what becomes of it.
+        # An application that watched it is not notified any more.
         frames = [json.loads(frame) for frame in await wire.ask("rois.command.search", {})]
         assert [frame["method"] for frame in [*map(json.loads, wire.frames), *frames[:-1]]] == []
         assert await wire.code("openrois.lease.query", {"component_ref": navigation}) == "UNSUPPORTED"
 
 
 @pytest.mark.parametrize(("lesser", "kept"), [(("operator", "kept/*"), [KEPT]), (("operator", "*"), [KEPT, LOST])])
-async def test_who_resumes_with_less_has_less(lesser: tuple[str, str], kept: list[str]) -> None:
+async def test_resuming_with_a_smaller_scope_loses_leases(lesser: tuple[str, str], kept: list[str]) -> None:
     async with place(KEPT, LOST) as where:
         refs = {each: where.robots[each].robot.ref("Navigation") for each in (KEPT, LOST)}
         async with where.application(principal("operator", "*")) as wire:
@@ -252,9 +255,9 @@ async def test_who_resumes_with_less_has_less(lesser: tuple[str, str], kept: lis
                 assert await other.code("rois.command.bind", {"component_ref": ref}) == expected
 
 
-async def test_nobody_keeps_nothing(holder: Holder) -> None:
-    """What a token that has ended leaves: every method is refused, and nothing is told."""
-    holder.tenure.replace(Principal("somebody", frozenset(), ()))
+async def test_a_principal_without_roles_keeps_nothing(holder: Holder) -> None:
+    """After its token has ended: every method is refused, and nothing is notified."""
+    holder.expiry.replace(Principal("anna", frozenset(), ()))
     assert await holder.has(KEPT) == NOTHING
     holder.where.robots[KEPT].robot.parts["PersonDetection"].tell("person_detected")
     await asyncio.sleep(0)

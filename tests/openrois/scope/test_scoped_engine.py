@@ -10,6 +10,7 @@ from openrois.errors import NotResponding, TimedOut, Unsupported
 from openrois.scope.filter import ScopedDirectories
 from openrois.scope.scoped_engine import ScopedEngine
 from openrois.types.references import new_id
+from openrois.types.streams import HolderNotification
 from tests.support.components import Bell, Lamp
 from tests.support.streams import Camera, FakeStreams
 
@@ -18,7 +19,7 @@ CLIENT = Client("c", lambda _method, _params: None)
 
 
 def operator(*scope: str) -> Principal:
-    return Principal("somebody", frozenset({Role.OPERATOR}), scope)
+    return Principal("anna", frozenset({Role.OPERATOR}), scope)
 
 
 @pytest.fixture
@@ -59,6 +60,8 @@ async def test_what_is_not_is_refused_with_the_words_for_what_is_not_there(seen:
         await seen.invoke(ref, "switch")
     with pytest.raises(Unsupported, match=words):
         await seen.extension.call("rois.stream.connect_stream", {"component_ref": ref}, CLIENT)
+    with pytest.raises(Unsupported, match=words):
+        await seen.extension.set_holder(HolderNotification(component_ref=ref, holds=True, epoch=1), CLIENT)
 
 
 async def test_engines_and_what_they_mint(seen: ScopedEngine, engine: Engine, streams: FakeStreams) -> None:
@@ -76,11 +79,11 @@ async def test_engines_and_what_they_mint(seen: ScopedEngine, engine: Engine, st
     connected = await seen.extension.call("rois.stream.connect_stream", {"component_ref": "secret/camera"}, CLIENT)
     await seen.extension.call("rois.stream.suspend_stream", {"stream_id": connected["stream_id"]}, CLIENT)
     seen.principal = operator()
-    await seen.extension.forget(CLIENT)
+    await seen.extension.forget_client(CLIENT)
     assert streams.forgotten == ["c"]
 
 
-async def test_who_listens_hears_whether_it_would_see_a_difference(seen: ScopedEngine, engine: Engine) -> None:
+async def test_listeners_learn_whether_the_directory_is_different(seen: ScopedEngine, engine: Engine) -> None:
     heard: list[bool] = []
     seen.on_change(heard.append)
     more = LocalRegistry("more", [Lamp()])
@@ -98,8 +101,8 @@ async def test_who_listens_hears_whether_it_would_see_a_difference(seen: ScopedE
     assert heard == [False, True, True]
 
 
-async def test_whoever_is_shown_everything_hears_of_every_change(engine: Engine) -> None:
-    everything = Principal("somebody", frozenset({Role.ADMINISTRATOR}), ("*",))
+async def test_a_principal_that_sees_everything_is_notified_of_every_change(engine: Engine) -> None:
+    everything = Principal("anna", frozenset({Role.ADMINISTRATOR}), ("*",))
     seen = ScopedEngine(engine, everything, ScopedDirectories())
     heard: list[bool] = []
     seen.on_change(heard.append)

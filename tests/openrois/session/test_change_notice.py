@@ -1,4 +1,4 @@
-"""Changes that are told: a few as they come, of a flood no more than there may be, and always the last."""
+"""Notification of changes: a few as they come, of a flood no more than the limit, and always the last."""
 
 import asyncio
 
@@ -16,7 +16,7 @@ CHANGED = "rois.system.profile_changed"
 
 
 class Told:
-    """Counts what is told, on a clock that the test turns; whoever is too early looks again after a millisecond."""
+    """Counts notifications, on a clock that the test turns; a sleep that is not over yet polls each millisecond."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(change_notice, "CHANGES_PER_SECOND", 1000)
@@ -25,7 +25,7 @@ class Told:
         self.notice = ChangeNotice(lambda: self.times.put_nowait(self.clock.now), self.clock)
 
     def burst(self) -> list[float]:
-        """Change very often; return when that was told at once."""
+        """Change very often; return the times of the notifications."""
         for _ in range(1000):
             self.notice.changed()
         return [self.times.get_nowait() for _ in range(self.times.qsize())]
@@ -40,7 +40,7 @@ async def test_a_flood_is_cut_and_its_last_is_told(monkeypatch: pytest.MonkeyPat
     assert told.burst() == [60.0] * CHANGES_AT_ONCE
 
 
-async def test_who_has_left_is_told_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_departed_application_is_not_notified(monkeypatch: pytest.MonkeyPatch) -> None:
     told = Told(monkeypatch)
     told.notice.close()
     told.burst()

@@ -111,7 +111,7 @@ async def test_details_expire_when_the_event_says(setting: Setting, expire: str)
     reply_left()
     setting.wall = -60
     setting.bus.emit(event("a", expire))
-    # Somebody sets the wall clock.
+    # The wall clock is set.
     setting.wall = 7200
     setting.now += 89
     assert setting.log.details("a") == event("a").results

@@ -1,4 +1,4 @@
-"""One application's session: who may operate what, and what is left when it leaves."""
+"""One application's session: what it may operate, and what is left when it leaves."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -20,7 +20,7 @@ LAMP, CAMERA = "robot/lamp", "robot/camera"
 
 
 class Told:
-    """What the application is told, and what it is not allowed to hear."""
+    """The notifications of the application, and those that are withheld."""
 
     def __init__(self) -> None:
         self.methods: list[str] = []
@@ -62,7 +62,7 @@ def app(host: EngineHost, told: Told) -> ApplicationSession:
     return ApplicationSession(host, told.notify, passes=told.passes)
 
 
-async def test_who_may_operate(host: EngineHost, app: ApplicationSession, told: Told) -> None:
+async def test_operating_needs_a_lease(host: EngineHost, app: ApplicationSession, told: Told) -> None:
     trusted = ApplicationSession(host, told.notify, trusted=True)
     assert (app.may_operate(LAMP), trusted.may_operate(LAMP)) == (False, True)
     host.leases.bind(LAMP, app)
@@ -121,7 +121,9 @@ async def test_leaving_gives_everything_back(host: EngineHost, registry: LocalRe
     assert told.methods == ["rois.system.profile_changed"]
 
 
-async def test_a_stream_that_is_made_for_who_has_left_is_ended(app: ApplicationSession, streams: FakeStreams) -> None:
+async def test_a_stream_that_is_made_for_a_departed_application_is_ended(
+    app: ApplicationSession, streams: FakeStreams
+) -> None:
     streams.may_answer.clear()
     connecting = asyncio.ensure_future(connect_stream(app, CAMERA, ()))
     await asyncio.sleep(0)

@@ -1,8 +1,9 @@
 """What an application sees of a streaming component's parameters."""
 
-from openrois.session.stream_parameters import StreamParameters
+from openrois.contract import Directory
+from openrois.session.stream_parameters import StreamParameters, lost_streams
 from openrois.types.messages import Argument, Result
-from openrois.types.profiles import HRIComponentProfile, ParameterProfile, RoISIdentifier
+from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, ParameterProfile, RoISIdentifier
 
 CAMERA = "robot/camera"
 PROFILE = HRIComponentProfile(
@@ -49,3 +50,15 @@ def test_it_is_of_one_component_and_forgotten_with_it() -> None:
     assert seen(parameters) == {"encoding_parameters": ("String", "mine")}
     parameters.keep_only({"robot/other"})
     assert seen(parameters) == {}
+
+
+def test_streams_of_components_that_are_gone() -> None:
+    profile = HRIComponentProfile(identifier=RoISIdentifier(code="urn"), name="camera")
+    directory = Directory(HRIEngineProfile(identifier=RoISIdentifier(code="g")), {"a/camera": profile})
+    (notice,) = lost_streams({"a/1": "a/camera", "b/1": "b/camera"}, directory, 0.0)
+    assert notice.model_dump(mode="json") == {
+        "stream_id": "b/1",
+        "component_ref": "b/camera",
+        "status": "STREAMING_NOT_CONNECTED",
+        "timestamp": "1970-01-01T00:00:00.000000+00:00",
+    }

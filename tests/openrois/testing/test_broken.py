@@ -18,6 +18,8 @@ from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile, RoISIdentifier
 from tests.support.basics import Navigation, SystemInformation
 
+pytestmark = pytest.mark.extra(name="base")
+
 PATIENCE = 0.05
 """Seconds until what is not as it should be is given up."""
 
@@ -358,7 +360,7 @@ class Secretive(Bus):
 
 
 class OneEar(Bus):
-    """Has one subscription to an event, whoever asks."""
+    """Has one subscription to an event for all subscribers."""
 
     async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:
         await super().subscribe(component_ref, event_type, sink)

@@ -14,6 +14,8 @@ from tests.support.basics import BASICS
 from tests.support.components import Bell, Lamp
 from tests.support.fleet import everything
 
+pytestmark = pytest.mark.extra(name="base")
+
 NEEDS = {"speech_text": "hello"}
 
 
@@ -57,7 +59,7 @@ def test_every_rule_is_a_test_of_its_own() -> None:
     assert len(tests) == len(RULES) + len(LOCAL_RULES) == 19
 
 
-async def test_who_does_not_say_what_is_tried_is_told() -> None:
+async def test_a_contract_without_component_names_what_is_missing() -> None:
     with pytest.raises(NotImplementedError, match="async def component"):
         await ComponentContract().try_rule(RULES[0])
 
@@ -74,7 +76,7 @@ async def test_what_is_said_of_a_component_that_is_not_there_is_refused(given: s
             await findings(gateway.engine, **{given: {"robot/speech": NEEDS}})  # type: ignore[arg-type]
 
 
-async def test_a_robot_of_somebody_else() -> None:
+async def test_a_robot_of_another_maker() -> None:
     assert await findings(everything().registry) == []
 
 

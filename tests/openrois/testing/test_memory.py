@@ -13,6 +13,8 @@ from openrois.testing import harness, memory_gateway
 from tests.support import basics
 from tests.support.components import Bell, Lamp
 
+pytestmark = pytest.mark.extra(name="base")
+
 
 async def test_a_component_is_used_as_by_an_application() -> None:
     async with harness(Lamp(), engine_id="house") as client:

@@ -1,4 +1,4 @@
-"""An adapter's program behind a gateway of its own: what is told where it does not do its part."""
+"""An adapter's program behind a gateway of its own: the errors where it does not do its part."""
 
 import signal
 import sys
@@ -6,6 +6,8 @@ import sys
 import pytest
 
 from openrois.testing import launched
+
+pytestmark = pytest.mark.extra(name="gateway")
 
 IGNORING = f"""
 import signal

@@ -10,6 +10,8 @@ from openrois.testing import FaultRelay, Weather
 from openrois.testing import relay as relay_module
 from tests.support.clock import Clock
 
+pytestmark = pytest.mark.extra(name="base")
+
 PATIENCE = 5.0
 
 

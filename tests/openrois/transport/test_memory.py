@@ -51,7 +51,7 @@ async def test_what_was_sent_before_the_close_is_still_received(side: str) -> No
             await end.send("x")
 
 
-async def test_whoever_waits_is_told() -> None:
+async def test_a_waiting_reader_learns_the_end() -> None:
     near, far = memory_pair(capacity=1)
     await near.send("a")
     sending, receiving = asyncio.ensure_future(near.send("b")), asyncio.ensure_future(near.receive())

@@ -33,7 +33,7 @@ def address(server: Any, scheme: str = "ws") -> str:
     return f"{scheme}://127.0.0.1:{next(iter(server.sockets)).getsockname()[1]}/"
 
 
-async def test_nobody_listens() -> None:
+async def test_no_gateway_listens() -> None:
     async with serve(hold, "127.0.0.1", 0) as server:
         url = address(server)
     assert (await said_of(url)).startswith(f"no gateway answers at {url}; `openrois gateway` starts one here (")
@@ -43,7 +43,7 @@ async def test_nobody_listens() -> None:
     ("status", "said"),
     [(401, "answered 401: not without a token (ask the porter)"), (403, "answered 403: not without a token")],
 )
-async def test_somebody_refuses(status: int, said: str) -> None:
+async def test_a_refusal(status: int, said: str) -> None:
     def refuse(connection: ServerConnection, _request: Request) -> Response:
         return connection.respond(http.HTTPStatus(status), "not without\n\x1b a token\n")
 
@@ -76,7 +76,7 @@ async def test_nothing_answers() -> None:
         assert await said_of(url, patience=0.01) == f"nothing answers at {url} in time"
 
 
-async def test_a_certificate_of_somebody_unknown(tmp_path: Path) -> None:
+async def test_a_certificate_of_an_unknown_authority(tmp_path: Path) -> None:
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.load_cert_chain(*Authority(tmp_path).issue())
     async with serve(hold, "127.0.0.1", 0, ssl=context) as server:

@@ -125,7 +125,7 @@ async def _fill(near: WebSocketStream) -> None:
 
 
 async def passing(seconds: float) -> None:
-    """Let time pass: nothing else tells that nothing happens in it."""
+    """Let time pass: nothing else shows that nothing happens in it."""
     over = asyncio.get_running_loop().create_future()
     asyncio.get_running_loop().call_later(seconds, over.set_result, None)
     await over

@@ -1,4 +1,4 @@
-"""The sentence of a reason: whatever somebody raises becomes one line that can be shown."""
+"""The sentence of a reason: the text of any exception becomes one line that can be shown."""
 
 import pytest
 

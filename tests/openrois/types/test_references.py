@@ -30,7 +30,7 @@ def test_a_reference_leads_back_to_its_engine() -> None:
     assert engine_of(reference("a", "lamp")) == "a"
 
 
-def test_ids_are_the_engine_and_128_bits_nobody_guesses() -> None:
+def test_ids_are_the_engine_and_128_random_bits() -> None:
     ids = {new_id("a") for _ in range(100)}
     assert len(ids) == 100
     assert all(len(bytes.fromhex(one.removeprefix("a/"))) == 16 for one in ids)

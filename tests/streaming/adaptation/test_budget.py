@@ -93,7 +93,7 @@ class Path:
         self.budget.answered(bits, bits / carried, self.now)
 
 
-def test_nothing_is_asked_that_nobody_wants() -> None:
+def test_no_probe_beyond_the_wanted_rate() -> None:
     path = Path()
     path.pass_time(5)
     assert (path.budget.question, path.budget.budget) == (None, START)
@@ -109,7 +109,7 @@ def test_at_first_all_that_is_wanted_is_in_question_and_it_is_had_if_it_is_carri
     assert (path.budget.budget, path.budget.question) == (3_000_000, None)
 
 
-def test_what_a_burst_shows_is_not_used_to_the_last_bit() -> None:
+def test_budget_stays_below_the_rate_of_a_burst() -> None:
     path = Path()
     path.pass_time(0.2, wanted=3_000_000)
     path.answer(2_000_000)
@@ -149,7 +149,7 @@ def test_questions_without_a_good_answer_are_repeated_after_longer_and_longer_pa
     assert path.budget.question == 4_000_000, "one good answer and there is no pause"
 
 
-def test_what_a_burst_has_shown_and_did_not_last_makes_the_pause_longer_too() -> None:
+def test_lost_burst_rate_lengthens_the_pause() -> None:
     path = Path(1_000_000)
     path.pass_time(0.2, wanted=2_000_000)
     path.answer(50_000_000)
@@ -196,7 +196,7 @@ def test_a_second_one_that_comes_late_is_a_first_one_again() -> None:
     assert path.budget.budget == 1_000_000
 
 
-def test_who_sees_that_there_is_no_queue_does_not_believe_it_either() -> None:
+def test_complaint_without_a_queue_is_not_believed() -> None:
     path = Path(1_000_000)
     path.report(rtt=0.02)
     for _ in range(6):
@@ -218,7 +218,7 @@ def test_a_first_estimate_far_below_what_is_sent_counts() -> None:
     assert (fine.budget.budget, fine.budget.estimate) == (1_000_000, 990_000)
 
 
-def test_what_comes_right_after_a_complaint_can_only_lower_it_further() -> None:
+def test_estimates_after_a_complaint_only_lower_the_budget() -> None:
     path = Path(1_000_000)
     path.pass_time(2)
     path.budget.estimated(600_000, path.now)
@@ -279,7 +279,7 @@ def test_there_is_a_least() -> None:
 
 
 def complain(path: Path, *, rtt: bool) -> None:
-    """Delay, as an estimate or as a report tells of it."""
+    """Delay, from an estimate or a report."""
     if rtt:
         path.report(rtt=0.5)
     else:
@@ -327,7 +327,7 @@ def test_heavy_loss_is_not_in_doubt() -> None:
 
 
 @pytest.mark.parametrize("rtt", [False, True])
-def test_what_was_late_because_this_process_stood_still_says_nothing(rtt: bool) -> None:
+def test_delay_by_a_standstill_is_ignored(rtt: bool) -> None:
     path = Path(1_000_000)
     path.report()
     path.pass_time(2)

@@ -27,7 +27,7 @@ def test_the_rate_is_the_lowest_demand_that_is_close_to_the_highest(
     assert (shared.bitrate, shared.viewers) == (bitrate, len(demands))
 
 
-def test_who_comes_must_be_able_to_take_what_the_others_get() -> None:
+def test_new_viewer_needs_the_least_demand_of_the_others() -> None:
     shared = Demands(RUNG, TOP)
     assert shared.least("me") == 200_000
     shared.put("me", 900_000)

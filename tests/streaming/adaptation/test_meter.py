@@ -28,7 +28,7 @@ def test_a_young_meter_does_not_divide_by_a_time_that_was_not() -> None:
     assert meter.rate(0.5) == pytest.approx(20_000)
 
 
-def test_what_nobody_asks_about_is_not_remembered_for_ever() -> None:
+def test_unread_counts_are_dropped() -> None:
     meter = RateMeter(0.0)
     for n in range(1000):
         meter.count(1250, n / 10)
@@ -36,29 +36,29 @@ def test_what_nobody_asks_about_is_not_remembered_for_ever() -> None:
     assert meter.rate(99.9) == pytest.approx(100_000)
 
 
-def test_the_first_report_tells_of_all_before_it() -> None:
-    assert LossMeter().reported(Report(1000, 40, 0.4)) == 0.4
+def test_first_report_covers_all_packets_before_it() -> None:
+    assert LossMeter().add_report(Report(1000, 40, 0.4)) == 0.4
 
 
 def test_later_ones_count_over_sixty_packets_at_least() -> None:
     meter = LossMeter()
-    meter.reported(Report(1000, 0))
-    assert meter.reported(Report(1030, 3)) is None
-    assert meter.reported(Report(1060, 6)) == pytest.approx(0.1)
-    assert meter.reported(Report(1090, 6)) == pytest.approx(3 / 60)
-    assert meter.reported(Report(1400, 6)) == 0
-    assert meter.reported(Report(1500, 2)) == 0, "duplicates make the count go back"
+    meter.add_report(Report(1000, 0))
+    assert meter.add_report(Report(1030, 3)) is None
+    assert meter.add_report(Report(1060, 6)) == pytest.approx(0.1)
+    assert meter.add_report(Report(1090, 6)) == pytest.approx(3 / 60)
+    assert meter.add_report(Report(1400, 6)) == 0
+    assert meter.add_report(Report(1500, 2)) == 0, "duplicates make the count go back"
 
 
 def test_another_receiver_begins_anew() -> None:
     meter = LossMeter()
-    meter.reported(Report(5000, 100))
-    assert meter.reported(Report(10, 0)) is None
-    assert meter.reported(Report(110, 20)) == pytest.approx(0.2)
+    meter.add_report(Report(5000, 100))
+    assert meter.add_report(Report(10, 0)) is None
+    assert meter.add_report(Report(110, 20)) == pytest.approx(0.2)
 
 
-def test_what_was_lost_before_can_be_forgotten() -> None:
+def test_earlier_losses_can_be_reset() -> None:
     meter = LossMeter()
-    meter.forget()
-    assert meter.reported(Report(1000, 500, 0.9)) is None
-    assert meter.reported(Report(1100, 510)) == pytest.approx(0.1)
+    meter.reset()
+    assert meter.add_report(Report(1000, 500, 0.9)) is None
+    assert meter.add_report(Report(1100, 510)) == pytest.approx(0.1)

@@ -1,7 +1,6 @@
 from openrois_streaming.adaptation.budget import BURST, START
-from openrois_streaming.adaptation.caps import Caps
 from openrois_streaming.adaptation.rung import ladder
-from openrois_streaming.adaptation.viewer import VIDEO_SHARE, Adaptation, Standing
+from openrois_streaming.adaptation.viewer import VIDEO_SHARE, Adaptation, Caps, Standing
 
 RUNGS = ladder(1280, 720, 30)
 ALONE = tuple(Standing(rung, rung.min_bitrate) for rung in RUNGS)
@@ -46,7 +45,7 @@ def test_a_viewer_alone_begins_with_the_best_picture_at_a_rate_that_most_paths_c
     assert not following.decision.stills
 
 
-def test_one_that_was_measured_begins_with_what_was_measured() -> None:
+def test_measured_path_begins_with_its_rate() -> None:
     assert Following(start=300_000).decision.index == 1
     assert Following(start=5_000_000).decision.demand == 5_000_000 * VIDEO_SHARE
 
@@ -59,7 +58,7 @@ def test_beside_fast_ones_it_begins_lower_and_is_on_top_within_a_second() -> Non
     assert following.decision.demand >= 2_500_000 * 0.99
 
 
-def test_one_whose_path_does_not_carry_what_fast_ones_get_stays_below() -> None:
+def test_slow_viewer_stays_below_the_fast_ones() -> None:
     following = Following(standings=BESIDE_FAST, carried=1_000_000)
     following.live(60, BESIDE_FAST)
     assert (following.decision.index, following.adaptation.switches) == (1, 0)
@@ -117,3 +116,16 @@ def test_caps_hold_whatever_the_path_carries() -> None:
     small.adaptation.caps = Caps(height=180)
     small.live(0.1)
     assert small.decision.index == 2
+
+
+def test_of_two_limits_the_lower_one_holds() -> None:
+    assert Caps().within(Caps()) == Caps()
+    one, other = Caps(1_000_000, 640, None, 30.0), Caps(500_000, 1280, 360)
+    assert one.within(other) == other.within(one) == Caps(500_000, 640, 360, 30.0)
+
+
+def test_a_size_is_admitted_if_both_its_sides_fit() -> None:
+    rungs = ladder(1280, 720, 30)
+    assert [Caps().admits(rung) for rung in rungs] == [True, True, True]
+    assert [Caps(width=640).admits(rung) for rung in rungs] == [False, True, True]
+    assert [Caps(height=359).admits(rung) for rung in rungs] == [False, False, True]

@@ -62,13 +62,13 @@ async def test_messages_pass_with_their_stream(association: Association) -> None
     assert association.came == [(0, "hello"), (1, "grüß dich"), (1, "")]
 
 
-async def test_what_is_no_text_stays_bytes(association: Association) -> None:
+async def test_binary_message_stays_bytes(association: Association) -> None:
     await association.receive(b"hello", protocol=BINARY)
     await association.receive(b"\xff", stream=1)
     assert association.came == [(0, b"hello"), (1, b"\xff")]
 
 
-async def test_nobody_opens_channels(association: Association) -> None:
+async def test_other_end_cannot_open_channels(association: Association) -> None:
     before = dict(association.transport._data_channels)
     await association.receive(bytes([3]) + bytes(11), stream=5, protocol=OPEN)
     assert association.transport._data_channels == before
@@ -80,12 +80,12 @@ async def test_a_channel_is_agreed_to_by_its_number_alone(association: Associati
     assert (association.came, association.figures.unreadable) == ([], 0)
 
 
-async def test_what_a_receiver_raises_ends_here_and_is_told(
+async def test_exceptions_of_the_callback_are_contained_and_logged(
     association: Association, caplog: pytest.LogCaptureFixture
 ) -> None:
     association.came = None  # type: ignore[assignment]
     await association.receive(b"hello")
-    assert "could not be taken" in caplog.text
+    assert "could not be handled" in caplog.text
     association.came = []
     await association.receive(b"again", stream_seq=1)
     assert association.came == [(0, "again")]
@@ -98,7 +98,7 @@ class Twice(sctp.Chunk):
         return bytes(sctp.InitChunk()) * 2
 
 
-async def test_what_aiortc_trips_over_ends_here(association: Association) -> None:
+async def test_parser_failures_are_contained(association: Association) -> None:
     await association.take(sctp.serialize_packet(5000, 5000, 0, Twice()))
     assert association.figures.unreadable == 1
     await association.receive(b"hello")
@@ -123,7 +123,7 @@ async def gaps(association: Association) -> None:
 
 
 @pytest.mark.parametrize("hostile", [unfinished, many_streams, gaps])
-async def test_who_fills_the_memory_has_no_channels_any_more(
+async def test_flood_of_incomplete_data_closes_the_channels(
     association: Association, hostile: Callable[[Association], Any]
 ) -> None:
     await hostile(association)
@@ -154,7 +154,7 @@ async def test_whatever_comes_raises_nothing(
     await association.take(whole)
 
 
-async def test_what_differs_is_told(monkeypatch: pytest.MonkeyPatch, association: Association) -> None:
+async def test_differences_are_reported(monkeypatch: pytest.MonkeyPatch, association: Association) -> None:
     fresh = RTCSctpTransport(association.transport.transport)
     assert differences(fresh) == []
 

@@ -23,7 +23,7 @@ def limit_without_sources() -> bytes:
     return struct.pack("!BBH", 0x8F, 206, len(body) // 4) + body
 
 
-async def test_what_aiortc_trips_over_ends_here_and_is_told_once(
+async def test_parser_failures_are_contained_and_logged_once(
     transport: RTCDtlsTransport, caplog: pytest.LogCaptureFixture
 ) -> None:
     heard: list[str] = []

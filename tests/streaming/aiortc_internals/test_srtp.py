@@ -21,7 +21,7 @@ def pair(profile: int, key: int) -> tuple[Protection, Session]:
 
 
 @pytest.mark.parametrize(("profile", "key"), PROFILES)
-def test_what_it_protects_can_be_read(profile: int, key: int) -> None:
+def test_protected_packets_can_be_read(profile: int, key: int) -> None:
     protection, reader = pair(profile, key)
     packets = [HEADER[:3] + bytes((number,)) + HEADER[4:] + bytes(100 * number) for number in range(3)]
     assert [reader.unprotect(packet) for packet in protection.rtp(packets)] == packets
@@ -29,7 +29,7 @@ def test_what_it_protects_can_be_read(profile: int, key: int) -> None:
     assert reader.unprotect_rtcp(protection.rtcp(report)) == report
 
 
-def test_what_cannot_be_protected_is_refused() -> None:
+def test_unprotectable_packet_is_refused() -> None:
     protection, _ = pair(*PROFILES[0])
     assert len(protection.rtp([HEADER + bytes(PACKET_LIMIT - 12)])[0]) == PACKET_LIMIT + 10
     for packet in (HEADER + bytes(PACKET_LIMIT - 11), b"short"):

@@ -8,6 +8,8 @@ from openrois_streaming.aiortc_internals import trial
 from openrois_streaming.aiortc_internals.connection import contain_starts
 from openrois_streaming.aiortc_internals.trial import UnsupportedLibrary, self_test
 
+pytestmark = pytest.mark.extra(name="streaming")
+
 
 async def test_the_installed_libraries_are_as_expected() -> None:
     await self_test()
@@ -16,7 +18,7 @@ async def test_the_installed_libraries_are_as_expected() -> None:
 @pytest.mark.parametrize("name", ["aiortc", "aioice"])
 async def test_another_version_is_refused(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     monkeypatch.setitem(trial.TESTED, name, "0.1.")
-    with pytest.raises(UnsupportedLibrary, match=rf"{name} .* is installed; tested are 0\.1\.\*"):
+    with pytest.raises(UnsupportedLibrary, match=rf"{name} .* is installed and not tested: install {name}==0\.1\.\*"):
         await self_test()
 
 
@@ -58,7 +60,7 @@ async def test_a_changed_library_is_refused(
         (RuntimeError("a mistake"), True),
     ],
 )
-async def test_a_start_of_sections_that_fails_is_told_unless_it_was_overtaken(
+async def test_failed_start_of_sections_is_logged_unless_overtaken(
     caplog: pytest.LogCaptureFixture, failure: Exception | None, logged: bool
 ) -> None:
     connection, started = RTCPeerConnection(), []

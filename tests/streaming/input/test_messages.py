@@ -11,13 +11,13 @@ from openrois_streaming.input.messages import (
     Change,
     Gamepad,
     Held,
+    InputError,
     Pointer,
     State,
     Touch,
     read_change,
     read_state,
 )
-from openrois_streaming.input.reading import InputError
 
 from tests.support.input import CHANGES, HELD, STAMP
 
@@ -32,7 +32,7 @@ def test_a_change_is_read_as_it_was_written(change: Change) -> None:
     assert read_change(json.dumps(change.to_json())) == change
 
 
-def test_what_is_not_there_is_not_held() -> None:
+def test_absent_members_are_not_held() -> None:
     assert read_state('{"seq": 0, "t": 0}') == State(0, 0.0, NOTHING)
     assert State(0, 0.0).to_json() == {"seq": 0, "t": 0.0, "event": "state"}
 
@@ -93,7 +93,7 @@ def test_a_wrong_change_is_refused_by_name(wrong: dict[str, Any], named: str) ->
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "null", "[" * 1000, '{"seq": 1e999}', '{"a":' * 200, "9" * 900])
-def test_what_is_no_message(text: str) -> None:
+def test_invalid_message_is_refused(text: str) -> None:
     for read in (read_state, read_change):
         with pytest.raises(InputError):
             read(text)

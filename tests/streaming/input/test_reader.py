@@ -27,7 +27,7 @@ def test_each_channel_has_its_messages(reader: InputReader) -> None:
 
 
 @pytest.mark.parametrize("data", [b"{}", STATE + " " * 1024, '{"seq": 1, "t": 2, "x": "' + "ä" * 500 + '"}', "\ud800"])
-def test_what_is_no_text_or_too_long(reader: InputReader, data: str | bytes) -> None:
+def test_binary_or_too_long_messages_are_malformed(reader: InputReader, data: str | bytes) -> None:
     assert reader.read("input", data) is None
     assert reader.figures.malformed == 1
 

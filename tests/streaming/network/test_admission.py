@@ -128,12 +128,12 @@ def test_a_camera_a_microphone_and_a_viewer_that_loses_much_are_never_cut() -> N
         (b"\x80", Traffic.RTP),
     ],
 )
-def test_what_is_not_encrypted_tells_reports_from_media(datagram: bytes, traffic: Traffic) -> None:
+def test_unencrypted_bytes_distinguish_reports_from_media(datagram: bytes, traffic: Traffic) -> None:
     assert media_traffic(datagram) is traffic
 
 
 @pytest.mark.parametrize("name", ["peer_packets", "peer_bytes", "total_packets", "total_bytes"])
-def test_what_admits_nothing_is_no_setting(name: str) -> None:
+def test_settings_below_one_are_refused(name: str) -> None:
     make: Callable[..., AdmissionSettings] = AdmissionSettings
     with pytest.raises(ValueError, match=f"--{name.replace('_', '-')} must be 1 or more, not 0"):
         make(**{name: 0})

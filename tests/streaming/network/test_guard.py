@@ -1,12 +1,21 @@
+from aioice import stun
+from hypothesis import given
+from hypothesis import strategies as st
 from openrois_streaming.network.guard import (
     HELD_LIMIT,
+    KINDS,
     REPLIES_AT_ONCE,
     REPLIES_PER_SECOND,
     SIZE_LIMIT,
     SOURCES_LIMIT,
+    STUN_LIMIT,
     Allowance,
     Gate,
     GuardFigures,
+    Kind,
+    StunClass,
+    stun_class,
+    transaction_of,
 )
 
 PEER, STRANGER = ("192.0.2.1", 5000), ("192.0.2.2", 5000)
@@ -23,7 +32,7 @@ def test_a_stranger_does_not_pass() -> None:
     assert (figures.strangers, figures.total()) == (1, 1)
 
 
-def test_what_comes_during_a_check_is_held_and_passes_in_order_when_it_succeeds() -> None:
+def test_datagrams_held_during_a_check_pass_in_order_when_it_succeeds() -> None:
     one, figures = gate()
     assert one.expect(PEER)
     assert not one.passes(b"1", PEER)
@@ -45,7 +54,7 @@ def test_only_a_little_is_held() -> None:
     assert len(one.admit(PEER)) == HELD_LIMIT
 
 
-def test_nothing_longer_than_media_ever_is_passes_from_anybody() -> None:
+def test_oversized_datagrams_never_pass() -> None:
     one, figures = gate()
     one.expect(PEER)
     assert not one.passes(bytes(SIZE_LIMIT + 1), PEER)
@@ -55,12 +64,12 @@ def test_nothing_longer_than_media_ever_is_passes_from_anybody() -> None:
     assert (figures.oversized, figures.total()) == (2, 2)
 
 
-def test_what_was_held_is_dropped_when_the_check_fails() -> None:
+def test_held_datagrams_are_dropped_when_the_check_fails() -> None:
     one, figures = gate()
     one.expect(PEER)
     one.passes(b"x", PEER)
-    one.forget(PEER)
-    one.forget(STRANGER)
+    one.reject(PEER)
+    one.reject(STRANGER)
     assert figures.strangers == 1
     assert one.admit(PEER) == []
 
@@ -94,3 +103,35 @@ def test_replies_are_limited() -> None:
     assert sum(replies.admits() for _ in range(50)) == REPLIES_PER_SECOND
     now[0] = 1000.0
     assert sum(replies.admits() for _ in range(50)) == REPLIES_AT_ONCE
+
+
+def test_first_byte_gives_the_kind() -> None:
+    told = {kind: [first for first in range(256) if KINDS[first] is kind] for kind in Kind}
+    assert told[Kind.STUN] == list(range(4))
+    assert told[Kind.DTLS] == list(range(20, 64))
+    assert told[Kind.MEDIA] == list(range(128, 192))
+    assert len(told[Kind.OTHER]) == 256 - 4 - 44 - 64
+
+
+def message(kind: stun.Class) -> bytes:
+    return bytes(stun.Message(stun.Method.BINDING, kind, b"t" * 12, {"SOFTWARE": "test"}))
+
+
+def test_header_gives_the_stun_class() -> None:
+    for kind in stun.Class:
+        assert stun_class(message(kind)) is StunClass(kind)
+        assert transaction_of(message(kind)) == b"t" * 12
+
+
+def test_a_wrong_header_is_none() -> None:
+    good = message(stun.Class.REQUEST)
+    assert stun_class(good[:19]) is None
+    assert stun_class(good[:-4]) is None
+    assert stun_class(good + b"x") is None
+    assert stun_class(good[:4] + b"cook" + good[8:]) is None
+    assert stun_class(good[:2] + (STUN_LIMIT - 16).to_bytes(2, "big") + good[4:20] + bytes(STUN_LIMIT - 16)) is None
+
+
+@given(st.binary(max_size=200))
+def test_any_bytes_have_a_class_or_none(data: bytes) -> None:
+    assert stun_class(data) in {None, *StunClass}

@@ -40,8 +40,8 @@ def test_interfaces_are_chosen_by_name_or_address(interfaces: tuple[str, ...], a
 
 
 @pytest.mark.usefixtures("_three")
-def test_one_that_is_not_there_is_said() -> None:
-    with pytest.raises(NoInterface, match="wlan0; there are: docker0, eth0, lo"):
+def test_unknown_interface_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(NoInterface, match="wlan0; use one of: docker0, eth0, lo"):
         host_addresses(("wlan0",))
 
 

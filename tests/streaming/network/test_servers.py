@@ -33,21 +33,21 @@ def test_a_url_is_read(url: str, server: StunServer | TurnServer) -> None:
 @pytest.mark.parametrize(
     ("url", "told"),
     [
-        ("https://example.org", "no URL of a STUN or TURN server"),
-        ("turn:", "no URL"),
-        ("turn:a..b", "no URL"),
-        ("turn:user@host", "no URL"),
-        ("turn:h:123456", "no URL"),
-        ("turn:h?transport=sctp", "no URL"),
+        ("https://example.org", "not a STUN or TURN URL"),
+        ("turn:", "not a STUN or TURN URL"),
+        ("turn:a..b", "not a STUN or TURN URL"),
+        ("turn:user@host", "not a STUN or TURN URL"),
+        ("turn:h:123456", "not a STUN or TURN URL"),
+        ("turn:h?transport=sctp", "not a STUN or TURN URL"),
         ("turn:h:0", "no valid port"),
         ("turn:h:70000", "no valid port"),
-        ("stun:[::::1]", "no IPv6 address"),
+        ("stun:[::::1]", "not an IPv6 address"),
         ("stuns:h", "not supported"),
         ("stun:h?transport=udp", "has no transport"),
         ("turns:h?transport=udp", "not supported"),
     ],
 )
-def test_what_cannot_be_used_is_refused_with_a_sentence(url: str, told: str) -> None:
+def test_unusable_server_is_refused_with_reason(url: str, told: str) -> None:
     with pytest.raises(UnusableServer, match=told):
         read_server(url)
 
@@ -60,7 +60,7 @@ def test_any_text_is_read_or_refused(url: str) -> None:
         server.host.encode("idna")
 
 
-def test_servers_are_told_apart_and_one_that_cannot_be_used_is_left_out() -> None:
+def test_servers_are_sorted_by_kind_without_unusable_ones() -> None:
     servers = read_servers(
         [
             IceServer(urls=("stun:s", "https://example.org", "stun:s:3478")),

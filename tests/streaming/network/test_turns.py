@@ -61,7 +61,7 @@ async def test_a_turn_of_the_loop_takes_so_long_for_all_peers_and_none_is_forgot
     await loop.close()
 
 
-async def test_time_in_which_a_reader_waits_is_nobodys() -> None:
+async def test_waiting_time_of_a_reader_is_not_charged() -> None:
     now = 0.0
     turns = Turns(lambda: now)
     arrived: asyncio.Queue[bytes] = asyncio.Queue()
@@ -77,7 +77,7 @@ async def test_time_in_which_a_reader_waits_is_nobodys() -> None:
     assert not turns.is_spent
 
 
-async def test_what_is_long_to_verify_waits_for_its_turn_in_order_and_in_bounded_numbers() -> None:
+async def test_checks_wait_for_their_turn_in_order_and_in_bounded_numbers() -> None:
     now, done = 0.0, list[int]()
     turns = Turns(lambda: now)
 
@@ -86,7 +86,7 @@ async def test_what_is_long_to_verify_waits_for_its_turn_in_order_and_in_bounded
         done.append(number)
         now += TIME_PER_TURN
 
-    assert [turns.do(partial(verify, each)) for each in range(DEFERRED_LIMIT + 3)].count(False) == 2
+    assert [turns.run_or_defer(partial(verify, each)) for each in range(DEFERRED_LIMIT + 3)].count(False) == 2
     assert done == [0], "one spends a turn"
     await asyncio.sleep(0)
     assert done == [0, 1]

@@ -50,16 +50,16 @@ async def ends() -> AsyncIterator[Ends]:
     await made.theirs.close()
 
 
-async def test_it_is_open_when_the_other_end_has_agreed_and_messages_pass_both_ways() -> None:
+async def test_channel_opens_by_agreement_and_passes_messages_both_ways() -> None:
     async with asyncio.timeout(60), ends() as both:
         assert not both.channel.are_open
-        assert not both.channel.tell("nobody hears this")
+        assert not both.channel.send_message("lost")
         await both.connect()
         await both.opened.get()
         (theirs,) = both.found
         assert (theirs.label, theirs.ordered, theirs.maxRetransmits) == ("talk", True, None)
         assert both.channel.are_open
-        assert both.channel.tell(b"\xff\0")
+        assert both.channel.send_message(b"\xff\0")
         assert await both.heard.get() == b"\xff\0"
         theirs.send(b"\0\xff")
         theirs.send("text")

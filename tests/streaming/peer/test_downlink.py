@@ -5,9 +5,8 @@ from random import Random
 import pytest
 from openrois_signaling.messages import MediaKind
 from openrois_streaming.adaptation.budget import BURST, START
-from openrois_streaming.adaptation.caps import Caps
 from openrois_streaming.adaptation.rung import ladder
-from openrois_streaming.adaptation.viewer import VIDEO_SHARE
+from openrois_streaming.adaptation.viewer import VIDEO_SHARE, Caps
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.peer.downlink import Downlink
 from openrois_streaming.peer.stream import Stream
@@ -85,7 +84,7 @@ async def way() -> AsyncIterator[Way]:
     assert way.rendition.readers == 0
 
 
-async def test_it_plays_while_it_is_open_and_says_what_the_viewer_can_take(way: Way) -> None:
+async def test_open_downlink_plays_with_the_viewers_demand(way: Way) -> None:
     assert (way.downlink.is_open, way.downlink.figures()) == (False, None)
     way.downlink.tick(way.clock.now())
     way.downlink.open("video/VP8")
@@ -148,7 +147,7 @@ async def test_a_path_that_carries_no_more_or_does_not_answer_is_asked_again_lat
     await _end(way)
 
 
-async def test_what_the_viewer_says_counts_at_once_where_no_round_trip_says_otherwise(way: Way) -> None:
+async def test_viewers_estimate_counts_unless_a_round_trip_disproves_it(way: Way) -> None:
     way.downlink.open("video/VP8")
     way.silent = True
     await settle()
@@ -202,7 +201,7 @@ async def test_a_stream_that_is_resumed_waits_for_no_doubt(way: Way) -> None:
     assert way.rendition.readers == 1
 
 
-async def test_what_the_viewer_says_of_a_stream_that_is_not_sent_says_nothing_of_the_path(way: Way) -> None:
+async def test_reports_on_a_closed_stream_are_ignored(way: Way) -> None:
     way.downlink.open("video/VP8")
     await settle()
     await way.rendition.show(keyframe=True)
@@ -219,7 +218,7 @@ async def test_what_the_viewer_says_of_a_stream_that_is_not_sent_says_nothing_of
     assert way.rendition.demanded == before * VIDEO_SHARE
 
 
-async def test_what_waited_while_this_process_stood_still_is_no_complaint(way: Way) -> None:
+async def test_delay_by_a_standstill_is_no_complaint(way: Way) -> None:
     way.silent = True
     way.downlink.open("video/VP8")
     await settle()

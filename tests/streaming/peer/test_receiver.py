@@ -24,7 +24,7 @@ async def some(frames: AsyncIterator[Any], count: int) -> list[Any]:
 
 async def until(so: Callable[[], bool]) -> None:
     async with asyncio.timeout(PATIENCE):
-        while not so():  # noqa: ASYNC110 - nothing tells of packets that nobody reads
+        while not so():  # noqa: ASYNC110 - unread packets are not notified
             await asyncio.sleep(0.01)
 
 
@@ -33,7 +33,7 @@ async def until_frames(way: Uplink, count: int) -> None:
 
 
 @pytest.mark.parametrize("codec", ["video/H264", "video/VP8"])
-async def test_what_an_application_sends_can_be_read(codec: str) -> None:
+async def test_sent_media_can_be_read(codec: str) -> None:
     async with uplink(codec) as way:
         await until_frames(way, 5)
         assert way.video.figures.frames_decoded == way.audio.figures.frames_decoded == 0
@@ -57,7 +57,7 @@ async def test_what_an_application_sends_can_be_read(codec: str) -> None:
         assert not [each for each in threading.enumerate() if each.name.startswith("decode")]
 
 
-async def test_what_is_not_wanted_is_not_read() -> None:
+async def test_unwanted_media_is_not_read() -> None:
     async with uplink("video/VP8") as way:
         await until_frames(way, 2)
         way.video.pass_media(False)
@@ -70,7 +70,7 @@ async def test_what_is_not_wanted_is_not_read() -> None:
             await some(pictures, 2)
 
 
-async def test_what_is_lost_on_the_way_is_sent_again() -> None:
+async def test_lost_packets_are_retransmitted() -> None:
     async with uplink("video/VP8") as way, way.video.source.open() as pictures:
         await some(pictures, 5)
         way.path.up.change(loss=0.1)
@@ -101,7 +101,7 @@ async def test_captured_at_is_on_our_clock() -> None:
                 assert 0 <= SystemClock().now() - frame.captured_at < PATIENCE
 
 
-async def test_one_that_was_stopped_before_it_started_leaves_nothing_running() -> None:
+async def test_receiver_stopped_before_start_leaves_no_task() -> None:
     connection = RTCPeerConnection()
     receiver = RtpReceiver(connection.addTransceiver("video", direction="recvonly"), SystemClock())
     before = asyncio.all_tasks()

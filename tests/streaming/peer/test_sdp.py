@@ -81,7 +81,7 @@ SENT = ["a=ssrc-group:FID 11 12", "a=ssrc:11 cname:x y", "a=ssrc:11 msid:- t", "
         ([], []),
     ],
 )
-def test_who_sends_says_with_which_sources(extra: list[str], found: list[int]) -> None:
+def test_answer_of_a_sender_names_its_sources(extra: list[str], found: list[int]) -> None:
     clean = clean_answer(answer(section("0", "video", "sendonly", extra=extra), bundle="0"), [CAMERA])
     media = SessionDescription.parse(clean.sdp).media[0]
     assert [each.ssrc for each in media.ssrc] == found
@@ -90,7 +90,7 @@ def test_who_sends_says_with_which_sources(extra: list[str], found: list[int]) -
         assert [(group.semantic, group.items) for group in media.ssrc_group] == [("FID", found)]
 
 
-def test_sources_of_who_only_receives_are_left_out() -> None:
+def test_sources_of_a_receiver_are_removed() -> None:
     clean = clean_answer(answer(section("0", "video", extra=SENT), bundle="0"), [VIDEO])
     assert "ssrc" not in clean.sdp
 
@@ -134,8 +134,8 @@ LONG = [f"a=rtpmap:{number} x/90000" for number in range(200)]
         ("v=0\r\nnonsense\r\n", "not SDP"),
         (video_and_audio().replace("a=mid:0", "a=mid:0\x1b[2J"), "not SDP"),
         (video_and_audio().replace("a=mid:0", "a=mid:é"), "not SDP"),
-        (answer(section("0", "video"), bundle="0"), "1 sections where 2"),
-        (answer(*[section(str(number), "video") for number in range(3)], bundle="0 1 2"), "3 sections where 2"),
+        (answer(section("0", "video"), bundle="0"), "1 sections and must have 2"),
+        (answer(*[section(str(number), "video") for number in range(3)], bundle="0 1 2"), "3 sections and must have 2"),
         (video_and_audio().replace("a=group:BUNDLE 0 1\r\n", ""), "does not bundle"),
         (video_and_audio().replace("BUNDLE 0 1", "BUNDLE 0"), "does not bundle"),
         (answer(section("1", "audio"), section("0", "video"), bundle="0 1"), "not the video section"),
@@ -163,7 +163,7 @@ LONG = [f"a=rtpmap:{number} x/90000" for number in range(200)]
         (answer(section("0", "video", extra=LONG), section("1", "audio"), bundle="0 1"), "section 0 is too long"),
     ],
 )
-def test_what_cannot_be_used_is_refused_with_a_reason(text: str, reason: str) -> None:
+def test_unusable_answer_is_refused_with_reason(text: str, reason: str) -> None:
     with pytest.raises(InvalidDescription, match=reason):
         clean_answer(text, [VIDEO, AUDIO])
 

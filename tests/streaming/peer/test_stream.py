@@ -43,7 +43,7 @@ def test_nothing_in_common_is_refused(wanted: list[str]) -> None:
         choose_codecs("video", wanted)
 
 
-def test_what_is_not_installed_is_not_offered(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_codec_is_not_offered(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stream_module, "available_codecs", lambda: ("video/VP8", "audio/opus"))
     assert choose_codecs("video", None) == ("video/VP8",)
     with pytest.raises(NoCommonCodec):
@@ -61,7 +61,7 @@ def test_what_is_not_installed_is_not_offered(monkeypatch: pytest.MonkeyPatch) -
         ([Verdict.STALLED], StreamPhase.IDLE),
     ],
 )
-def test_what_was_measured_moves_a_stream(verdicts: list[Verdict], phase: StreamPhase) -> None:
+def test_judgements_change_the_phase(verdicts: list[Verdict], phase: StreamPhase) -> None:
     stream = make()
     stream.judge(verdicts)
     assert stream.phase is phase
@@ -109,7 +109,7 @@ def test_each_takes_back_only_what_it_wanted(phase: StreamPhase, others: frozens
 
 
 @given(st.lists(st.tuples(st.sampled_from(Party), st.booleans()) | st.sampled_from(Verdict), max_size=30))
-def test_no_order_of_wishes_passes_media_of_what_somebody_suspended(
+def test_no_order_of_requests_passes_media_of_a_suspended_stream(
     events: list[tuple[Party, bool] | Verdict],
 ) -> None:
     stream, wanted = make(), dict.fromkeys(Party, True)
@@ -124,23 +124,23 @@ def test_no_order_of_wishes_passes_media_of_what_somebody_suspended(
             assert stream.status in {StreamStatus.SUSPENDED, StreamStatus.NOT_CONNECTED}
 
 
-def test_who_has_to_send_hears_of_its_turn_before_anything_arrives() -> None:
+def test_sender_is_notified_of_resuming_before_media_arrives() -> None:
     stream = make()
-    stream.intake = UplinkSelector("s", FakeInlet())
+    stream.uplink_selector = UplinkSelector("s", FakeInlet())
     stream.judge([Verdict.FLOWING])
     stream.suspend(Party.ENGINE)
     stream.resume(Party.ENGINE)
     assert stream.status is StreamStatus.NOT_RUNNING
 
 
-def test_what_is_sent_is_counted() -> None:
+def test_sent_frames_are_counted() -> None:
     counters = Counters()
     counters.sent(frame(1, keyframe=True, data=b"12345"))
     counters.sent(frame(2, data=b"123"))
     assert (counters.frames_sent, counters.key_frames, counters.bytes_sent) == (2, 1, 8)
 
 
-def test_every_change_is_told_once_with_what_was_before() -> None:
+def test_every_change_is_notified_once_with_the_previous_status() -> None:
     told: list[StreamChange] = []
     clock = VirtualClock(wall=50.0)
     table, stream = StreamTable(told.append, clock), make()
@@ -148,34 +148,34 @@ def test_every_change_is_told_once_with_what_was_before() -> None:
     assert "s" in table
     assert list(table) == [stream]
     assert table["s"] is stream
-    table.tell()
+    table.notify_changes()
     assert told == []
     stream.judge([Verdict.FLOWING])
-    table.tell()
-    table.tell()
+    table.notify_changes()
+    table.notify_changes()
     assert told == [StreamChange("s", "engine/Video", StreamStatus.NOT_CONNECTED, StreamStatus.RUNNING, 50.0)]
     stream.suspend(Party.APPLICATION)
-    table.tell()
+    table.notify_changes()
     stream.resume(Party.APPLICATION)
     stream.judge([Verdict.FLOWING])
-    table.tell()
+    table.notify_changes()
     assert [change.resumed for change in told] == [False, False, True]
-    table.end(stream)
+    table.end_stream(stream)
     assert "s" not in table
-    table.tell()
-    table.tell()
+    table.notify_changes()
+    table.notify_changes()
     assert [(change.status, change.ended) for change in told[3:]] == [(StreamStatus.NOT_CONNECTED, True)]
     assert not any(change.ended for change in told[:3])
     with pytest.raises(UnknownStream):
         table["s"]
 
 
-def test_the_end_of_a_stream_that_was_never_connected_is_told_too() -> None:
+def test_end_of_a_never_connected_stream_is_notified() -> None:
     told: list[StreamChange] = []
     table, stream = StreamTable(told.append, VirtualClock(wall=50.0)), make()
     table.add(stream)
-    table.end(stream)
-    table.tell()
-    table.tell()
+    table.end_stream(stream)
+    table.notify_changes()
+    table.notify_changes()
     none = StreamStatus.NOT_CONNECTED
     assert told == [StreamChange("s", "engine/Video", none, none, 50.0, ended=True)]

@@ -6,6 +6,8 @@ from openrois_streaming.publish.audio_encoder import SAMPLES_PER_PACKET, OpusEnc
 from openrois_streaming.publish.encoder import Chunk
 from openrois_streaming.source.source import RawAudio
 
+pytestmark = pytest.mark.extra(name="streaming")
+
 START = 1_000_000.0
 FIRST = round(START * 48_000)
 LOOK_AHEAD = 312 / 48_000

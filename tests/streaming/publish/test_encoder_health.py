@@ -18,7 +18,7 @@ def test_a_codec_is_usable_until_its_encoders_have_failed_several_times_for_a_wh
     assert health.is_usable(VP8, None, 10.0 + GIVEN_UP_AFTER)
 
 
-def test_one_failure_and_a_source_that_gives_nothing_after_it_say_nothing_of_the_codec() -> None:
+def test_single_failure_does_not_avoid_the_codec() -> None:
     health, failure = EncoderHealth(), MemoryError()
     assert all(health.is_usable(H264, failure, seconds / 8) for seconds in range(800))
 
@@ -31,7 +31,7 @@ def test_a_frame_in_between_begins_the_count_anew() -> None:
     assert not health.is_usable(H264, MemoryError(), 2 * GIVEN_UP_AFTER)
 
 
-def test_what_was_given_up_is_tried_again_later() -> None:
+def test_avoided_codec_is_tried_again_later() -> None:
     health = EncoderHealth()
     assert not fails(health, 0.0, GIVEN_UP_AFTER)
     assert not health.is_usable(H264, None, GIVEN_UP_AFTER + AVOIDED_FOR - 0.1)

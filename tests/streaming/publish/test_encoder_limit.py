@@ -54,7 +54,7 @@ def test_whatever_viewers_ask_for_no_more_are_encoded_and_the_first_of_each_code
         assert source.have(codec)[0] is source.ladder(codec)[0]
 
 
-def test_one_more_viewer_has_the_nearest_that_runs() -> None:
+def test_viewer_beyond_the_limit_gets_the_nearest_running_rendition() -> None:
     source = Source(limit=4)
     full, half, quarter = source.ladder("video/H264")
     half.is_wanted = True
@@ -70,11 +70,11 @@ def test_a_codec_that_finds_no_encoder_is_refused() -> None:
     source = Source(limit=1)
     source.have("video/H264")[0].is_wanted = True
     assert [each.rung for each in source.have("video/H264")] == [source.ladder("video/H264")[0].rung] * 3
-    with pytest.raises(NoEncoder, match="all 1 encoders of the engine are in use, and none of them encodes video/VP8"):
+    with pytest.raises(NoEncoder, match="all 1 encoders are in use, and none encodes video/VP8"):
         source.have("video/VP8")
 
 
-def test_what_has_no_sizes_is_near_to_nothing() -> None:
+def test_rendition_without_size_is_infinitely_far() -> None:
     first, other = Made("video/VP8", None), Made("video/VP8", None)
     first.is_wanted = True
     assert within_limit([other], first, [first, other], 1, 1) == (first,)

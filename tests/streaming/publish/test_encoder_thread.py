@@ -31,7 +31,7 @@ async def taken(thread: EncoderThread[RawVideo]) -> bytes | None:
 
 
 def hold(encoder: FakeEncoder, thread: EncoderThread[RawVideo], sequence: int) -> None:
-    """Let the encoder be busy with frame `sequence` until it is told to go on."""
+    """Let the encoder be busy with frame `sequence` until the test lets it go on."""
     while encoder.entered.acquire(blocking=False):
         pass
     encoder.go_on.clear()
@@ -39,7 +39,7 @@ def hold(encoder: FakeEncoder, thread: EncoderThread[RawVideo], sequence: int) -
     assert encoder.entered.acquire(timeout=5)
 
 
-async def test_it_encodes_in_one_thread_of_its_own_and_ends_it(encoders: FakeEncoders) -> None:
+async def test_encoder_runs_in_one_thread_that_ends(encoders: FakeEncoders) -> None:
     async with thread_of(encoders) as thread:
         encoder = await made(encoders, thread)
         thread.offer(picture(1), key_frame=True)
@@ -68,7 +68,7 @@ async def test_a_busy_encoder_gets_the_latest_frame_and_the_key_frame_asked_of_a
         assert encoder.forced == [4]
 
 
-async def test_what_is_hastened_is_the_newest_frame_that_waits_or_else_the_last_once_more(
+async def test_hasten_takes_the_newest_waiting_frame_or_repeats_the_last(
     encoders: FakeEncoders,
 ) -> None:
     async with thread_of(encoders) as thread:
@@ -125,7 +125,7 @@ async def test_the_end_of_the_input_lets_out_what_went_in(encoders: FakeEncoders
         encoder = await made(encoders, thread)
         hold(encoder, thread, 1)
         thread.offer(picture(2))
-        thread.end(None)
+        thread.end_input(None)
         encoder.go_on.set()
         assert [await taken(thread), await taken(thread), await taken(thread)] == [b"1", b"2", None]
 
@@ -134,7 +134,7 @@ async def test_the_failure_of_the_input_comes_last(encoders: FakeEncoders) -> No
     async with thread_of(encoders) as thread:
         encoder = await made(encoders, thread)
         hold(encoder, thread, 1)
-        thread.end(ConnectionError("the camera is gone"))
+        thread.end_input(ConnectionError("the camera is gone"))
         encoder.go_on.set()
         assert await taken(thread) == b"1"
         with pytest.raises(ConnectionError):
@@ -153,7 +153,7 @@ async def test_a_new_bit_rate_is_set_before_the_next_frame(encoders: FakeEncoder
         assert encoder.bitrates == [700]
 
 
-async def test_it_rests_when_nobody_fetches_what_it_made(encoders: FakeEncoders) -> None:
+async def test_thread_rests_while_chunks_are_not_fetched(encoders: FakeEncoders) -> None:
     async with thread_of(encoders, depth=4) as thread:
         encoder = await made(encoders, thread)
         while encoder.entered.acquire(blocking=False):
@@ -167,7 +167,7 @@ async def test_it_rests_when_nobody_fetches_what_it_made(encoders: FakeEncoders)
         assert [await taken(thread) for _ in range(12)] == [b"%d" % n for n in (*range(1, 9), *range(15, 19))]
 
 
-async def test_what_waits_is_not_encoded_any_more_when_it_closes(encoders: FakeEncoders) -> None:
+async def test_waiting_frames_are_dropped_on_closing(encoders: FakeEncoders) -> None:
     async with thread_of(encoders, depth=4) as thread:
         encoder = await made(encoders, thread)
         hold(encoder, thread, 1)
@@ -196,7 +196,7 @@ def test_a_loop_that_is_gone_does_not_trouble_the_thread(encoders: FakeEncoders)
         thread = await thread_of(encoders).__aenter__()
         encoder = await made(encoders, thread)
         hold(encoder, thread, 1)
-        thread.end(None)
+        thread.end_input(None)
         return encoder
 
     encoder = asyncio.run(abandon())

@@ -8,8 +8,8 @@ import pytest
 from openrois_streaming.codecs import CodecUnavailable
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.publish.key_frames import KeyFrameCause
+from openrois_streaming.publish.passthrough import EncodedPublisher, SwitchingPublisher
 from openrois_streaming.publish.publisher import VideoPublisher
-from openrois_streaming.publish.self_encoding import EitherPublisher, EncodedPublisher
 from openrois_streaming.source.source import EncodedVideo, RawVideo
 
 from tests.support.streaming import FedSource, VirtualClock, settle
@@ -72,7 +72,7 @@ class Stage:
 
 @pytest.mark.parametrize("turns", range(12))
 async def test_a_viewer_that_resumes_while_the_source_closes_asks_for_a_key_frame(turns: int) -> None:
-    """Whatever turn of the loop it comes in: the source may be told while it still closes, and forget it."""
+    """Whatever turn of the loop it comes in: the source may be asked while it still closes, and forget it."""
     stage = Stage(ForgetfulEncoder())
     async with AsyncExitStack() as suspended:
         await suspended.enter_async_context(stage.viewer())
@@ -107,7 +107,7 @@ async def test_pictures_are_passed_on_with_their_times_and_cut_into_packets() ->
     assert (figures.encode_seconds, figures.size) == (0, "320x180@30")
 
 
-async def test_the_source_is_open_only_while_somebody_looks_and_is_then_asked_for_a_key_frame() -> None:
+async def test_source_is_open_only_with_viewers_and_asked_for_a_key_frame() -> None:
     stage = Stage()
     stage.rendition.request_key_frame(KeyFrameCause.REPAIR)
     assert (stage.source.opened, stage.source.asked) == (0, [])
@@ -147,7 +147,7 @@ async def test_key_frames_are_asked_for_as_often_as_the_budgets_allow() -> None:
         assert stage.rendition.figures().repairs == 1
 
 
-async def test_a_key_frame_that_came_by_itself_serves_those_who_wait() -> None:
+async def test_unrequested_key_frame_serves_waiting_viewers() -> None:
     stage = Stage()
     async with stage.viewer():
         await stage.source.feed(picture(0, keyframe=True))
@@ -180,7 +180,7 @@ async def test_times_never_stand_still() -> None:
     assert [frame.pts for frame in stage.frames] == [90_000_000, 90_000_001, 90_000_002]
 
 
-async def test_a_source_that_fails_is_told_of() -> None:
+async def test_source_failure_is_reported() -> None:
     stage = Stage()
     assert (stage.publisher.failure, stage.publisher.made, stage.publisher.running_encoders) == ("", (), 0)
     async with stage.viewer():
@@ -202,7 +202,7 @@ async def test_the_rendition_follows_the_size_of_the_pictures_and_what_is_announ
 
 
 def test_there_is_no_other_media_type() -> None:
-    with pytest.raises(CodecUnavailable, match="gives video/H264 and nothing else"):
+    with pytest.raises(CodecUnavailable, match="encoded as video/H264 already"):
         Stage().publisher.renditions("video/VP8")
 
 
@@ -210,7 +210,7 @@ async def test_one_publisher_for_both_kinds() -> None:
     stage, raw = Stage(), FedSource[RawVideo]()
     encoded = [False]
     pixels = VideoPublisher(raw, clock=stage.clock, size=(320, 180))
-    either = EitherPublisher(pixels, stage.publisher, lambda: encoded[0])
+    either = SwitchingPublisher(pixels, stage.publisher, lambda: encoded[0])
     assert either.codecs() is None
     assert either.renditions("video/VP8")[0].mime_type == "video/VP8"
     assert (either.last_frame_at, either.frames, either.failure, either.made, either.running_encoders) == (

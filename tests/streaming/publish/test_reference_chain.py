@@ -39,7 +39,7 @@ def test_a_key_frame_is_asked_for_once_and_then_once_a_second() -> None:
 
 
 @given(st.lists(st.tuples(st.integers(0, 3), st.booleans()), max_size=40))
-def test_what_is_admitted_can_be_decoded(steps: list[tuple[int, bool]]) -> None:
+def test_admitted_frames_can_be_decoded(steps: list[tuple[int, bool]]) -> None:
     sequence, frames = 0, []
     for gap, keyframe in steps:
         sequence += 1 + gap

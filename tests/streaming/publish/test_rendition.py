@@ -1,6 +1,6 @@
+"""A rendition: when its encoder runs, its failures, counters and bit rate."""
+
 import asyncio
-import threading
-from contextlib import AsyncExitStack
 
 import pytest
 from openrois_streaming.adaptation.demand import LOWEST, Demands
@@ -9,49 +9,11 @@ from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.publish.encoder_thread import HANG, EncoderHung
 from openrois_streaming.publish.encoding import MAX_ABANDONED, Encoding
 from openrois_streaming.publish.key_frames import KeyFrameCause
-from openrois_streaming.publish.rendition import Rendition, WholePictures, encoded_rendition
-from openrois_streaming.source.fanout import DropOldest, Fanout, SourceEnded, Subscription
-from openrois_streaming.source.source import RawVideo
+from openrois_streaming.publish.rendition import Rendition, encoded_rendition
+from openrois_streaming.source.fanout import SourceEnded
 
-from tests.support.streaming import FakeEncoders, FedSource, VirtualClock, picture, settle
-
-FRAME = 0.03
-
-
-class Stage:
-    """A rendition with a source, a clock and encoders in the test's hand."""
-
-    def __init__(self, *, predicted: bool = True, fresh: float | None = None) -> None:
-        self.clock = VirtualClock()
-        self.source: FedSource[RawVideo] = FedSource()
-        self.encoders = FakeEncoders()
-        self.raw = Fanout(self.source, name="stage")
-        is_fresh = None if fresh is None else lambda raw, now: now - raw.captured_at <= fresh
-        encoding = Encoding("video/H264", 90_000, self.encoders, predicted, depth=1, is_fresh=is_fresh)
-        self.rendition = encoded_rendition(self.raw, encoding, clock=self.clock, bitrate=1000)
-        self.next = 0
-
-    async def shoot(self, watcher: Subscription[EncodedFrame]) -> EncodedFrame:
-        """Let one frame period pass and a frame be captured, and wait until `watcher` has it encoded."""
-        await self.clock.advance(FRAME)
-        await self.source.feed(picture(self.next, self.clock.now()))
-        self.next += 1
-        return await got(watcher)
-
-    @property
-    def threads(self) -> int:
-        """Encoder threads that are alive."""
-        return sum(thread.name == "stage video/H264" for thread in threading.enumerate())
-
-
-async def got(subscription: Subscription[EncodedFrame]) -> EncodedFrame:
-    async with asyncio.timeout(60):
-        return await subscription.get()
-
-
-@pytest.fixture
-def stage() -> Stage:
-    return Stage()
+from tests.support.rendition_stage import FRAME, Stage, got
+from tests.support.streaming import picture, settle
 
 
 async def test_the_encoder_runs_from_the_first_viewer_to_the_last(stage: Stage) -> None:
@@ -84,35 +46,7 @@ async def test_a_frame_arrives_with_all_that_is_known_of_it(stage: Stage) -> Non
     assert (stage.rendition.mime_type, stage.rendition.clock_rate) == ("video/H264", 90_000)
 
 
-async def test_a_viewer_that_joins_gets_a_key_frame_first_and_nothing_before_it(stage: Stage) -> None:
-    async with stage.rendition.subscribe() as first:
-        for _ in range(5):
-            await stage.shoot(first)
-        async with stage.rendition.subscribe() as second:
-            assert (await stage.shoot(first)).keyframe
-            joined = await got(second)
-            assert (joined.keyframe, joined.sequence) == (True, 5)
-            assert not (await stage.shoot(first)).keyframe
-            assert (await got(second)).sequence == 6
-            assert second.dropped == 0
-
-
-async def test_a_viewer_that_joins_gets_the_last_picture_at_once_if_it_is_fresh() -> None:
-    stage = Stage(fresh=0.06)
-    async with stage.rendition.subscribe() as first:
-        for _ in range(5):
-            await stage.shoot(first)
-        await stage.clock.advance(0.05)
-        async with stage.rendition.subscribe() as second:
-            again = await got(second)
-            assert (again.keyframe, again.data, again.sequence) == (True, b"4", 5)
-            assert await got(first) == again
-            assert not (await stage.shoot(first)).keyframe
-            assert (await got(second)).data == b"5"
-        assert (stage.rendition.figures().starts, stage.rendition.figures().dropped_input) == (2, 0)
-
-
-async def test_what_runs_ahead_of_a_viewer_encodes_nothing_before_that_comes() -> None:
+async def test_encoder_run_ahead_encodes_nothing_before_a_viewer() -> None:
     stage = Stage(fresh=0.06)
     async with stage.rendition.prepare():
         for number in range(3):
@@ -126,112 +60,6 @@ async def test_what_runs_ahead_of_a_viewer_encodes_nothing_before_that_comes() -
             assert (await stage.shoot(viewer)).data == b"3"
             assert stage.encoders.made[0].encoded == [2, 3]
     assert (stage.rendition.running, stage.source.is_open) == (False, False)
-
-
-async def test_a_picture_from_before_a_pause_is_never_shown_again() -> None:
-    stage = Stage(fresh=0.06)
-    async with stage.rendition.subscribe() as first:
-        await stage.shoot(first)
-        await stage.clock.advance(0.07)
-        async with stage.rendition.subscribe() as second:
-            assert (await stage.shoot(first)).keyframe
-            assert (await got(second)).data == b"1"
-    await stage.clock.advance(0.01)
-    async with stage.rendition.subscribe() as third:
-        await stage.shoot(third)
-        assert stage.encoders.made[-1].encoded == [2], "nothing is kept while nobody watches"
-
-
-@pytest.mark.parametrize("turns", range(12))
-async def test_a_viewer_that_resumes_while_the_encoder_stops_gets_a_key_frame(turns: int) -> None:
-    """Whatever turn of the loop it comes in: the encoder that still stops may be the one that is asked."""
-    stage = Stage(fresh=0.06)
-    async with AsyncExitStack() as suspended:
-        viewer = await suspended.enter_async_context(stage.rendition.subscribe())
-        for _ in range(5):
-            await stage.shoot(viewer)
-        leaving = asyncio.create_task(suspended.aclose())
-        for _ in range(turns):
-            await asyncio.sleep(0)
-        async with stage.rendition.subscribe() as resumed:
-            await leaving
-            await settle()
-            for number in range(5, 10):
-                await stage.clock.advance(FRAME)
-                await stage.source.feed(picture(number, stage.clock.now()))
-            assert (await got(resumed)).keyframe
-
-
-async def test_repairs_from_the_last_picture_keep_to_their_budget() -> None:
-    stage = Stage(fresh=0.06)
-    async with stage.rendition.subscribe() as first:
-        await stage.shoot(first)
-        await stage.clock.advance(0.01)
-        for _ in range(20):
-            stage.rendition.request_key_frame(KeyFrameCause.REPAIR)
-        assert (await got(first)).keyframe
-        for _ in range(3):
-            assert not (await stage.shoot(first)).keyframe
-            stage.rendition.request_key_frame(KeyFrameCause.REPAIR)
-        assert stage.rendition.figures().repairs == 1
-
-
-async def test_viewers_that_join_within_100_ms_share_a_key_frame(stage: Stage) -> None:
-    async with stage.rendition.subscribe() as first:
-        await stage.shoot(first)
-        async with stage.rendition.subscribe() as second, stage.rendition.subscribe() as third:
-            keys = [(await stage.shoot(first)).keyframe for _ in range(6)]
-            assert keys == [False, False, False, True, False, False]
-            assert (await got(second)).sequence == (await got(third)).sequence == 4
-    assert stage.rendition.figures().starts == 2
-
-
-async def test_a_key_frame_under_way_serves_the_viewer_that_joins_meanwhile(stage: Stage) -> None:
-    async with stage.rendition.subscribe() as first:
-        await stage.shoot(first)
-        await stage.clock.advance(1)
-        encoder = stage.encoders.made[0]
-        async with stage.rendition.subscribe() as second:
-            encoder.go_on.clear()
-            await stage.source.feed(picture(1, stage.clock.now()))
-            async with stage.rendition.subscribe() as third:
-                encoder.go_on.set()
-                assert [(await got(viewer)).keyframe for viewer in (first, second, third)] == [True] * 3
-                await stage.clock.advance(1)
-                assert not (await stage.shoot(first)).keyframe
-
-
-async def test_repairs_are_limited_and_do_not_delay_starts(stage: Stage) -> None:
-    rendition = stage.rendition
-    async with rendition.subscribe() as first:
-        await stage.shoot(first)
-        repairs = []
-        for number in range(1, 61):
-            rendition.request_key_frame(KeyFrameCause.REPAIR)
-            if (await stage.shoot(first)).keyframe:
-                repairs.append(number)
-        assert repairs == [1, 35]
-        async with rendition.subscribe():
-            rendition.request_key_frame(KeyFrameCause.REPAIR)
-            assert (await stage.shoot(first)).keyframe
-        figures = rendition.figures()
-        assert (figures.key_frames, figures.starts, figures.repairs) == (4, 2, 2)
-
-
-async def test_a_stalled_viewer_goes_on_at_a_key_frame_and_hurts_nobody(stage: Stage) -> None:
-    async with stage.rendition.subscribe() as fast, stage.rendition.subscribe(maxsize=4) as stalled:
-        keys = [(await stage.shoot(fast)).keyframe for _ in range(60)]
-        assert keys == [True] + [False] * 59, "nobody reads it: no key frame is spent on it"
-        assert stalled.dropped == 60
-        back = asyncio.create_task(got(stalled))
-        await settle()
-        assert (await stage.shoot(fast)).keyframe
-        assert (await back).sequence == 60
-        assert not (await stage.shoot(fast)).keyframe
-        assert (await got(stalled)).sequence == 61
-        assert (fast.dropped, fast.delivered) == (0, 62)
-    figures = stage.rendition.figures()
-    assert (figures.starts, figures.repairs) == (1, 1)
 
 
 async def test_sound_begins_at_once_and_loses_the_oldest() -> None:
@@ -288,7 +116,7 @@ async def test_an_encoder_that_hangs_is_given_up_and_the_next_starts_anew(stage:
     async with stage.rendition.subscribe() as viewer:
         with pytest.raises(SourceEnded) as end:
             await got(viewer)
-        assert str(end.value.__cause__) == "3 encoders do not return"
+        assert str(end.value.__cause__) == "3 encoders hang: restart the adapter"
     for encoder in stage.encoders.made:
         encoder.go_on.set()
         encoder.thread.join(5)
@@ -297,7 +125,7 @@ async def test_an_encoder_that_hangs_is_given_up_and_the_next_starts_anew(stage:
     assert stage.threads == 0
 
 
-async def test_an_encoder_that_cannot_be_made_is_told_to_the_viewer(stage: Stage) -> None:
+async def test_encoder_that_cannot_be_made_ends_the_subscription(stage: Stage) -> None:
     stage.encoders.failure = OSError("no such size")
     async with stage.rendition.subscribe() as viewer:
         with pytest.raises(SourceEnded) as told:
@@ -393,41 +221,6 @@ async def test_frames_that_come_while_the_encoder_is_busy_are_lost_counted_and_l
     assert stage.rendition.figures().dropped_input == 9
 
 
-def frame(sequence: int, *, keyframe: bool = False) -> EncodedFrame:
-    return EncodedFrame(b"", (), sequence, 90_000, keyframe, sequence, 0.0)
-
-
-def test_the_mailbox_of_a_viewer_counts_what_it_loses_and_asks_when_it_is_read_again() -> None:
-    asked = []
-    mailbox = WholePictures(3, lambda: asked.append(1))
-    mailbox.awaited()
-    assert [mailbox.put(frame(0)), len(mailbox)] == [0, 0]
-    assert [mailbox.put(frame(number, keyframe=number == 1)) for number in range(1, 4)] == [0, 0, 0]
-    assert [mailbox.put(frame(4)), len(mailbox)] == [4, 0]
-    assert [mailbox.put(frame(5)), len(mailbox), asked] == [1, 0, []]
-    mailbox.awaited()
-    assert asked == [1]
-    assert mailbox.put(frame(6, keyframe=True)) == 0
-    assert mailbox.take().sequence == 6
-    mailbox.awaited()
-    assert asked == [1]
-
-
-def test_a_key_frame_takes_the_place_of_a_full_mailbox_and_joins_another() -> None:
-    mailbox = WholePictures(2, lambda: pytest.fail("nothing is broken"))
-    mailbox.put(frame(0, keyframe=True))
-    assert mailbox.put(frame(1, keyframe=True)) == 0
-    assert [mailbox.put(frame(2, keyframe=True)), len(mailbox)] == [2, 1]
-    assert mailbox.put(frame(3)) == 0
-    assert [mailbox.take().sequence, mailbox.take().sequence] == [2, 3]
-
-
-def test_a_mailbox_of_pictures_holds_at_least_one() -> None:
-    with pytest.raises(ValueError, match="at least one"):
-        WholePictures(0, lambda: None)
-    assert len(DropOldest[int](1)) == 0
-
-
 async def test_a_viewer_that_leaves_while_it_waits_leaves_nothing_behind(stage: Stage) -> None:
     async def watch() -> None:
         async with stage.rendition.subscribe() as viewer:
@@ -452,7 +245,7 @@ def laddered(mime_type: str = "video/H264") -> tuple[Stage, Rendition]:
     return stage, encoded_rendition(stage.raw, encoding, clock=stage.clock, bitrate=RUNG.max_bitrate, demands=demands)
 
 
-async def test_who_plays_it_takes_each_frame_at_once_and_says_what_it_can_take() -> None:
+async def test_playing_viewer_gets_each_frame_at_once_and_sets_its_demand() -> None:
     stage, rendition = laddered()
     taken: list[EncodedFrame] = []
     assert (rendition.rung, rendition.was_played) == (RUNG, False)
@@ -482,10 +275,10 @@ async def test_a_viewer_that_cannot_take_a_frame_hurts_no_other(caplog: pytest.L
         await stage.shoot(watcher)
         await stage.shoot(watcher)
         assert rendition.running
-    assert [record.message for record in caplog.records].count("a viewer could not take a frame") == 2
+    assert [record.message for record in caplog.records].count("a frame could not be passed to a viewer") == 2
 
 
-async def test_who_plays_it_hears_of_its_end() -> None:
+async def test_playing_viewer_is_notified_of_the_end() -> None:
     stage, rendition = laddered()
     async with rendition.play("me", lambda _: None, 150_000) as playing:
         await stage.source.end(OSError("unplugged"))
@@ -528,7 +321,7 @@ async def test_frames_that_are_not_chosen_are_not_encoded() -> None:
         assert rendition.figures().dropped_input == 0
 
 
-async def test_sound_is_played_by_whoever_wants_it() -> None:
+async def test_sound_is_played_by_every_viewer() -> None:
     stage = Stage(predicted=False)
     assert (stage.rendition.rung, stage.rendition.least("me")) == (None, 0.0)
     taken: list[EncodedFrame] = []

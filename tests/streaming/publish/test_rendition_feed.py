@@ -179,7 +179,7 @@ async def test_a_repair_among_stills_is_the_next_key_frame_also_when_they_end_be
 @pytest.mark.parametrize("rate", [15, 30])
 @pytest.mark.parametrize("whose", ["its own", "another's"])
 @pytest.mark.parametrize("after", [0.2, 0.95, 1.4])
-async def test_stills_come_in_time_whoever_else_asks_for_key_frames(
+async def test_stills_keep_their_interval_beside_other_key_frame_requests(
     feeding: Feeding, rate: int, whose: str, after: float
 ) -> None:
     """Some viewer of the rendition asks so many seconds after each key frame, and then again five times a second."""
@@ -196,7 +196,7 @@ async def test_stills_come_in_time_whoever_else_asks_for_key_frames(
                 feeding.rendition.request_key_frame(KeyFrameCause.REPAIR)
         while feeding.rendition.asked:
             budget.request(feeding.rendition.asked.pop())
-        keyframe = budget.take(now) is not None
+        keyframe = budget.take_cause(now) is not None
         await feeding.rendition.source.feed(frame(number, keyframe=keyframe, at=now))
         if keyframe:
             key_at = now
@@ -221,7 +221,7 @@ async def test_stills_come_in_time_where_viewers_join_and_lose_data_at_once(feed
                 budget.request(cause)
         while feeding.rendition.asked:
             budget.request(feeding.rendition.asked.pop())
-        keyframe = budget.take(now) is not None
+        keyframe = budget.take_cause(now) is not None
         await feeding.rendition.source.feed(frame(number, keyframe=keyframe, at=now))
         if keyframe:
             budget.served()
@@ -233,7 +233,7 @@ async def test_stills_come_in_time_where_viewers_join_and_lose_data_at_once(feed
     assert min(gaps) >= STILL_LEAST - 0.001
 
 
-async def test_it_leaves_the_rendition_when_it_is_closed_while_it_enters() -> None:
+async def test_feed_closed_while_joining_leaves_the_rendition() -> None:
     entered = asyncio.Event()
 
     class Slow(FedRendition):

@@ -14,6 +14,8 @@ from openrois_streaming.source.source import PixelFormat, RawVideo, picture_shap
 
 from tests.support.pictures import Decoder, Scene, psnr
 
+pytestmark = pytest.mark.extra(name="streaming")
+
 H264, VP8 = "video/H264", "video/VP8"
 both = pytest.mark.parametrize("mime_type", [H264, VP8])
 
@@ -77,7 +79,7 @@ def test_h264_is_constrained_baseline_with_parameter_sets_in_each_key_frame() ->
 
 
 @both
-def test_what_aiortc_depacks_of_its_payloads_can_be_decoded(mime_type: str) -> None:
+def test_payloads_depacketised_by_aiortc_can_be_decoded(mime_type: str) -> None:
     depayload = h264_depayload if mime_type == H264 else vp8_depayload
     scene, decoder = Scene(), Decoder(mime_type)
     chunks = encode(VideoEncoder(mime_type, bitrate=600_000, frame_rate=30), scene, 10, 30, forced=(5,))

@@ -59,7 +59,7 @@ class Stream:
         return self
 
     def attend(self) -> None:
-        pictures, request = self.assembly.attend(self.now)
+        pictures, request = self.assembly.check_deadlines(self.now)
         self.pictures += pictures
         if request != NOTHING:
             self.requests.append(request)
@@ -107,7 +107,7 @@ class TestOrder:
         stream.feed(d)
         assert stream.pictures == [whole(1), whole(2)]
 
-    def test_what_comes_twice_is_counted_and_left_out(self) -> None:
+    def test_duplicate_packet_is_counted_and_ignored(self) -> None:
         stream = Stream().started()
         a, b, c = picture(1, 13)
         stream.feed(a, a, b, c, b)
@@ -146,7 +146,7 @@ class TestLosses:
         stream.wait(0.02)
         assert stream.asked_for == [14, 14]
 
-    def test_what_is_repaired_in_time_is_shown_in_order(self) -> None:
+    def test_picture_repaired_in_time_is_released_in_order(self) -> None:
         stream = Stream().started()
         a, b, c = picture(1, 13)
         stream.feed(a, c, *picture(2, 16))
@@ -353,7 +353,7 @@ class TestWatching:
         assert stream.assembly.next_at is None
         assert [each.timestamp // 3000 for each in stream.pictures] == [0, 2]
 
-    def test_who_begins_to_watch_gets_a_key_frame(self) -> None:
+    def test_key_frame_is_requested_when_watching_begins(self) -> None:
         stream = Stream(watched=False)
         stream.feed(*picture(0, 10, key=True), *picture(1, 13))
         stream.assembly.watched = True

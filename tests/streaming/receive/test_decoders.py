@@ -8,11 +8,12 @@ from hypothesis import strategies as st
 from openrois_streaming.codecs import H264, VP8
 from openrois_streaming.publish.audio_encoder import OpusEncoder
 from openrois_streaming.publish.video_encoder import VideoEncoder
-from openrois_streaming.receive import decoder_video
-from openrois_streaming.receive.decoder_audio import OpusDecoder
-from openrois_streaming.receive.decoder_video import UndecodablePicture, VideoDecoder, planes_of
+from openrois_streaming.receive import decoders
+from openrois_streaming.receive.decoders import OpusDecoder, UndecodablePicture, VideoDecoder, planes_of
 from openrois_streaming.receive.playout import UndecodableSound
 from openrois_streaming.source.source import RawAudio, RawVideo
+
+pytestmark = pytest.mark.extra(name="streaming")
 
 CODECS = [H264, VP8]
 
@@ -49,7 +50,7 @@ class TestVideo:
         assert len(decoder.decode(encoded(codec, 1)[0])) == 1
 
     def test_a_picture_that_is_too_large_is_refused(self, codec: str, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(decoder_video, "PIXELS_LIMIT", 64 * 48)
+        monkeypatch.setattr(decoders, "PIXELS_LIMIT", 64 * 48)
         with pytest.raises(UndecodablePicture):
             VideoDecoder(codec).decode(encoded(codec, 1, width=160, height=90)[0])
 
@@ -104,7 +105,7 @@ class TestAudio:
             assert samples.dtype == np.int16
         assert 7000 < np.abs(samples.astype(int)).max() < 9000
 
-    def test_what_is_missing_goes_on_and_fades(self) -> None:
+    def test_concealed_sound_continues_and_fades(self) -> None:
         decoder = OpusDecoder()
         for packet in spoken(10):
             decoder.decode(packet)
@@ -114,7 +115,7 @@ class TestAudio:
         assert loudness[0] > 6000
         assert loudness[-1] < loudness[0] / 2
 
-    def test_before_anything_was_heard_there_is_silence(self) -> None:
+    def test_concealment_before_any_sound_is_silence(self) -> None:
         assert not OpusDecoder().conceal().any()
 
     @given(st.binary(max_size=100))

@@ -22,7 +22,7 @@ def test_lost_packets_are_named(lost: list[int], start: int) -> None:
     assert [each & 0xFFFF for each in packet.lost] == sequences
 
 
-def test_what_is_named_twice_is_asked_for_once() -> None:
+def test_repeated_number_is_requested_once() -> None:
     assert feedback.nack(1, 2, [5, 5, 6]) == feedback.nack(1, 2, [5, 6])
 
 

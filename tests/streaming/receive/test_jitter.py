@@ -23,11 +23,11 @@ def test_nearly_all_packets_are_in_time() -> None:
     assert 0.04 <= target.seconds < 0.045
 
 
-def test_one_that_is_late_is_not_waited_for() -> None:
+def test_single_late_packet_is_not_awaited() -> None:
     assert fed([0.1 if number == 50 else 0.0 for number in range(100)]).seconds < 0.005
 
 
-def test_what_was_is_forgotten() -> None:
+def test_old_delays_are_dropped() -> None:
     target = fed([0.2 if number % 2 else 0.0 for number in range(100)])
     assert target.seconds > 0.2
     assert fed([0.0] * round(WINDOW / 0.02 + 20), begin=100, target=target).seconds < 0.005
@@ -43,7 +43,7 @@ def test_a_path_that_stands_still_again_and_again_is() -> None:
     assert fed(stalls).seconds > 0.25
 
 
-def test_what_was_before_a_long_pause_is_forgotten() -> None:
+def test_delays_before_a_long_pause_are_dropped() -> None:
     target = fed([0.2 if number % 2 else 0.0 for number in range(100)])
     assert fed([0.0], begin=1000, target=target).seconds < 0.005
 

@@ -16,7 +16,7 @@ class TestVp8:
         assert vp8_piece(b"\x10\x01abc") == Piece(b"\x01abc", begins=True, key=False, opens_key=False)
 
     @pytest.mark.parametrize("first", [b"\x00", b"\x11", b"\x01"])
-    def test_what_goes_on_is_no_beginning(self, first: bytes) -> None:
+    def test_continuation_is_no_beginning(self, first: bytes) -> None:
         assert vp8_piece(first + b"\x00") == Piece(b"\x00", begins=False, key=False, opens_key=False)
 
     @pytest.mark.parametrize(
@@ -36,7 +36,7 @@ class TestVp8:
         assert vp8_piece(b"\x90\x80\x7f\x01").data == b"\x01"
 
     @pytest.mark.parametrize("payload", [b"", b"\x10", b"\x90\x80", b"\x90\x80\x80\x01", b"\x90\xf0\x80\x01\x02\x03"])
-    def test_what_is_cut_off_is_refused(self, payload: bytes) -> None:
+    def test_truncated_payload_is_refused(self, payload: bytes) -> None:
         with pytest.raises(MalformedPayload):
             vp8_piece(payload)
 
@@ -62,7 +62,7 @@ class TestH264:
         assert h264_piece(b"\x7c\x05cd") == Piece(b"cd", begins=False, key=True, opens_key=False)
         assert h264_piece(b"\x5c\x41ef") == Piece(b"ef", begins=False, key=False, opens_key=False)
 
-    def test_what_another_packetiser_made_is_put_together_again(self) -> None:
+    def test_payloads_of_another_packetiser_are_assembled(self) -> None:
         units = [b"\x67" + bytes(20), b"\x68" + bytes(5), b"\x65" + bytes(range(256)) * 20]
         payloads = H264Encoder._packetize(iter(units))
         assert b"".join(h264_piece(each).data for each in payloads) == b"".join(START + unit for unit in units)
@@ -81,13 +81,13 @@ class TestH264:
             b"\x78\x00\x05ab",
         ],
     )
-    def test_what_is_cut_off_or_unknown_is_refused(self, payload: bytes) -> None:
+    def test_truncated_or_unknown_payload_is_refused(self, payload: bytes) -> None:
         with pytest.raises(MalformedPayload):
             h264_piece(payload)
 
     @given(st.binary(max_size=200))
     @example(b"\x78\x00\x01\x41\x00\x01\x41")
-    def test_it_agrees_with_another_reader(self, payload: bytes) -> None:
+    def test_depacketiser_agrees_with_aiortc(self, payload: bytes) -> None:
         try:
             data = h264_piece(payload).data
         except MalformedPayload:

@@ -67,7 +67,7 @@ class TestLosses:
         assert abs(int(rising.samples[1, 0])) < 200
         assert is_near(hearing.median(3), LATE)
 
-    def test_what_cannot_be_decoded_is_made_up_for(self) -> None:
+    def test_undecodable_packet_is_concealed(self) -> None:
         sent = microphone(3)
         sent[50] = (*sent[50][:2], b"bad")
         hearing = listen(sent, 3)
@@ -79,7 +79,7 @@ class TestLosses:
         assert hearing.playout.figures.concealed <= PACKET + 480
         assert is_near(hearing.median(2), LATE)
 
-    def test_what_comes_too_late_is_counted(self) -> None:
+    def test_late_packet_is_counted(self) -> None:
         hearing = listen(microphone(4, lambda number: 0.2 if number == 100 else 0.0), 4)
         assert hearing.playout.figures.late == 1
         assert is_near(hearing.median(3), LATE)
@@ -106,7 +106,7 @@ class TestJitter:
         assert is_near(hearing.median(2.8), LATE)
         assert hearing.playout.figures.skipped > 0
 
-    def test_what_was_slow_from_the_beginning_and_becomes_fast(self) -> None:
+    def test_path_slow_at_first_becomes_fast(self) -> None:
         hearing = listen(microphone(12, lambda number: 0.05 if number < 100 else 0.0), 12)
         assert is_near(hearing.median(1, 2), LATE + 0.05, 0.002)
         assert is_near(hearing.median(8), LATE)
@@ -133,7 +133,7 @@ class TestClocks:
         late = [hearing.median(at, at + 5) + drift * at for at in (600, 1200, 1790)]
         assert all(abs(each - LATE) < 0.04 for each in late), late
 
-    def test_a_source_that_starts_anew_is_heard(self) -> None:
+    def test_restarted_source_is_played(self) -> None:
         second = [(3 + at, timestamp + 10**7, data) for at, timestamp, data in microphone(3)]
         third = [(6 + at, timestamp + 5, data) for at, timestamp, data in microphone(3)]
         hearing = listen([*microphone(3), *second, *third], 9)
@@ -152,7 +152,7 @@ class TestClocks:
 
 
 class TestBounds:
-    def test_packets_that_nobody_plays_are_lost(self) -> None:
+    def test_unplayed_packets_are_dropped(self) -> None:
         playout = Playout(FakeOpus())
         for at, timestamp, data in microphone(20):
             playout.add(SoundPacket(ORIGIN + timestamp, data), at)

@@ -15,7 +15,7 @@ class TestLowestOffset:
         offset.add(6.0, 21)
         assert offset.value == 4.5
 
-    def test_what_is_forgotten_is_nothing(self) -> None:
+    def test_reset_offset_is_none(self) -> None:
         offset = LowestOffset(10)
         offset.add(5.0, 0)
         offset.reset()
@@ -29,13 +29,13 @@ class TestRemoteClock:
     def test_the_fastest_report_counts(self) -> None:
         clock = RemoteClock()
         for remote, delay in ((1000.0, 0.05), (1001.0, 0.02), (1002.0, 0.09)):
-            clock.heard(remote, remote - 900 + delay)
+            clock.add_report(remote, remote - 900 + delay)
         assert clock.local(1003.0) == pytest.approx(103.02)
 
     def test_a_step_is_followed(self) -> None:
         clock = RemoteClock()
-        clock.heard(1000.0, 100.0)
-        clock.heard(5000.0, 101.0)
+        clock.add_report(1000.0, 100.0)
+        clock.add_report(5000.0, 101.0)
         assert clock.local(5001.0) == pytest.approx(102.0)
 
 

@@ -17,7 +17,7 @@ class TestRoundTrip:
             trip.measure(0.28)
         assert 0.3 < trip.retry < 0.34, "with jitter later"
 
-    def test_what_is_not_answered_in_time_makes_it_longer_until_something_is(self) -> None:
+    def test_unanswered_requests_lengthen_the_retry_until_an_answer(self) -> None:
         trip = RoundTrip()
         trip.measure(0.04)
         waits = [trip.retry]

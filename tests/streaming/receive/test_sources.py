@@ -18,7 +18,7 @@ PATIENCE = 10.0
 
 
 class Told:
-    """What a source of pictures tells its receiver."""
+    """A source of pictures, and the calls to its receiver."""
 
     def __init__(self) -> None:
         self.calls: list[str] = []
@@ -59,7 +59,7 @@ async def test_a_reader_hears_of_a_decoder_that_fails_in_an_unknown_way() -> Non
 
 
 class TestVideo:
-    async def test_what_is_offered_is_decoded_while_it_is_open(self) -> None:
+    async def test_offered_pictures_are_decoded_while_open(self) -> None:
         told = Told()
         first, second, third = pictures(3)
         told.source.offer(first)
@@ -112,7 +112,7 @@ class TestVideo:
     async def test_the_end_is_the_end(self) -> None:
         told = Told()
         async with told.source.open() as shown:
-            told.source.end()
+            told.source.end_input()
             assert [each async for each in shown] == []
         async with told.source.open() as shown:
             assert [each async for each in shown] == []
@@ -137,7 +137,7 @@ def sound(count: int) -> list[SoundPacket]:
 
 
 class TestAudio:
-    async def test_what_is_offered_is_played_while_it_is_open(self) -> None:
+    async def test_offered_sound_is_played_while_open(self) -> None:
         clock = SystemClock()
         source = AudioSource(clock, lambda timestamp, now: float(timestamp))
         packets = sound(3)
@@ -160,7 +160,7 @@ class TestAudio:
     async def test_the_end_is_the_end(self) -> None:
         source = AudioSource(SystemClock(), lambda timestamp, now: now)
         async with source.open() as heard:
-            source.end()
+            source.end_input()
             assert [each async for each in heard] == []
         async with source.open() as heard:
             assert [each async for each in heard] == []

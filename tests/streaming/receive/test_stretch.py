@@ -25,7 +25,7 @@ def test_one_period_is_repeated() -> None:
     assert np.abs(long.astype(int) - hum(0, len(long))).max() <= 2
 
 
-def test_what_has_no_period_stays_as_it_is() -> None:
+def test_sound_without_period_is_unchanged() -> None:
     sound = noise(1440)
     assert shorter(sound, 300) is sound
 
@@ -39,7 +39,7 @@ def test_quiet_parts_are_shortened_by_all_that_is_wanted() -> None:
 
 
 @pytest.mark.parametrize(("samples", "most"), [(1440, 119), (239, 1000), (0, 1000)])
-def test_what_is_too_short_stays_as_it_is(samples: int, most: int) -> None:
+def test_too_short_sound_is_unchanged(samples: int, most: int) -> None:
     sound = hum(0, samples)
     assert shorter(sound, most) is sound
     assert longer(sound, most) is sound

@@ -26,7 +26,7 @@ def test_both_are_there_until_the_receiver_knows_the_sender(mid: str) -> None:
     assert (values.mid, values.abs_send_time) == (None, int(MOMENT % 64 * 2**18))
 
 
-def test_what_was_not_negotiated_is_left_out() -> None:
+def test_unnegotiated_extensions_are_left_out() -> None:
     assert read(Extensions(2, "1", None).block(MOMENT), (MID, 2)).mid == "1"
     assert read(Extensions(None, "1", 4).block(MOMENT), (ABS_SEND_TIME, 4)).abs_send_time is not None
     assert Extensions(None, "1", None).block(MOMENT) == b""
@@ -38,7 +38,7 @@ def test_a_name_longer_than_an_element_is_not_sent_whole() -> None:
 
 
 @pytest.mark.parametrize("abs_send_time_id", [3, None])
-def test_the_receiver_is_told_whether_to_play_at_once(abs_send_time_id: int | None) -> None:
+def test_playout_delay_says_whether_to_play_at_once(abs_send_time_id: int | None) -> None:
     """Two numbers of 12 bits, in units of 10 ms: at least, and at most."""
     extensions = Extensions(1, "0", abs_send_time_id, 4)
     for _ in range(2):

@@ -57,7 +57,7 @@ def encoded(width: int, height: int, profile: str = "baseline", frames: int = 3)
 
 
 @pytest.mark.parametrize("size", [(320, 180), (1280, 720), (64, 64), (1920, 1080), (50, 34)])
-def test_what_an_encoder_makes_is_understood(size: tuple[int, int]) -> None:
+def test_access_units_of_encoders_are_accepted(size: tuple[int, int]) -> None:
     first, *others = encoded(*size)
     assert access_unit(first) == AccessUnit(keyframe=True, size=size)
     assert [access_unit(memoryview(other)) for other in others] == [AccessUnit(keyframe=False, size=None)] * len(others)
@@ -98,11 +98,11 @@ def test_an_emulation_prevention_byte_is_no_part_of_a_number() -> None:
         (START, "a NAL unit is empty"),
         (unit(b"", IDR), "a NAL unit is empty"),
         (unit(SLICE) * (MAX_UNITS + 1), "more than 1000 NAL units"),
-        (unit(b"\xe5\x88"), "type 5 has no place"),
-        (unit(b"\x02\x88"), "type 2 has no place"),
-        (unit(b"\x78\x88"), "type 24 has no place"),
-        (unit(usual(), PPS), "there is no picture"),
-        (unit(usual(), PPS, IDR, SLICE), "other slices too"),
+        (unit(b"\xe5\x88"), "type 5 is not allowed"),
+        (unit(b"\x02\x88"), "type 2 is not allowed"),
+        (unit(b"\x78\x88"), "type 24 is not allowed"),
+        (unit(usual(), PPS), "it has no picture"),
+        (unit(usual(), PPS, IDR, SLICE), "also has non-IDR slices"),
         (unit(IDR), "needs its SPS and PPS before it"),
         (unit(usual(), IDR, PPS), "needs its SPS and PPS before it"),
         (unit(b"\x67\x42\xc0", PPS, IDR), "the SPS is too short"),
@@ -117,7 +117,7 @@ def test_an_emulation_prevention_byte_is_no_part_of_a_number() -> None:
         (unit(sps("0" * 17, "1"), PPS, IDR), "a number in the SPS is too large"),
     ],
 )
-def test_what_cannot_be_passed_on_is_named(data: bytes, named: str) -> None:
+def test_unpassable_access_unit_is_refused_with_reason(data: bytes, named: str) -> None:
     with pytest.raises(NotPassable, match=named):
         access_unit(data)
 

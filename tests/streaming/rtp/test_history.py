@@ -22,7 +22,7 @@ def filled(packets: int, first: int = 0, length: int = 1000) -> History:
     return history
 
 
-def test_what_was_sent_lately_is_sent_again() -> None:
+def test_recent_packet_is_retransmitted() -> None:
     history = History()
     history.add(SentFrame(65535, 90, True, (b"a", b"b", b"c")), 3)
     history.add(SentFrame(2, 180, False, (b"d",)), 1)
@@ -34,7 +34,7 @@ def test_what_was_sent_lately_is_sent_again() -> None:
     assert history.refused == 0
 
 
-def test_what_is_too_old_is_forgotten() -> None:
+def test_old_packet_is_dropped() -> None:
     history = filled(DEPTH + 1)
     assert history.find(0) is None
     assert history.find(1) is not None
@@ -81,7 +81,7 @@ def beyond_help(history: History) -> bool:
     return history.exhausted
 
 
-def test_what_came_before_the_newest_key_frame_leaves_room_for_it() -> None:
+def test_packets_before_the_key_frame_leave_budget_for_it() -> None:
     history = filled(500)
     history.key_frame(500, 20_000)
     history.add(SentFrame(500, 90, True, (bytes(1000),) * 20), 0)
@@ -121,7 +121,7 @@ def test_a_large_key_frame_keeps_its_room_while_pictures_follow() -> None:
     assert sum(repeated(history, range(100), now) for now in (1.0, 2.0, 3.0)) == 100 * KEY_FRAME_TIMES
 
 
-def test_what_was_repeated_is_forgotten_in_time() -> None:
+def test_retransmission_times_are_dropped_in_time() -> None:
     history = filled(DEPTH, length=1)
     for moment in range(3):
         for sequence in range(DEPTH):

@@ -64,7 +64,7 @@ def test_a_system_that_does_not_know_of_it_is_asked_first(monkeypatch: pytest.Mo
         each.close()
 
 
-def test_what_the_socket_does_not_take_is_lost_and_counted(ends: Ends) -> None:
+def test_refused_datagrams_are_counted_as_lost(ends: Ends) -> None:
     def full(*arguments: object) -> int:
         raise BlockingIOError
 

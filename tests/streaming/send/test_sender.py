@@ -6,7 +6,7 @@ from aiortc.rtp import RtcpByePacket, RtcpPacket, RtcpSdesPacket, RtcpSrPacket
 from openrois_streaming.rtp.history import DEPTH
 from openrois_streaming.rtp.ntp import middle
 from openrois_streaming.rtp.reports import ReceiverReport
-from openrois_streaming.send.outlet import SILENCE
+from openrois_streaming.send.pacer import SILENCE
 from openrois_streaming.send.sender import Negotiated, RtpSender
 
 from tests.support.sending import NEGOTIATED, OFFSET, Sending, Wires, picture
@@ -100,7 +100,7 @@ def test_the_answer_to_a_report_gives_the_round_trip(sending: Sending) -> None:
     assert sending.sender.figures.round_trip_time == pytest.approx(0.05)
 
 
-def test_what_is_missed_is_sent_again_as_rtx(sending: Sending) -> None:
+def test_requested_packet_is_retransmitted_as_rtx(sending: Sending) -> None:
     sending.sender.send(picture(0, b"a", b"b", keyframe=True))
     first, second = sending.packets
     sending.sender.missed([second.sequence_number, 9, first.sequence_number])
@@ -184,13 +184,13 @@ def test_sound_starts_with_any_block() -> None:
     assert (sending.sequences, sending.gaps) == ([1], [])
 
 
-def test_what_the_viewer_says_is_passed_on(sending: Sending) -> None:
+def test_viewers_feedback_reaches_the_listener(sending: Sending) -> None:
     sending.sender.estimated(1_000_000)
     sending.sender.undecodable()
     assert (sending.estimates, sending.requests) == ([1_000_000], 1)
 
 
-def test_a_failure_is_told_once_and_reaches_nobody(sending: Sending, caplog: pytest.LogCaptureFixture) -> None:
+def test_failure_is_logged_once_and_contained(sending: Sending, caplog: pytest.LogCaptureFixture) -> None:
     sending.wire.failure = RuntimeError("no key")
     with caplog.at_level(logging.ERROR):
         for number in range(3):
@@ -215,7 +215,7 @@ def test_a_large_picture_is_paced_and_keeps_its_order_and_time(sending: Sending)
     assert sending.sequences == [0]
 
 
-def test_what_is_too_late_is_left_out_up_to_the_next_key_frame(sending: Sending) -> None:
+def test_late_pictures_are_dropped_up_to_the_next_key_frame(sending: Sending) -> None:
     sending.outlet.pacer.rate = 5_000_000
     for number in range(4):
         sending.sender.send(picture(number, *[bytes(1000)] * 200, keyframe=number == 0))
@@ -229,29 +229,26 @@ def test_what_is_too_late_is_left_out_up_to_the_next_key_frame(sending: Sending)
     assert sending.sender.figures.dropped == 5
 
 
-def test_a_probe_sends_packets_twice_as_rtx(sending: Sending) -> None:
+def test_padding_sends_packets_again_as_rtx(sending: Sending) -> None:
     sending.sender.send(picture(0, b"a" * 1000, b"b" * 1000, keyframe=True))
-    sending.sender.probe(800_000, 0.5)
-    sending.alarms.advance(0.6)
+    assert sending.sender.pad(1500) == 2000
+    assert sending.sender.pad(500) == 1000
     assert {packet.ssrc for packet in sending.packets[2:]} == {0xBEEF}
-    assert sending.sender.figures.padded == len(sending.packets) - 2
-    assert 45 <= sending.sender.figures.padded <= 51
+    assert sending.sender.figures.padded == len(sending.packets) - 2 == 3
     assert sending.sender.figures.retransmitted == 0
 
 
-def test_there_is_nothing_to_probe_with_without_rtx_or_media(sending: Sending) -> None:
-    sending.sender.probe(800_000, 0.5)
-    sending.alarms.advance(0.1)
-    assert sending.alarms.pending == []
+def test_there_is_no_padding_without_rtx_or_media(sending: Sending) -> None:
+    assert sending.sender.pad(1000) == 0
     plain = Sending()
-    plain.sender.pad(100)
+    assert plain.sender.pad(100) == 0
     plain.sender.start(Negotiated(1, 97, 2, None, "", "0", None, None), plain.wire)
     plain.sender.send(picture(0, keyframe=True))
     assert plain.sender.pad(1000) == 0
     assert len(plain.wire.packets) == 1
 
 
-def test_a_failure_while_repeating_or_leaving_is_told(sending: Sending) -> None:
+def test_failure_while_retransmitting_or_stopping_is_noted(sending: Sending) -> None:
     sending.sender.send(picture(0, b"a", keyframe=True))
     sending.wire.failure = RuntimeError("no key")
     sending.sender.missed([sending.packets[0].sequence_number])
@@ -263,7 +260,7 @@ def test_a_failure_while_repeating_or_leaving_is_told(sending: Sending) -> None:
     assert leaving.sender.failed
 
 
-def test_what_still_waits_at_the_end_is_not_sent(sending: Sending) -> None:
+def test_waiting_frames_are_not_sent_after_stop(sending: Sending) -> None:
     sending.outlet.pacer.rate = 5_000_000
     sending.sender.send(picture(0, *[bytes(1000)] * 100, keyframe=True))
     sent = len(sending.packets)

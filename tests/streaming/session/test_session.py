@@ -1,82 +1,25 @@
-import asyncio
+"""The media session of an application: its streams, their status, figures and end."""
+
 import logging
-from collections.abc import AsyncIterator
 
 import pytest
 from openrois_signaling.messages import IceServer
 from openrois_signaling.negotiation import ANSWER_TIMEOUT
-from openrois_streaming.adaptation.caps import Caps
 from openrois_streaming.adaptation.rung import ladder
+from openrois_streaming.adaptation.viewer import Caps
 from openrois_streaming.errors import NoCommonCodec, TooManySections, UnknownPeer, UnknownStream
 from openrois_streaming.liveness import STALL
-from openrois_streaming.peer import peer as peer_module
-from openrois_streaming.peer.peers import REPLACE_TIMEOUT
 from openrois_streaming.publish.key_frames import KeyFrameCause
 from openrois_streaming.rtp.reports import ReceiverReport
-from openrois_streaming.session.session import CODECS_APART, IDLE, StreamSession
+from openrois_streaming.session.session import IDLE, StreamSession
 from openrois_streaming.state import StreamStatus
 
 from tests.support.streaming import settle
-from tests.support.viewing import Application, FedPublisher, FedRendition, WirelessConnection, frame
+from tests.support.theatre import Theatre
+from tests.support.viewing import Application, frame
 
 
-class Theatre(Application):
-    """An application with a session, and a publisher that plays to it."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.publisher = FedPublisher()
-        self._reports = 0
-
-    @property
-    def connections(self) -> list[WirelessConnection]:
-        return WirelessConnection.made
-
-    @property
-    def video(self) -> FedRendition:
-        return self.publisher.renditions("video/VP8")[0]
-
-    def connect(self, stream_id: str = "v") -> None:
-        self.session.connect(stream_id, "engine/Video", self.publisher, "video")
-
-    async def up(self, number: int = 0) -> WirelessConnection:
-        """Answer the newest offer and connect."""
-        await self.answer()
-        self.connections[number].become("connected")
-        self.connections[number].answers_questions = True
-        await settle()
-        return self.connections[number]
-
-    async def play(self, connection: WirelessConnection, seconds: float = 0.5) -> None:
-        """Let frames flow over the first section for a while."""
-        for number in range(round(seconds * 10)):
-            await self.video.show(keyframe=number == 0)
-            self._reports += 1
-            connection.report(self._reports)
-            await self.clock.advance(0.1)
-
-    async def wait(self, seconds: float) -> None:
-        await self.clock.advance(seconds)
-        await settle()
-
-
-@pytest.fixture
-async def theatre(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Theatre]:
-    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
-    WirelessConnection.made = []
-    theatre = Theatre()
-    async with theatre.session:
-        yield theatre
-    assert theatre.session.peer_ids == theatre.session.stream_ids == ()
-    assert all(connection.closed for connection in theatre.connections)
-    assert all(rendition.readers == 0 for rendition in theatre.publisher.made.values())
-    ended = [change.stream_id for change in theatre.changes if change.ended]
-    assert sorted(ended) == sorted(set(ended))
-    others = asyncio.all_tasks() - {asyncio.current_task()}
-    assert [task.get_name() for task in others if "session" in task.get_name()] == []
-
-
-async def test_a_stream_is_told_running_when_its_frames_reach_the_viewer(theatre: Theatre) -> None:
+async def test_stream_is_running_when_its_frames_reach_the_viewer(theatre: Theatre) -> None:
     theatre.connect()
     assert theatre.session.status("v") is StreamStatus.NOT_CONNECTED
     connection = await theatre.up()
@@ -87,7 +30,7 @@ async def test_a_stream_is_told_running_when_its_frames_reach_the_viewer(theatre
     assert theatre.session.status("v") is StreamStatus.RUNNING
 
 
-async def test_a_viewer_that_can_have_single_pictures_alone_is_not_told_of_each(theatre: Theatre) -> None:
+async def test_single_pictures_do_not_change_the_status(theatre: Theatre) -> None:
     theatre.publisher.rung = ladder(320, 180, 30)[0]
     theatre.session.connect("v", "engine/Video", theatre.publisher, "video", caps=Caps(max_bitrate=40_000))
     connection = await theatre.up()
@@ -124,7 +67,7 @@ async def test_suspending_and_resuming_needs_no_negotiation(theatre: Theatre) ->
     assert len(theatre.offers) == 1
 
 
-async def test_a_source_that_stalls_is_told_and_so_is_its_return(theatre: Theatre) -> None:
+async def test_stalled_source_and_its_recovery_change_the_status(theatre: Theatre) -> None:
     theatre.connect()
     connection = await theatre.up()
     await theatre.play(connection)
@@ -182,7 +125,7 @@ async def test_an_unanswered_offer_gives_the_stream_back(theatre: Theatre) -> No
     assert theatre.offers[-1].replaces is None
 
 
-async def test_what_cannot_be_connected_changes_nothing(theatre: Theatre) -> None:
+async def test_refused_connect_changes_nothing(theatre: Theatre) -> None:
     with pytest.raises(NoCommonCodec):
         theatre.session.connect("v", "engine/Video", theatre.publisher, "video", ["AV1"])
     theatre.connect()
@@ -208,125 +151,6 @@ async def test_messages_to_unknown_peers_are_refused(theatre: Theatre) -> None:
     with pytest.raises(UnknownPeer):
         theatre.session.restart("engine/other")
     await theatre.trickle("candidate")
-
-
-async def test_a_replacement_plays_before_the_old_one_goes(theatre: Theatre) -> None:
-    theatre.connect("v")
-    theatre.connect("w")
-    old = await theatre.up()
-    await theatre.play(old)
-    theatre.session.suspend("w")
-    await settle()
-    assert theatre.session.restart("engine/p1") == "engine/p2"
-    assert theatre.session.restart("engine/p1") == "engine/p2"
-    offer = await theatre.offered()
-    assert (offer.peer_id, offer.replaces, offer.generation) == ("engine/p2", "engine/p1", 1)
-    assert [each.stream_id for each in offer.streams] == ["v", "w"]
-    assert list(theatre.session.peer_ids) == ["engine/p2", "engine/p1"]
-    new = await theatre.up(1)
-    closed = [old.closed]
-    await theatre.play(new)
-    assert [(bye.peer_id, bye.reason) for bye in theatre.byes] == [("engine/p1", "it was replaced")]
-    await settle()
-    closed.append(old.closed)
-    assert closed == [False, True]
-    assert list(theatre.session.peer_ids) == ["engine/p2"]
-    assert ("v", "not_connected") not in theatre.told
-    assert theatre.session.status("v") is StreamStatus.RUNNING
-    assert theatre.session.status("w") is StreamStatus.SUSPENDED
-    stats = await theatre.session.stats("v")
-    assert stats.frames_sent >= 10
-
-
-async def test_a_replacement_that_does_not_play_replaces_after_a_while(theatre: Theatre) -> None:
-    theatre.connect()
-    await theatre.up()
-    theatre.session.restart("engine/p1")
-    await theatre.up(1)
-    await theatre.wait(REPLACE_TIMEOUT - 0.2)
-    assert theatre.byes == []
-    await theatre.wait(0.4)
-    assert [bye.peer_id for bye in theatre.byes] == ["engine/p1"]
-
-
-async def test_a_replacement_that_fails_leaves_the_old_one_in_its_place(theatre: Theatre) -> None:
-    theatre.connect("v")
-    old = await theatre.up()
-    theatre.session.restart("engine/p1")
-    await settle()
-    theatre.connect("w")
-    theatre.session.disconnect("v")
-    offer = await theatre.offered()
-    assert (offer.peer_id, offer.streams) == ("engine/p1", ())
-    await theatre.answer()
-    await theatre.wait(ANSWER_TIMEOUT + 0.2)
-    assert [bye.peer_id for bye in theatre.byes] == ["engine/p2"]
-    assert theatre.session.peer_ids == ("engine/p1",)
-    offer = await theatre.offered()
-    assert offer.peer_id == "engine/p1"
-    assert [listed.stream_id for listed in offer.streams] == ["w"]
-    await theatre.answer()
-    assert theatre.session.stream_ids == ("w",)
-    assert not old.closed
-
-
-async def test_a_stream_for_which_the_old_one_has_no_room_ends(theatre: Theatre) -> None:
-    theatre.connect("v")
-    await theatre.up()
-    theatre.connections[0].room = 1
-    theatre.session.restart("engine/p1")
-    await settle()
-    theatre.connect("w")
-    await theatre.wait(ANSWER_TIMEOUT + 0.2)
-    assert theatre.session.stream_ids == ("v",)
-    assert [change.stream_id for change in theatre.changes if change.ended] == ["w"]
-
-
-async def test_there_are_never_more_than_two_peers(theatre: Theatre) -> None:
-    theatre.connect()
-    await theatre.up()
-    theatre.session.restart("engine/p1")
-    theatre.session.restart("engine/p2")
-    assert theatre.session.peer_ids == ("engine/p3", "engine/p2")
-    assert [bye.peer_id for bye in theatre.byes] == ["engine/p1"]
-    await settle()
-    assert theatre.connections[0].closed
-
-
-async def test_what_falls_back_to_a_peer_that_is_closed_there_ends_with_it(theatre: Theatre) -> None:
-    theatre.connect()
-    await theatre.up()
-    theatre.session.restart("engine/p1")
-    theatre.connect("w")
-    theatre.connect("x")
-    await settle()
-    theatre.connections[0].closed_there = True
-    theatre.connections[1].become("closed")
-    await settle()
-    assert [bye.reason for bye in theatre.byes] == ["the application closed the peer connection", "closed there"]
-    assert {change.stream_id for change in theatre.changes if change.ended} == {"v", "w", "x"}
-    assert theatre.session.is_over
-
-
-async def test_a_stream_gets_another_peer_in_place_of_one_that_is_closed_there(theatre: Theatre) -> None:
-    theatre.connect()
-    await theatre.up()
-    theatre.connections[0].closed_there = True
-    theatre.connect("w")
-    await settle()
-    assert [bye.reason for bye in theatre.byes] == ["closed there"]
-    assert theatre.session.stream_ids == ("w",)
-    assert [each.stream_id for each in theatre.offers[-1].streams] == ["w"]
-    assert theatre.offers[-1].peer_id == "engine/p2"
-
-
-async def test_a_peer_without_streams_is_not_replaced(theatre: Theatre) -> None:
-    theatre.connect()
-    await theatre.up()
-    theatre.session.disconnect("v")
-    with pytest.raises(UnknownPeer):
-        theatre.session.restart("engine/p1")
-    assert [bye.reason for bye in theatre.byes] == ["there is no stream to carry"]
 
 
 async def test_a_viewer_that_vanishes_ends_its_streams(theatre: Theatre) -> None:
@@ -386,7 +210,7 @@ async def test_figures_of_a_stream(theatre: Theatre) -> None:
     assert (stats.packets_lost, stats.fraction_lost, stats.jitter) == (0, 0.0, 0.001)
 
 
-async def test_an_error_of_our_own_ends_the_session_and_is_told(
+async def test_internal_error_ends_the_session_with_notification(
     theatre: Theatre, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     theatre.connect()
@@ -403,7 +227,7 @@ async def test_an_error_of_our_own_ends_the_session_and_is_told(
     assert "a mistake" in caplog.text
 
 
-async def test_it_can_be_closed_from_the_application_that_hears_of_it() -> None:
+async def test_session_can_be_closed_from_its_notification() -> None:
     application = Application()
     session: StreamSession = application.session
     await session.close("never used")
@@ -445,8 +269,8 @@ async def test_a_session_without_streams_ends_its_peer_connection_after_a_while(
 async def test_the_round_trip_is_the_longest_that_its_viewer_reports_of_what_is_sent(theatre: Theatre) -> None:
     def report(number: int, *seconds: float) -> None:
         for section, each in zip(theatre.connections[number].sections, seconds, strict=True):
-            assert section.leg is not None
-            section.leg.reported(ReceiverReport(1, 0.0, 0, 90, round_trip_time=each))
+            assert section.stream_path is not None
+            section.stream_path.reported(ReceiverReport(1, 0.0, 0, 90, round_trip_time=each))
 
     assert theatre.session.round_trip_time is None
     theatre.connect("v")
@@ -464,60 +288,3 @@ async def test_the_round_trip_is_the_longest_that_its_viewer_reports_of_what_is_
     assert theatre.session.round_trip_time == 0.6
     theatre.session.suspend("v")
     assert theatre.session.round_trip_time == 0.2
-
-
-def offered(theatre: Theatre) -> tuple[str, ...]:
-    """Return the media types in which the newest peer connection offers its first section."""
-    leg = theatre.connections[-1].sections[0].leg
-    assert leg is not None
-    return leg.stream.codecs
-
-
-async def test_where_a_codec_cannot_be_encoded_the_next_is_offered_in_a_new_peer_connection(theatre: Theatre) -> None:
-    theatre.session.connect("v", "engine/Video", theatre.publisher, "video", ["VP8", "H264"])
-    await theatre.up()
-    assert offered(theatre) == ("video/H264",)
-    theatre.publisher.broken.add("video/H264")
-    await theatre.wait(1.0)
-    assert [offer.replaces for offer in theatre.offers] == [None, "engine/p1"]
-    assert offered(theatre) == ("video/VP8",)
-    await theatre.play(await theatre.up(1))
-    assert theatre.session.status("v") is StreamStatus.RUNNING
-    assert [(bye.peer_id, bye.reason) for bye in theatre.byes] == [("engine/p1", "it was replaced")]
-    # Where that fails, too, nothing goes back and forth.
-    theatre.publisher.broken.add("video/VP8")
-    await theatre.wait(60.0)
-    theatre.publisher.broken.remove("video/H264")
-    await theatre.wait(60.0)
-    assert len(theatre.offers) == 2
-
-
-async def test_a_peer_connection_with_another_codec_that_does_not_come_about_is_tried_again(theatre: Theatre) -> None:
-    theatre.session.connect("v", "engine/Video", theatre.publisher, "video", ["VP8", "H264"])
-    await theatre.up()
-    theatre.publisher.broken.add("video/H264")
-    await theatre.wait(1.0)
-    theatre.session.end_peer("engine/p2", "no path was found")
-    await theatre.wait(CODECS_APART - 2.0)
-    assert len(theatre.offers) == 2
-    await theatre.wait(3.0)
-    assert [offer.replaces for offer in theatre.offers] == [None, "engine/p1", "engine/p1"]
-    assert offered(theatre) == ("video/VP8",)
-
-
-async def test_a_codec_that_cannot_be_encoded_is_not_offered_to_the_next_viewer(theatre: Theatre) -> None:
-    theatre.publisher.broken.add("video/H264")
-    theatre.session.connect("v", "engine/Video", theatre.publisher, "video", ["H264", "VP8"])
-    await theatre.up()
-    assert offered(theatre) == ("video/VP8",)
-
-
-@pytest.mark.parametrize("codecs", [["H264"], None])
-async def test_a_viewer_that_knows_no_other_codec_or_chose_itself_is_left_alone(
-    theatre: Theatre, codecs: list[str] | None
-) -> None:
-    theatre.session.connect("v", "engine/Video", theatre.publisher, "video", codecs)
-    await theatre.up()
-    theatre.publisher.broken.add("video/H264")
-    await theatre.wait(5.0)
-    assert len(theatre.offers) == 1

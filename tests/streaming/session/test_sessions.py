@@ -5,7 +5,7 @@ from collections.abc import AsyncIterator
 import pytest
 from openrois_streaming.aiortc_internals.trial import UnsupportedLibrary
 from openrois_streaming.errors import TooManySessions, UnknownPeer, UnknownStream
-from openrois_streaming.network.places import PlaceRules
+from openrois_streaming.network.session_limits import SessionLimits
 from openrois_streaming.peer import peer as peer_module
 from openrois_streaming.session import sessions as sessions_module
 from openrois_streaming.session.session import StreamSession
@@ -20,7 +20,7 @@ from tests.support.viewing import Application, FedPublisher, WirelessConnection
 async def sessions(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[StreamSessions]:
     monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
     WirelessConnection.made = []
-    async with StreamSessions(lambda client_id: Application().session, PlaceRules(2, 0)) as sessions:
+    async with StreamSessions(lambda client_id: Application().session, SessionLimits(2, 0)) as sessions:
         yield sessions
     assert len(sessions) == 0
     assert all(connection.closed for connection in WirelessConnection.made)
@@ -86,7 +86,7 @@ async def test_a_session_closes_to_its_end_though_its_caller_gives_up(
 class Applications:
     """Applications by their client ids, with sessions of one engine on one clock."""
 
-    def __init__(self, rules: PlaceRules) -> None:
+    def __init__(self, rules: SessionLimits) -> None:
         self.made: dict[str, Application] = {}
         self.sessions = StreamSessions(self._make, rules)
 
@@ -109,7 +109,7 @@ class Applications:
 async def applications(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Applications]:
     monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
     WirelessConnection.made = []
-    applications = Applications(PlaceRules(applications=4, kept_for_operators=2, answer_time=2.0))
+    applications = Applications(SessionLimits(applications=4, kept_for_operators=2, answer_time=2.0))
     async with applications.sessions:
         yield applications
 
@@ -121,7 +121,7 @@ async def test_places_are_kept_for_those_that_may_bind(applications: Application
         await applications.comes("viewer 3")
     for operator in ("operator 1", "operator 2"):
         await applications.comes(operator, may_bind=True, answers=True)
-    with pytest.raises(TooManySessions, match="4 of at most 4"):
+    with pytest.raises(TooManySessions, match="all 4 places"):
         await applications.comes("operator 3", may_bind=True)
     await applications.sessions.close("viewer 1", "gone")
     await applications.comes("viewer 3")
@@ -139,7 +139,7 @@ async def test_an_application_that_may_bind_by_now_needs_no_place_of_those_that_
         await applications.comes("viewer 4")
 
 
-async def test_who_does_not_answer_gives_up_its_place_to_the_next(applications: Applications) -> None:
+async def test_unanswered_session_loses_its_place_to_the_next(applications: Applications) -> None:
     await applications.comes("viewer 1", answers=True)
     await applications.comes("viewer 2")
     assert applications.sessions.unanswered == 1
@@ -151,7 +151,7 @@ async def test_who_does_not_answer_gives_up_its_place_to_the_next(applications: 
     await settle()
     assert applications.made["viewer 2"].session.stream_ids == ()
     assert [bye.reason for bye in applications.made["viewer 2"].byes] == [
-        "its offer was not answered in time, and another application needs the place"
+        "the offer was not answered in time, and another application needs the place"
     ]
     assert (len(applications.sessions), applications.sessions.displaced) == (2, 1)
     # The one that has answered stays, however long ago that was.

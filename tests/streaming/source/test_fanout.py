@@ -44,7 +44,7 @@ async def test_nothing_is_pulled_after_the_last_reader_has_left(source: FedSourc
     assert fanout.pulled == 2
 
 
-async def test_a_stalled_reader_loses_its_own_items_and_hurts_nobody(
+async def test_stalled_reader_loses_only_its_own_items(
     source: FedSource[int], fanout: Fanout[int], caplog: pytest.LogCaptureFixture
 ) -> None:
     caplog.set_level(logging.INFO)
@@ -87,7 +87,7 @@ async def test_a_failure_reaches_every_reader_after_what_is_queued(source: FedSo
     assert not source.is_open
 
 
-async def test_whoever_comes_after_a_failure_opens_the_source_anew(source: FedSource[int], fanout: Fanout[int]) -> None:
+async def test_subscription_after_failure_reopens_the_source(source: FedSource[int], fanout: Fanout[int]) -> None:
     async with fanout.subscribe() as old:
         await source.end(OSError())
         assert not fanout.running
@@ -122,7 +122,7 @@ async def test_the_end_of_a_source_is_no_failure(source: FedSource[int], fanout:
             assert await late.get() == 1
 
 
-async def test_a_source_that_cannot_be_opened_tells_its_readers(fanout: Fanout[int], source: FedSource[int]) -> None:
+async def test_failed_opening_ends_the_readers(fanout: Fanout[int], source: FedSource[int]) -> None:
     source.refusal = PermissionError("no access")
     async with fanout.subscribe() as reader:
         with pytest.raises(SourceEnded) as told:
@@ -131,7 +131,7 @@ async def test_a_source_that_cannot_be_opened_tells_its_readers(fanout: Fanout[i
 
 
 class _Stubborn:
-    """Closes only when it is told to, whatever happens to the task that closes it."""
+    """Closes only when the test lets it, whatever happens to the task that closes it."""
 
     def __init__(self) -> None:
         self.open_now = 0
@@ -174,7 +174,7 @@ async def test_a_source_that_does_not_close_is_not_waited_for_for_ever_and_never
     assert source.open_now == 0
 
 
-async def test_what_fails_while_the_source_closes_is_not_why_it_ended() -> None:
+async def test_failure_while_closing_is_not_the_cause_of_the_end() -> None:
     class Brittle(FedSource[int]):
         @asynccontextmanager
         async def open(self) -> AsyncIterator[AsyncIterator[int]]:
@@ -195,7 +195,7 @@ async def test_what_fails_while_the_source_closes_is_not_why_it_ended() -> None:
     assert told.value.__cause__ is fanout.failure is failure
 
 
-async def test_a_failure_is_told_before_the_source_has_closed() -> None:
+async def test_failure_reaches_readers_before_the_source_closes() -> None:
     class Failing(_Stubborn):
         async def _items(self) -> AsyncIterator[int]:
             async for _ in super()._items():
@@ -246,21 +246,21 @@ async def test_an_item_that_comes_as_the_wait_is_cancelled_is_not_lost(
 
 async def test_a_subscription_has_one_reader_inside_its_context(source: FedSource[int], fanout: Fanout[int]) -> None:
     subscription = fanout.subscribe()
-    with pytest.raises(RuntimeError, match="inside its context"):
+    with pytest.raises(RuntimeError, match="inside its `async with`"):
         await subscription.get()
     async with subscription:
         with pytest.raises(RuntimeError, match="entered only once"):
             await subscription.__aenter__()
         waiter = asyncio.create_task(subscription.get())
         await settle()
-        with pytest.raises(RuntimeError, match="by one reader"):
+        with pytest.raises(RuntimeError, match="by one task"):
             await subscription.get()
-    with pytest.raises(RuntimeError, match="inside its context"):
+    with pytest.raises(RuntimeError, match="inside its `async with`"):
         await waiter
-    with pytest.raises(RuntimeError, match="inside its context"):
+    with pytest.raises(RuntimeError, match="inside its `async with`"):
         await subscription.get()
 
 
 def test_a_mailbox_holds_at_least_one_item() -> None:
-    with pytest.raises(ValueError, match="at least one"):
+    with pytest.raises(ValueError, match="maxsize must be 1 or more, not 0"):
         DropOldest[int](0)

@@ -7,7 +7,7 @@ from openrois_streaming.source.shared_inlet import SharedInlet
 from tests.support.streaming import FedSource, settle
 
 
-async def test_it_reads_whoever_is_plugged_in() -> None:
+async def test_inlet_reads_the_plugged_in_sender() -> None:
     inlet: SharedInlet[int] = SharedInlet("microphone")
     first: FedSource[int] = FedSource()
     second: FedSource[int] = FedSource()
@@ -32,7 +32,7 @@ async def test_it_reads_whoever_is_plugged_in() -> None:
     assert first.opened == first.closed == 2
 
 
-async def test_nothing_is_read_while_nobody_reads() -> None:
+async def test_source_stays_closed_without_readers() -> None:
     inlet: SharedInlet[int] = SharedInlet("camera")
     source: FedSource[int] = FedSource()
     inlet.plug("a", source)
@@ -58,8 +58,8 @@ async def test_a_source_that_fails_or_ends_is_given_up_until_the_next(caplog: py
                 await settle()
                 await source.end(ValueError("broken"))
         assert [record.message for record in caplog.records] == [
-            "camera: what is sent cannot be read: RuntimeError('it is open already')",
-            "camera: what is sent cannot be read: ValueError('broken')",
+            "camera: the media of the sender cannot be read: RuntimeError('it is open already')",
+            "camera: the media of the sender cannot be read: ValueError('broken')",
         ]
         inlet.plug("a", ending)
         await ending.feed(1)
@@ -70,7 +70,7 @@ async def test_a_source_that_fails_or_ends_is_given_up_until_the_next(caplog: py
     assert good.opened == good.closed == failing.closed == ending.closed == 1
 
 
-async def test_it_can_be_waited_for() -> None:
+async def test_plugging_in_can_be_awaited() -> None:
     inlet: SharedInlet[int] = SharedInlet("microphone")
     waiting = asyncio.create_task(inlet.plugged())
     await settle()

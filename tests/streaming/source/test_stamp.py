@@ -38,7 +38,7 @@ def test_a_wrong_cell_is_noticed(number: int, time: int, cell: int) -> None:
 
 @settings(max_examples=40, deadline=None)
 @given(numbers, times, st.integers(160, 2000), st.integers(16, 1100), st.sampled_from([2, 3, 4]))
-def test_what_is_written_is_read_at_any_size(number: int, time: int, width: int, height: int, channels: int) -> None:
+def test_written_stamp_is_read_at_any_size(number: int, time: int, width: int, height: int, channels: int) -> None:
     shape = (height, width) if channels == 2 else (height, width, channels)
     pixels = np.full(shape, 99, np.uint8)
     wall = time / stamp.TIME_UNITS_PER_SECOND

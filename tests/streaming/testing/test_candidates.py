@@ -5,6 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from openrois_streaming.testing.candidates import addresses, rerouted
 
+pytestmark = pytest.mark.extra(name="streaming")
+
 RELAY = ("127.0.0.1", 4000)
 OURS = "candidate:0 1 udp 2130706431 127.0.0.1 4000 typ host"
 SDP = "\r\n".join(

@@ -3,6 +3,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from openrois_streaming.testing.delays import Delays, percentile
 
+pytestmark = pytest.mark.extra(name="streaming")
+
 
 def test_nothing_was_measured() -> None:
     assert Delays.of([]) is None

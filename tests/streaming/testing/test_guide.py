@@ -1,4 +1,4 @@
-"""docs/testing.md: every piece of Python in it runs, and its tests pass."""
+"""docs/how-to/testing.md: every piece of Python in it runs, and its tests pass."""
 
 import inspect
 import re
@@ -8,7 +8,9 @@ from typing import Any
 
 import pytest
 
-PAGE = Path(__file__).parents[3] / "docs" / "testing.md"
+pytestmark = pytest.mark.extra(name="demo")
+
+PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "testing.md"
 PIECES = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
 
 

@@ -7,6 +7,8 @@ from hypothesis import strategies as st
 from openrois_streaming.testing import link as module
 from openrois_streaming.testing.link import OVERHEAD, Impairments, Link
 
+pytestmark = pytest.mark.extra(name="streaming")
+
 EIGHT_KBIT = b"x" * (1000 - OVERHEAD)  # 1000 bytes on the wire
 """Takes 8 ms at 1 Mbit/s."""
 
@@ -41,11 +43,11 @@ class TestImpairments:
         ],
         ids=str,
     )
-    def test_what_cannot_be_is_refused(self, wrong: dict[str, float]) -> None:
+    def test_impairments_out_of_range_are_refused(self, wrong: dict[str, float]) -> None:
         with pytest.raises(ValueError, match=next(iter(wrong)) if wrong != {"loss": 1.1} else "share"):
             Impairments(**wrong)  # type: ignore[arg-type]
 
-    def test_the_room_follows_the_rate_or_is_told(self) -> None:
+    def test_room_follows_the_rate_or_the_setting(self) -> None:
         assert Impairments().room == float("inf")
         assert Impairments(rate=1_000_000, queue=0.1).room == 12_500
         assert Impairments(rate=1_000_000, queue_bytes=3000).room == 3000
@@ -168,7 +170,7 @@ class TestLoss:
 
 
 class TestOrder:
-    def test_who_is_held_back_is_overtaken(self) -> None:
+    def test_held_back_datagram_is_overtaken(self) -> None:
         link = Link(Impairments(reorder=1, reorder_by=0.02))
         link.push(b"first", 0.0)
         link.change(Impairments(), 0.001)
@@ -188,7 +190,7 @@ class TestOrder:
 
 
 class TestChange:
-    def test_what_waits_goes_on_at_the_new_rate(self) -> None:
+    def test_waiting_datagrams_go_on_at_the_new_rate(self) -> None:
         link = Link(Impairments(rate=1_000_000))
         link.push(EIGHT_KBIT, 0.0)
         link.push(EIGHT_KBIT, 0.0)
@@ -211,7 +213,7 @@ class TestChange:
         assert link.next_at is None
 
 
-def test_what_travels_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_travelling_datagrams_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "FLIGHT_LIMIT", 5)
     link = Link(Impairments(delay=10))
     assert len(passed(link, numbered(8))) == 5

@@ -1,15 +1,17 @@
 import pytest
 from openrois_streaming.testing.lipsync import LipSync
 
+pytestmark = pytest.mark.extra(name="streaming")
+
 
 def test_nothing_to_compare() -> None:
     sync = LipSync()
     assert sync.figures() is None
-    sync.heard(100.0, 0.1)
+    sync.add_sound(100.0, 0.1)
     assert sync.figures() is None
-    sync.saw(90.0, 0.1)
+    sync.add_picture(90.0, 0.1)
     assert sync.figures() is None, "the picture of that second is still to come"
-    sync.saw(100.2, 0.1)
+    sync.add_picture(100.2, 0.1)
     assert sync.figures() is None, "no picture is near enough"
 
 
@@ -17,11 +19,11 @@ def test_nothing_to_compare() -> None:
 def test_the_error_is_what_sound_is_later_than_the_nearest_picture(sound_first: bool) -> None:
     sync = LipSync()
     if sound_first:
-        sync.heard(100.0, 0.09)
+        sync.add_sound(100.0, 0.09)
     for captured, delay in ((99.97, 0.5), (99.999, 0.02), (100.03, 0.6)):
-        sync.saw(captured, delay)
+        sync.add_picture(captured, delay)
     if not sound_first:
-        sync.heard(100.0, 0.09)
+        sync.add_sound(100.0, 0.09)
     figures = sync.figures()
     assert figures is not None
     assert (figures.count, figures.drift) == (1, 0.0)
@@ -31,8 +33,8 @@ def test_the_error_is_what_sound_is_later_than_the_nearest_picture(sound_first: 
 def test_errors_go_both_ways_and_a_drift_shows() -> None:
     sync = LipSync()
     for number in range(101):
-        sync.saw(1000.0 + number, 0.05)
-        sync.heard(1000.0 + number, 0.05 - 0.010 + number * 0.0002)
+        sync.add_picture(1000.0 + number, 0.05)
+        sync.add_sound(1000.0 + number, 0.05 - 0.010 + number * 0.0002)
     figures = sync.figures()
     assert figures is not None
     assert figures.count == 101
@@ -42,3 +44,15 @@ def test_errors_go_both_ways_and_a_drift_shows() -> None:
     assert figures.drift == pytest.approx(0.0002)
     sync.restart()
     assert sync.figures() is None
+
+
+def test_marker_of_before_a_restart_is_not_counted() -> None:
+    sync = LipSync()
+    sync.add_picture(99.98, 0.02)
+    sync.add_sound(100.0, 0.09)
+    sync.restart()
+    sync.add_picture(100.01, 0.02)
+    assert sync.figures() is None
+    sync.add_sound(101.0, 0.09)
+    sync.add_picture(101.0, 0.02)
+    assert sync.figures() is not None

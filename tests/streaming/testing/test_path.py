@@ -10,6 +10,8 @@ from openrois_streaming.testing.path import Direction
 
 from tests.support.loopback import engine, viewer
 
+pytestmark = pytest.mark.extra(name="streaming")
+
 CANDIDATE = "candidate:1 1 udp 1 {} {} typ host"
 
 
@@ -61,12 +63,12 @@ async def test_both_directions() -> None:
             assert path.down.figures().delivered == path.up.figures().delivered == 1
 
 
-async def test_who_hides_is_known_by_the_first_datagram_and_nobody_else_is() -> None:
+async def test_hidden_end_is_known_by_its_first_datagram() -> None:
     async with ImpairedPath() as path:
         with End() as one, End() as hidden, End() as stranger:
             hidden.hears(path.to_viewer(one.candidate))
             one.hears(path.to_engine("candidate:1 1 udp 1 hidden.local 1 typ host"))
-            one.send(b"to nobody")
+            one.send(b"lost")
             hidden.send(b"here I am")
             assert await one.receive() == b"here I am"
             stranger.other = hidden.other

@@ -6,6 +6,8 @@ from openrois_streaming.source.stamp import NUMBER_MODULUS, Stamp
 from openrois_streaming.testing.delays import Delays
 from openrois_streaming.testing.pictures import KEPT, SIZES_KEPT, PictureLog, SeenPicture
 
+pytestmark = pytest.mark.extra(name="streaming")
+
 EPOCH = 1_800_000_000.0
 
 
@@ -43,7 +45,7 @@ def test_all_is_well() -> None:
     assert log.count == 60
 
 
-def test_what_is_missing_and_what_comes_twice() -> None:
+def test_missing_and_repeated_numbers_are_counted() -> None:
     figures = log_of(seen(at / 30, number) for at, number in enumerate([1, 2, 5, 5, 4, None, 6])).figures(1.0)
     assert (figures.missed, figures.repeated, figures.unreadable) == (2, 2, 1)
     around = [NUMBER_MODULUS - 1, 1]
@@ -97,7 +99,7 @@ def test_a_new_count_forgets_the_old_one_and_not_the_last_picture() -> None:
     assert log.count == 31
 
 
-def test_what_it_keeps_is_bounded() -> None:
+def test_log_is_bounded() -> None:
     sizes = itertools.cycle([(640, 360), (320, 180)])
     log = log_of(seen(at / 30, at, size=next(sizes)) for at in range(KEPT + 10))
     figures = log.figures(1.0)

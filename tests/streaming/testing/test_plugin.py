@@ -1,12 +1,15 @@
-"""The plugin as a project of somebody else has it."""
+"""The plugin in another project."""
 
 import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from openrois_streaming.source.source import RawAudio, RawVideo
 from openrois_streaming.testing import Impairments
 from openrois_streaming.testing.plugin import MakePath, MakeSink, MakeSource
+
+pytestmark = pytest.mark.extra(name="streaming")
 
 FAILING = """
 import asyncio
@@ -28,11 +31,9 @@ async def use(path):
 
 def test_the_figures_stand_in_the_report_of_a_test_that_fails(tmp_path: Path) -> None:
     (tmp_path / "test_failing.py").write_text(FAILING)
-    # Asked for twice, it is one plugin.
-    plugin = ["-p", "openrois_streaming.testing.plugin"]
     (tmp_path / "conftest.py").write_text('pytest_plugins = ["openrois_streaming.testing.plugin"]\n')
     ran = subprocess.run(
-        [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *plugin, "-q", "."],
+        [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "."],
         cwd=tmp_path,
         capture_output=True,
         text=True,
@@ -72,5 +73,5 @@ async def test_a_path_does_the_same_each_time(impaired_path: MakePath) -> None:
     assert 0 < lost[0].lost < 100
 
 
-def test_a_sink_that_nobody_uses_tells_so(measuring_sink: MakeSink) -> None:
+def test_unused_sink_reports_no_offer(measuring_sink: MakeSink) -> None:
     assert "no offer was answered" in str(measuring_sink())

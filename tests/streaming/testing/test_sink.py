@@ -6,10 +6,12 @@ from openrois_streaming.testing import ImpairedPath, Impairments, MeasuringSink
 
 from tests.support.loopback import Engine, engine
 
+pytestmark = pytest.mark.extra(name="streaming")
+
 
 def play(one: Engine, sink: MeasuringSink) -> None:
     async def respond(offer: Offer) -> None:
-        await one.session.answer(await sink.respond(offer))
+        await one.session.apply_answer(await sink.respond(offer))
 
     one.application = respond
 
@@ -23,7 +25,7 @@ async def test_pictures_and_sound_are_measured() -> None:
         one.connect("s2", "audio")
         await sink.hears(10)
         sink.restart()
-        await sink.until(sink.lip_sync)
+        await sink.until(lambda: sink.lip_sync() and sink.pictures().pictures)
         seen, heard = sink.pictures(), sink.sound()
         assert seen.size == (320, 180)
         assert (seen.unreadable, seen.repeated) == (0, 0)

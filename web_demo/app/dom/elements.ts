@@ -52,7 +52,7 @@ export function takesLetters(target: EventTarget | null): boolean {
   return target instanceof HTMLElement && (target.isContentEditable || target.matches(TEXT_FIELDS));
 }
 
-/** Sets a text only when it differs, so that screen readers do not hear it twice. */
+/** Sets a text only when it differs, so that screen readers do not read it twice. */
 export function setText(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }

@@ -30,7 +30,7 @@ export class LevelBar {
   }
 }
 
-/** Measures the track that it is given, as often as the page is drawn; nothing runs without one. */
+/** Measures the level of a track once per drawn frame; without a track nothing runs. */
 export class TrackLevel {
   readonly #onLevel: (level: Level) => void;
   #track: MediaStreamTrack | null = null;

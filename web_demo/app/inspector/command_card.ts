@@ -11,7 +11,7 @@ import { OutcomeView } from "./outcome_view.ts";
 import { completedWords, limitWords, refusal, tookWords } from "./sentences.ts";
 import { ValueForm } from "./value_form.ts";
 
-/** How many runs are shown; one that goes on is never taken away. */
+/** Most runs shown; running ones always are. */
 const RUNS_SHOWN = 4;
 
 export class CommandCard implements Card {
@@ -58,7 +58,7 @@ export class CommandCard implements Card {
     return values.length === 0 ? unit : { ...unit, arguments: values };
   }
 
-  /** An engine's answer to what does not fit may be just what the user wants to see. */
+  /** Offers to send values that do not fit: the engine's answer may be what the user wants to see. */
   #askWhether(): void {
     const anyway = button("Send it anyway", () => void this.#execute(), "quiet");
     this.#misfit.refused({ code: "not sent", sentence: "A value does not fit its type." }, anyway);
@@ -74,7 +74,7 @@ export class CommandCard implements Card {
     try {
       const [id = ""] = await client.execute([this.#unit()]);
       outcome.running(`Running since ${formatTime(Date.now())}`);
-      this.#bench.worked();
+      this.#bench.onWork();
       const { status, reason } = await client.completed(id);
       if (status !== "OK")
         return outcome.ended(status, `${completedWords(status, reason)} (after ${took()})`);
@@ -85,7 +85,7 @@ export class CommandCard implements Card {
     } catch (error) {
       outcome.refused(refusal("execute", error), ...this.#remedies(error));
     } finally {
-      this.#bench.worked();
+      this.#bench.onWork();
     }
   }
 

@@ -9,10 +9,10 @@ export interface ComponentBench {
   readonly drafts: Drafts;
   /** Binds the component. @throws what `Client.bind` throws */
   bind(): Promise<void>;
-  /** The component was made to do something: its status may be another now. */
-  worked(): void;
-  /** An event came in, or it is listened to one event more or less. */
-  heard(): void;
+  /** Is called after an operation on the component, which may have changed its status. */
+  onWork(): void;
+  /** Is called for an event, and when a subscription begins or ends. */
+  onEvent(): void;
 }
 
 /** A part of the panel that stands for one message, or for the parameters. */

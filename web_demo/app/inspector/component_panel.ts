@@ -1,8 +1,10 @@
-/** All that a component's profile holds, to be tried: made of the profile alone, whatever the component is. */
+/** Panel of one component, made of its profile alone: everything in it can be tried. */
 
 import { componentUrn } from "../../sdk/index.ts";
 import type { HRIComponentProfile, ComponentStatus, Client } from "../../sdk/index.ts";
 import { make, setText } from "../dom/elements.ts";
+import { codeWords } from "../model/code_words.ts";
+import { sentence } from "../model/plain_words.ts";
 import { CommandCard } from "./command_card.ts";
 import type { Card, ComponentBench } from "./component_bench.ts";
 import { arrange, disclosure, jsonBlock } from "./controls.ts";
@@ -20,10 +22,10 @@ import type { Drafts } from "./value_form.ts";
 
 export interface PanelOwner {
   readonly client: Client;
-  /** Something was done that may have changed the component's status. */
-  worked(ref: string): void;
-  /** The component is listened to more or less than before. */
-  heard(ref: string): void;
+  /** Is called after an operation that may have changed the component's status. */
+  onWork(ref: string): void;
+  /** Is called for an event of the component, and when a subscription begins or ends. */
+  onEvent(ref: string): void;
 }
 
 /** Why a component cannot be used; null when it can. */
@@ -67,8 +69,8 @@ export class ComponentPanel {
       ref,
       drafts: this.#drafts,
       bind: () => owner.client.bind(ref),
-      worked: () => owner.worked(ref),
-      heard: () => owner.heard(ref),
+      onWork: () => owner.onWork(ref),
+      onEvent: () => owner.onEvent(ref),
     };
     this.#bind.addEventListener("click", () => void this.#toggleBind());
     const groups = [this.#parameters, this.#commands, this.#queries, this.#events, this.#faults];
@@ -110,7 +112,7 @@ export class ComponentPanel {
     if (back) this.refresh();
   }
 
-  /** What may have changed since it was read is read again. */
+  /** Reads again what may have changed. */
   refresh(): void {
     if (this.#absence !== null) return;
     for (const card of this.#cards.values()) card.refresh?.();
@@ -119,7 +121,7 @@ export class ComponentPanel {
   setStatus(status: ComponentStatus | null): void {
     this.#status.dataset["status"] = status ?? "";
     this.#status.title = statusWords(status);
-    setText(this.#status, status ?? "unknown");
+    setText(this.#status, sentence(codeWords(status ?? "unknown")));
   }
 
   setHeld(held: boolean): void {
@@ -137,7 +139,7 @@ export class ComponentPanel {
     this.#faults.show(faults);
   }
 
-  /** Nothing is tried with a component that is not there; what it said and what was typed can still be used. */
+  /** Blocks operations on an absent component; results and typed values stay usable. */
   #hold(event: Event): void {
     const tries = event.type === "submit" || (event.target as Element).closest(".run") !== null;
     if (this.#absence === null || !tries) return;

@@ -1,9 +1,8 @@
-/** Small controls that all of the inspector is made of. */
+/** Small controls of the inspector. */
 
 import { make, setText } from "../dom/elements.ts";
 import { drawing } from "./icons.ts";
 import type { IconName } from "./icons.ts";
-import { jsonPieces } from "./json_text.ts";
 
 /** Milliseconds for which a copied thing says so. */
 const COPIED_SHOWN = 1200;
@@ -14,7 +13,7 @@ export function button(label: string, onPress: () => void, ...classes: string[])
   return element;
 }
 
-/** A button that is a drawing; its label is for those who hear the page, and for the pointer that rests on it. */
+/** Makes a button with a drawing; the label is its name for screen readers and its tooltip. */
 export function iconButton(name: IconName, label: string, onPress: () => void): HTMLButtonElement {
   const attributes = { type: "button", class: "icon-button", "aria-label": label, title: label };
   const element = make("button", attributes, drawing(name));
@@ -78,4 +77,30 @@ export function arrange(parent: Element, elements: readonly Element[]): void {
     const there = parent.children[index];
     if (there !== element) parent.insertBefore(element, there ?? null);
   }
+}
+
+export interface JsonPiece {
+  readonly kind: "name" | "string" | "literal" | "plain";
+  readonly text: string;
+}
+
+const TOKEN = /("(?:[^"\\]|\\.)*")(\s*:)?|-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?|\b(?:true|false|null)\b/g;
+
+/** Returns the pieces of a value's indented text; together they are that text. */
+export function jsonPieces(value: unknown): JsonPiece[] {
+  const text = JSON.stringify(value, null, 2) ?? "";
+  const pieces: JsonPiece[] = [];
+  let end = 0;
+  const plain = (until: number): void => {
+    if (until > end) pieces.push({ kind: "plain", text: text.slice(end, until) });
+  };
+  for (const match of text.matchAll(TOKEN)) {
+    plain(match.index);
+    const [whole, string, colon] = match;
+    const kind = string === undefined ? "literal" : colon === undefined ? "string" : "name";
+    pieces.push({ kind, text: string ?? whole });
+    end = match.index + (string ?? whole).length;
+  }
+  plain(text.length);
+  return pieces;
 }

@@ -1,15 +1,14 @@
-/** One event: listened to or not, and the newest of what was heard. */
+/** Card of one event: a switch to subscribe to it, and the newest events. */
 
 import { onlyComponent } from "../../sdk/index.ts";
-import type { Claim, EventMessageProfile, RoISEvent, Subscription } from "../../sdk/index.ts";
+import type { Claim, Client, EventMessageProfile, RoISEvent, Subscription } from "../../sdk/index.ts";
 import { make, setText } from "../dom/elements.ts";
 import { formatTime } from "../model/format.ts";
 import type { Card, ComponentBench } from "./component_bench.ts";
 import { button } from "./controls.ts";
-import { eventDetail } from "./event_detail.ts";
 import { RequestPreview, messageHead } from "./message_head.ts";
 import { OutcomeView } from "./outcome_view.ts";
-import { gist } from "./results_view.ts";
+import { gist, resultsTable } from "./results_view.ts";
 import { refusal } from "./sentences.ts";
 
 /** How many events of one kind are kept. */
@@ -48,7 +47,7 @@ export class EventCard implements Card {
       "aria-label": label,
     });
     this.#toggle.addEventListener("click", () => void (this.listening ? this.#stop() : this.#listen()));
-    this.#clear = button("Clear", () => this.#forget(), "quiet");
+    this.#clear = button("Clear", () => this.#clearEvents(), "quiet");
     this.element = make(
       "div",
       { class: "message", "data-kind": "event", "data-name": name },
@@ -82,7 +81,7 @@ export class EventCard implements Card {
   async #listen(): Promise<void> {
     const { client, ref } = this.#bench;
     this.#outcome.clear();
-    const subscription = client.subscribe(this.#name, onlyComponent(ref), (event) => this.#hear(event));
+    const subscription = client.subscribe(this.#name, onlyComponent(ref), (event) => this.#addEvent(event));
     this.#subscription = subscription;
     this.#render();
     try {
@@ -105,7 +104,7 @@ export class EventCard implements Card {
     );
   }
 
-  #hear(event: RoISEvent): void {
+  #addEvent(event: RoISEvent): void {
     this.#total += 1;
     this.#waiting.push({ event, at: Date.now() });
     if (this.#waiting.length > EVENTS_KEPT) this.#waiting.shift();
@@ -120,10 +119,10 @@ export class EventCard implements Card {
     this.#list.prepend(...rows);
     while (this.#list.childElementCount > EVENTS_KEPT) this.#list.lastElementChild?.remove();
     this.#render();
-    this.#bench.heard();
+    this.#bench.onEvent();
   }
 
-  #forget(): void {
+  #clearEvents(): void {
     this.#list.replaceChildren();
     this.#waiting = [];
     this.#total = 0;
@@ -149,6 +148,24 @@ export class EventCard implements Card {
     const more = this.#total > EVENTS_KEPT ? `, the newest ${EVENTS_KEPT} are kept` : "";
     const heard = this.#total === 0 ? "listening" : `${this.#total} heard${more}`;
     setText(this.#count, this.listening || this.#total > 0 ? heard : "");
-    this.#bench.heard();
+    this.#bench.onEvent();
   }
+}
+
+/** Makes the details of an event: its results, and a button that asks the engine for what it still has. */
+function eventDetail(client: Client, event: RoISEvent): HTMLElement {
+  const outcome = new OutcomeView();
+  const ask = async (): Promise<void> => {
+    try {
+      outcome.done("the engine remembers", await client.getEventDetail(event.event_id));
+    } catch (error) {
+      outcome.refused(refusal("detail", error));
+    }
+  };
+  const until = event.expire === "" ? "" : `Details until ${new Date(event.expire).toLocaleTimeString()}`;
+  const known = make("p", { class: "hint" }, until);
+  const asking = button("Ask for its details", () => void ask());
+  // An engine that sends no results along has them in the details alone.
+  if (event.results.length === 0) void ask();
+  return make("div", { class: "detail" }, resultsTable(event.results), known, asking, outcome.element);
 }

@@ -1,9 +1,10 @@
-/** The errors that engines and components have notified, each with what the engine tells of it. */
+/** Errors notified by engines and components, with their details. */
 
 import { engineOf } from "../../sdk/index.ts";
 import type { Client, Result } from "../../sdk/index.ts";
 import { make } from "../dom/elements.ts";
 import { formatTime } from "../model/format.ts";
+import { codeChip } from "./outcome_view.ts";
 import { resultsTable } from "./results_view.ts";
 import { refusal } from "./sentences.ts";
 import type { Refusal } from "./sentences.ts";
@@ -18,7 +19,7 @@ export interface Fault {
   detail: readonly Result[] | Refusal | null;
 }
 
-/** Asks for the details of every error that is notified, since they are not kept for ever. */
+/** Keeps notified errors and asks for their details at once, since engines drop them after a while. */
 export class FaultLog {
   readonly #client: Client;
   readonly #onChange: () => void;
@@ -27,15 +28,15 @@ export class FaultLog {
   constructor(client: Client, onChange: () => void) {
     this.#client = client;
     this.#onChange = onChange;
-    client.on("fault", ({ error_id, error_type }) => void this.#take(error_id, error_type));
+    client.on("fault", ({ error_id, error_type }) => void this.#addFault(error_id, error_type));
   }
 
-  /** The errors that the details of which name a component or engine, or that come from it; the newest first. */
+  /** Returns the errors of an engine, or those whose details name a component; the newest first. */
   about(id: string): readonly Fault[] {
     return this.#faults.filter((fault) => isAbout(fault, id));
   }
 
-  async #take(errorId: string, errorType: string): Promise<void> {
+  async #addFault(errorId: string, errorType: string): Promise<void> {
     const fault: Fault = { errorId, errorType, at: Date.now(), detail: null };
     this.#faults = [fault, ...this.#faults].slice(0, FAULTS_KEPT);
     this.#onChange();
@@ -53,27 +54,26 @@ function isAbout({ errorId, detail }: Fault, id: string): boolean {
   return detail instanceof Array && detail.some(({ value }) => value === id);
 }
 
-export function faultRow({ errorId, errorType, at, detail }: Fault): HTMLElement {
+export function faultRow({ errorType, at, detail }: Fault): HTMLElement {
   const summary = make(
     "summary",
     {},
     make("time", {}, formatTime(at)),
-    make("span", { class: "code" }, errorType),
-    make("span", { class: "gist" }, detail instanceof Array ? told(detail) : ""),
+    codeChip(errorType),
+    make("span", { class: "gist" }, detail instanceof Array ? gist(detail) : ""),
   );
   const known =
     detail === null
       ? make("p", { class: "hint" }, "Asking for its details")
       : "code" in detail
-        ? make("p", { class: "hint" }, `${detail.code}: ${detail.sentence}`)
+        ? make("p", { class: "hint" }, detail.sentence)
         : resultsTable(detail);
-  const ids = make("p", { class: "hint ids" }, make("span", {}, errorId));
-  const body = make("div", { class: "detail" }, known, ids);
+  const body = make("div", { class: "detail" }, known);
   return make("li", { "data-error": errorType }, make("details", {}, summary, body));
 }
 
-/** What is told for people: texts, not references, kinds and times. */
-function told(detail: readonly Result[]): string {
+/** Returns the texts of an error's details, without references, kinds and times. */
+function gist(detail: readonly Result[]): string {
   const texts = detail.filter(({ data_type_ref }) => data_type_ref.toLowerCase() === "string");
   return texts.map(({ value }) => value).join("  ");
 }

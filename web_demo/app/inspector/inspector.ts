@@ -6,7 +6,7 @@ import { ComponentPanel } from "./component_panel.ts";
 import type { Absence } from "./component_panel.ts";
 import { EnginePanel } from "./engine_panel.ts";
 import { FaultLog } from "./fault_log.ts";
-import { Holdings } from "./holdings.ts";
+import { BoundComponents } from "./bound_components.ts";
 import { componentsOf, engineTree, enginesOf, statusQuery, withAway } from "./profile_tree.ts";
 import type { ComponentNode, EngineNode } from "./profile_tree.ts";
 import { StatusWatch } from "./status_watch.ts";
@@ -18,7 +18,7 @@ export class Inspector {
   readonly #root: HTMLElement;
   readonly #tree: TreeView;
   readonly #place = make("div", { class: "place" });
-  readonly #holdings = new Holdings();
+  readonly #bound = new BoundComponents();
   /** What the present session's profile had when it was read last. */
   #listed: ReadonlySet<string> = new Set();
   readonly #faults: FaultLog;
@@ -43,7 +43,7 @@ export class Inspector {
     this.#root = root;
     this.#tree = new TreeView({
       marksOf: (id) => this.#marksOf(id),
-      seen: (components) => {
+      onVisible: (components) => {
         this.#seen = components;
         this.#watchStatus();
       },
@@ -51,7 +51,7 @@ export class Inspector {
     this.#watch = new StatusWatch(client, (ref, status) => this.#statusIs(ref, status));
     this.#faults = new FaultLog(client, () => this.#faultsChanged());
     client.on("traffic", (traffic) => {
-      if (this.#holdings.observe(traffic)) this.#holdingsChanged();
+      if (this.#bound.observe(traffic)) this.#boundChanged();
     });
     root.append(this.#tree.element, this.#place);
     this.#render();
@@ -68,11 +68,11 @@ export class Inspector {
       this.#components = now;
     }
     // What was bound again before the profile lists it is held: only what this session had listed can leave it.
-    this.#holdings.lose((ref) => !connected || (this.#listed.has(ref) && !this.#components.has(ref)));
+    this.#bound.lose((ref) => !connected || (this.#listed.has(ref) && !this.#components.has(ref)));
     this.#listed = new Set(connected && profile !== null ? this.#components.keys() : []);
     for (const ref of this.#status.keys())
       if (!connected || !this.#components.has(ref)) this.#status.delete(ref);
-    this.#holdingsChanged();
+    this.#boundChanged();
     this.#render();
   }
 
@@ -104,7 +104,7 @@ export class Inspector {
     const panel = this.#panels.get(id);
     return {
       status: this.#status.get(id) ?? null,
-      held: this.#holdings.has(id),
+      held: this.#bound.has(id),
       listening: panel?.listening ?? false,
       faults: this.#faults.about(id).length,
       away: this.#absence(id) === "away",
@@ -124,7 +124,7 @@ export class Inspector {
   #render(): void {
     this.#root.classList.toggle("chosen", this.#selected !== "");
     if (this.#engines === null) {
-      const words = this.#connected ? "Reading the profile of the engine" : "Waiting for the gateway";
+      const words = this.#connected ? "Reading what there is" : "Waiting for the gateway";
       return this.#place.replaceChildren(make("p", { class: "empty-state", role: "status" }, words));
     }
     const away = this.#left.get(this.#selected) ?? null;
@@ -146,14 +146,14 @@ export class Inspector {
     const panel = this.#panels.get(ref) ?? this.#newPanel(ref);
     panel.update(profile, this.#absence(ref));
     panel.setStatus(this.#status.get(ref) ?? null);
-    panel.setHeld(this.#holdings.has(ref));
+    panel.setHeld(this.#bound.has(ref));
     panel.setFaults(this.#faults.about(ref));
     this.#put(panel.element);
   }
 
   #newPanel(ref: string): ComponentPanel {
     const panel = new ComponentPanel(
-      { client: this.#client, worked: () => this.#watch.poke(ref), heard: () => this.#tree.mark(ref) },
+      { client: this.#client, onWork: () => this.#watch.poke(ref), onEvent: () => this.#tree.mark(ref) },
       ref,
     );
     this.#panels.set(ref, panel);
@@ -177,7 +177,7 @@ export class Inspector {
   }
 
   #showUnknown(id: string): void {
-    const words = `There is no component ${id} here. If its engine connects, it is shown.`;
+    const words = `There is no component ${id} here. Choose one in the list; as soon as this one connects, it is shown.`;
     this.#put(make("p", { class: "empty-state", role: "status" }, words));
   }
 
@@ -201,8 +201,8 @@ export class Inspector {
     if (ref === this.#selected) this.#panels.get(ref)?.setStatus(status);
   }
 
-  #holdingsChanged(): void {
-    for (const [ref, panel] of this.#panels) panel.setHeld(this.#holdings.has(ref));
+  #boundChanged(): void {
+    for (const [ref, panel] of this.#panels) panel.setHeld(this.#bound.has(ref));
     for (const ref of this.#components.keys()) this.#tree.mark(ref);
   }
 

@@ -25,7 +25,7 @@ export function messageHead(
   );
 }
 
-/** The message as it would be sent now: a button that shows it, and the place where it is shown. */
+/** Preview of the message that would be sent: a button that shows it, and its element. */
 export class RequestPreview {
   readonly toggle: HTMLButtonElement;
   readonly element = make("div", { class: "request", hidden: "" });
@@ -43,7 +43,7 @@ export class RequestPreview {
     this.toggle.setAttribute("aria-expanded", "false");
   }
 
-  /** What would be sent has changed. */
+  /** Shows the message anew. */
   render(): void {
     if (this.element.hidden) return;
     const message = { jsonrpc: "2.0", id: 1, method: this.#method, params: this.#params() as JsonObject };

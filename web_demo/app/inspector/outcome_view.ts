@@ -1,14 +1,16 @@
-/** What became of a call: at work, done with results, or refused with a sentence. */
+/** Outcome of a call: running, done with results, or refused with a sentence. */
 
 import type { Result } from "../../sdk/index.ts";
 import { make } from "../dom/elements.ts";
+import { codeWords } from "../model/code_words.ts";
+import { sentence } from "../model/plain_words.ts";
 import { copyButton } from "./controls.ts";
 import { resultsTable } from "./results_view.ts";
 import type { Refusal } from "./sentences.ts";
 
 export type OutcomeState = "running" | "done" | "ended" | "refused";
 
-/** A box that says one outcome at a time, to the ear as well. */
+/** Box with one outcome at a time, announced to screen readers. */
 export class OutcomeView {
   readonly element = make("div", { class: "outcome", role: "status", hidden: "" });
 
@@ -47,5 +49,13 @@ export class OutcomeView {
 
 function codeLine(code: string, words: string, ...remedies: Node[]): HTMLElement {
   const attributes = { class: "outcome-line" };
-  return make("p", attributes, make("span", { class: "code" }, code), make("span", {}, words), ...remedies);
+  return make("p", attributes, codeChip(code), make("span", {}, words), ...remedies);
+}
+
+/** Makes the label of a code; its tooltip has the code itself, for programmers. */
+export function codeChip(code: string): HTMLElement {
+  const words = sentence(codeWords(code));
+  const title: Record<string, string> =
+    words.toUpperCase() === code.toUpperCase() ? {} : { title: `Code ${code}` };
+  return make("span", { class: "code", ...title }, words);
 }

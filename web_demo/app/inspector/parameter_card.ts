@@ -111,7 +111,7 @@ export class ParameterCard implements Card {
     this.#outcome.running("Setting");
     try {
       const id = await this.#bench.client.setParameter(this.#bench.ref, sent);
-      this.#bench.worked();
+      this.#bench.onWork();
       const { status, reason } = await this.#bench.client.completed(id);
       const took = tookWords(performance.now() - startedAt);
       if (status !== "OK")

@@ -132,7 +132,7 @@ function componentRow(component: ComponentNode, level: number, words: readonly s
   return [{ id, label, level, expanded: null, count: 0, component, found: inside }];
 }
 
-/** Returns the query that tells how a component is: the one with the fewest results of which one is a status. */
+/** Returns the query for a component's status: of those with a status among their results, the one with the fewest. */
 export function statusQuery({ query_profiles = [] }: HRIComponentProfile): string | null {
   const telling = query_profiles.filter(({ results = [] }) =>
     results.some(({ data_type_ref: { code } }) => code.toLowerCase() === STATUS_TYPE),

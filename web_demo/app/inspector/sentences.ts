@@ -1,7 +1,8 @@
 /** What an answer means, in words for users who try a component out. Pure. */
 
-import { ConnectionLost, RequestTimeout, RoISError, RpcError } from "../../sdk/index.ts";
+import { ConnectionLost, InvalidMessage, RequestTimeout, RoISError, RpcError } from "../../sdk/index.ts";
 import type { CompletedStatus, ComponentStatus, Json, ReturnCode } from "../../sdk/index.ts";
+import { plainReason } from "../model/plain_words.ts";
 
 /** What was tried; some return codes mean something else for each. */
 export type Attempt =
@@ -61,27 +62,37 @@ export function refusal(attempt: Attempt, error: unknown): Refusal {
   }
   if (error instanceof RpcError) return { code: String(error.code), sentence: protocolFault(error) };
   if (error instanceof ConnectionLost) {
-    return { code: "connection lost", sentence: "The connection ended before the answer came." };
+    return {
+      code: "connection lost",
+      sentence: "The connection ended before the answer came. The page connects again by itself.",
+    };
   }
   if (error instanceof RequestTimeout) {
-    return { code: "no answer", sentence: "The gateway did not answer in time." };
+    return { code: "no answer", sentence: "The gateway did not answer in time. Try again." };
+  }
+  if (error instanceof InvalidMessage) {
+    return {
+      code: "error",
+      sentence: "The gateway's answer cannot be read. Run an OpenRoIS gateway of this version.",
+    };
   }
   return { code: "error", sentence: error instanceof Error ? error.message : String(error) };
 }
 
 /** Returns what an answer means in general, and then why it came in this case, where a reason was given. */
 function explained(general: string, reason: string): string {
-  return reason ? `${general.split(/[.:]/, 1)[0] ?? ""}: ${reason}` : general;
+  const why = plainReason(reason);
+  return why ? `${general.split(/[.:]/, 1)[0] ?? ""}: ${why}` : general;
 }
 
 function protocolFault(error: RpcError): string {
   switch (error.code) {
     case METHOD_NOT_FOUND:
-      return `This gateway does not serve ${error.method}.`;
+      return `This gateway does not serve ${error.method}. Run an OpenRoIS gateway of this version.`;
     case INVALID_PARAMS:
       return `The gateway does not understand the message: ${misfits(error.data) || "invalid params"}.`;
     default:
-      return `The engine failed: ${error.message}.`;
+      return "The gateway failed while it did this; its log says why.";
   }
 }
 
@@ -105,7 +116,8 @@ const COMPLETED: Readonly<Record<CompletedStatus, string>> = {
 /** Returns how a command ended, in words, and why where a reason was given. */
 export function completedWords(status: CompletedStatus, reason = ""): string {
   const words = COMPLETED[status] ?? `Ended with ${String(status)}`;
-  return reason ? `${words.replace(/ \(.*/, "")}: ${reason}` : words;
+  const why = plainReason(reason);
+  return why ? `${words.replace(/ \(.*/, "")}: ${why}` : words;
 }
 
 const STATUS: Readonly<Record<ComponentStatus, string>> = {
@@ -118,7 +130,7 @@ const STATUS: Readonly<Record<ComponentStatus, string>> = {
 
 /** Returns what a component's status means; null is one that is not known. */
 export function statusWords(status: ComponentStatus | null): string {
-  return status === null ? "Its status is not known" : (STATUS[status] ?? status);
+  return status === null ? "Its status is not known yet" : (STATUS[status] ?? status);
 }
 
 /** Returns a time span as one would say it. */

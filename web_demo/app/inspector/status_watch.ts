@@ -1,13 +1,13 @@
-/** How the components are that are in sight, asked again and again. */
+/** Polls the status of the components in view. */
 
 import { onlyComponent } from "../../sdk/index.ts";
 import type { Client, ComponentStatus } from "../../sdk/index.ts";
 
-/** Milliseconds between two rounds of questions. */
+/** Milliseconds between two rounds of queries. */
 const ROUND = 2000;
-/** Those that are not looked at closely are asked in every so manieth round. */
+/** Rounds between two queries of components that are not selected. */
 const EVERY = 3;
-/** How many questions are unanswered at a time: questions must not be in the way of commands. */
+/** Most unanswered queries at a time: queries must not delay commands. */
 const AT_ONCE = 4;
 
 const STATUS_TYPE = "component_status";
@@ -18,7 +18,7 @@ export class StatusWatch {
   /** The components that are asked, each with its query. */
   #watched: ReadonlyMap<string, string> = new Map();
   #close = "";
-  /** Those that are being asked, and whether they are to be asked again since something has happened meanwhile. */
+  /** Components with a running query, and whether to repeat it because of a change meanwhile. */
   readonly #asking = new Map<string, boolean>();
   #timer: ReturnType<typeof setTimeout> | undefined;
   /** Goes up when a round is the last one. */
@@ -31,9 +31,9 @@ export class StatusWatch {
   }
 
   /**
-   * Asks these from now on, and those that are new among them at once.
+   * Polls these components from now on, and new ones at once.
    *
-   * @param close the component that is looked at closely; it need not be among them
+   * @param close the selected component, polled in every round; it need not be among them
    */
   watch(watched: ReadonlyMap<string, string>, close: string): void {
     this.#close = close;
@@ -44,7 +44,7 @@ export class StatusWatch {
     else this.#timer ??= setTimeout(() => void this.#next(), ROUND);
   }
 
-  /** Asks one of them now, and once more if it is being asked already. */
+  /** Queries one component now, or again after its running query. */
   poke(ref: string): void {
     if (this.#asking.has(ref)) this.#asking.set(ref, true);
     else if (this.#watched.has(ref)) void this.#ask(ref);

@@ -2,6 +2,7 @@
 
 import type { ComponentStatus } from "../../sdk/index.ts";
 import { make, setText } from "../dom/elements.ts";
+import { codeWords } from "../model/code_words.ts";
 import { arrange } from "./controls.ts";
 import { drawing } from "./icons.ts";
 import { componentsOf, statusQuery, visibleRows } from "./profile_tree.ts";
@@ -15,7 +16,7 @@ const OPEN_AT_FIRST = 60;
 /** Pixels between what was brought into view and the edge. */
 const REVEAL_MARGIN = 40;
 
-/** What is known of a component beside its profile. */
+/** State of a component beside its profile. */
 export interface Marks {
   readonly status: ComponentStatus | null;
   readonly held: boolean;
@@ -26,8 +27,8 @@ export interface Marks {
 
 export interface TreeOwner {
   marksOf(id: string): Marks;
-  /** The components in sight, each with the query that tells its status. */
-  seen(components: ReadonlyMap<string, string>): void;
+  /** Is called with the components in view, each with its status query. */
+  onVisible(components: ReadonlyMap<string, string>): void;
 }
 
 export class TreeView {
@@ -183,7 +184,7 @@ export class TreeView {
       const query = component ? statusQuery(component.profile) : null;
       if (query !== null) seen.set(ref, query);
     }
-    this.#owner.seen(seen);
+    this.#owner.onVisible(seen);
   }
 
   #toggle(id: string, expanded: boolean): void {
@@ -274,7 +275,11 @@ function componentParts(row: Row, { profile }: ComponentNode, marks: Marks): Nod
   if (faults > 0) parts.push(faultMark(faults));
   if (listening) parts.push(make("span", { class: "row-mark" }, drawing("event"), hidden("listening")));
   if (held) parts.push(make("span", { class: "row-mark row-held" }, "bound"));
-  const unusual = away ? "away" : status !== null && status !== "READY" ? status : (profile.function ?? "");
+  const unusual = away
+    ? "away"
+    : status !== null && status !== "READY"
+      ? codeWords(status)
+      : (profile.function ?? "");
   parts.push(make("span", { class: "row-note" }, unusual));
   return parts;
 }

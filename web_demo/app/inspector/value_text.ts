@@ -109,7 +109,7 @@ export function listText(code: string, items: readonly string[]): string {
   return `[${written.join(",")}]`;
 }
 
-/** Tells whether two texts of a type are one value: a list may be written with or without spaces. */
+/** Whether two texts of a type are one value: lists may be written with or without spaces. */
 export function sameValue(code: string, one: string, other: string): boolean {
   if (one === other || !code.endsWith("[]")) return one === other;
   const [first, second] = [parsed(one), parsed(other)];

@@ -1,8 +1,7 @@
 /** The floor as a drawing, seen from above, with the viewer below. */
 
 import { drawn, extentOf, gridLines, turned } from "./geometry.ts";
-import type { Extent, Place, Point } from "./geometry.ts";
-import type { Thing } from "./scene.ts";
+import type { Extent, Place, Point, Thing } from "./geometry.ts";
 import type { Target } from "./walk.ts";
 
 const SVG = "http://www.w3.org/2000/svg";

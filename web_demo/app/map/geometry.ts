@@ -1,7 +1,9 @@
 /**
- * Places on the floor, and where they are drawn. In the scene x is to the right and y away from the viewer, in metres;
- * in the drawing y is downwards. Pure.
+ * Places and things on the floor, and where they are drawn. In the scene x is to the right and y away from the viewer,
+ * in metres; in the drawing y is downwards. Pure.
  */
+
+import type { Things } from "../model/own_components.ts";
 
 export type Point = readonly [x: number, y: number];
 
@@ -116,4 +118,34 @@ export function isAway({ x, y, th }: Place): boolean {
 /** Degrees by which something that points to the right is turned to face `th`. */
 export function turned(th: number): number {
   return (-th * 180) / Math.PI;
+}
+
+export interface Thing {
+  readonly ref: string;
+  readonly kind: "person" | "sound" | "object";
+  readonly name: string;
+  readonly place: Place;
+}
+
+/** What cannot be read is left out; a thing without a name is called by the last part of its ref. */
+export function readThings({ thing_ref: refs, kind, name, position_data: places }: Things): Thing[] {
+  return refs.flatMap((ref, index) => {
+    const place = readPlace(places[index] ?? "");
+    if (place === null) return [];
+    const described = kind[index];
+    return {
+      ref,
+      kind: described === "person" || described === "sound" ? described : "object",
+      name: name[index] || (ref.split("/").at(-1) ?? ref),
+      place,
+    };
+  });
+}
+
+/** Returns what is still ahead once a target was reached: what stands before it was passed. */
+export function ahead<T extends { readonly text: string }>(
+  targets: readonly T[],
+  reached: string,
+): readonly T[] {
+  return targets.slice(targets.findIndex(({ text }) => text === reached) + 1);
 }

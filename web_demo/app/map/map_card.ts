@@ -17,20 +17,19 @@ import {
   positionText,
   readCorners,
   readPlace,
+  readThings,
 } from "./geometry.ts";
-import type { Place, Point } from "./geometry.ts";
-import { readThings } from "./scene.ts";
-import type { Thing } from "./scene.ts";
+import type { Place, Point, Thing } from "./geometry.ts";
 import { ViewpointChoice } from "./viewpoint_choice.ts";
 import { Walk } from "./walk.ts";
 
 /** The least milliseconds between two questions for the things. */
 const PACE = 400;
-/** Metres from a thing within which it is meant. */
+/** Metres from a thing within which a click means it. */
 const REACH = 0.35;
-const HINT = "Click where it shall go. Shift adds a place.";
-const NO_WALK = "This figure does not walk.";
-const NO_FLOOR = "This engine tells no floor: ways are straight.";
+const HINT = "Click where it should go. With Shift it goes there afterwards.";
+const NO_WALK = "This avatar does not walk.";
+const NO_FLOOR = "The floor is not known: it walks straight to where you click.";
 const NOWHERE: Ground = { outline: [], obstacles: [] };
 
 export class MapCard {
@@ -98,7 +97,7 @@ export class MapCard {
     this.#open.addEventListener("click", () => {
       this.#body.hidden = !this.#body.hidden;
       this.#open.setAttribute("aria-expanded", String(!this.#body.hidden));
-      this.#look();
+      this.#update();
     });
     this.#stop.addEventListener("click", () => this.#walk.stop());
     this.#back.addEventListener("click", () => {
@@ -119,7 +118,7 @@ export class MapCard {
       this.#unfollow();
       this.#surroundings = ref === null ? null : new Surroundings(this.#client, ref);
     }
-    this.#look();
+    this.#update();
   }
 
   /** Why the viewpoint cannot be chosen now; empty where it can. */
@@ -135,15 +134,15 @@ export class MapCard {
     this.#render();
   }
 
-  /** Whether it can be seen: what is not seen is not asked for. */
+  /** Whether the card can be seen; hidden, it asks for nothing. */
   set shown(shown: boolean) {
     if (shown === this.#shown) return;
     this.#shown = shown;
-    this.#look();
+    this.#update();
   }
 
   /** Begins to follow what happens on the floor as soon as there is a scene, or ends that. */
-  #look(): void {
+  #update(): void {
     const surroundings = this.#shown && !this.#body.hidden ? this.#surroundings : null;
     this.#scene.watch(surroundings?.componentRef ?? null);
     this.#watch.watch(surroundings && (this.#avatar?.navigation ?? null));
@@ -163,7 +162,7 @@ export class MapCard {
     this.#following = following;
     Promise.all(following).catch(() => {
       // The scene is gone again: the next answer begins anew.
-      if (this.#following === following) this.#look();
+      if (this.#following === following) this.#update();
     });
   }
 
@@ -193,7 +192,7 @@ export class MapCard {
     this.#drawGround();
   }
 
-  /** Things tell of each step that they make: they are asked for less often. */
+  /** Asks for the things later: each of their steps causes an event. */
   #askSoon(surroundings: Surroundings): void {
     this.#asked ??= setTimeout(() => {
       this.#asked = undefined;
@@ -202,9 +201,9 @@ export class MapCard {
   }
 
   async #askThings(surroundings: Surroundings): Promise<void> {
-    const told = await surroundings.things().catch(() => null);
-    if (told === null || surroundings !== this.#surroundings) return;
-    this.#things = readThings(told);
+    const things = await surroundings.things().catch(() => null);
+    if (things === null || surroundings !== this.#surroundings) return;
+    this.#things = readThings(things);
     this.#view.showThings(this.#things);
     if (this.#ground.outline.length === 0) this.#drawGround();
   }
@@ -256,7 +255,7 @@ export class MapCard {
     this.#view.showCursor(at);
   }
 
-  /** A place is gone to; of a person it is asked first what is meant. */
+  /** Sends the avatar to a place; for a person the visitor chooses between going and following. */
   #choose(point: Point, further: boolean): void {
     this.#choice.replaceChildren();
     if (this.#walks !== true || this.#barred !== "") return;
@@ -283,7 +282,7 @@ export class MapCard {
     options[0]?.focus({ preventScroll: true });
   }
 
-  /** One that is on its way is stopped, not called back. */
+  /** Shows the button while the avatar is away and stands still. */
   #renderBack(): void {
     const away = this.#figure !== null && isAway(this.#figure);
     this.#back.hidden = !away || this.#walks !== true || !this.#stop.hidden;

@@ -72,7 +72,7 @@ export class ViewpointChoice {
       this.element.hidden = true;
       throw error;
     }
-    // The choice is there all the same; what others choose is heard as soon as that can be.
+    // The choice is there all the same; the subscription for the choices of others is tried again.
     if (heard) throw heard;
   }
 

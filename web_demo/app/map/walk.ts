@@ -1,12 +1,11 @@
-/** Sending the avatar somewhere, or after a person; and what becomes of it, in words. */
+/** Walks of the avatar to a place or behind a person, and their outcome in words. */
 
 import { CommandFailed, Follow, Navigation } from "../../sdk/index.ts";
 import type { Client, Subscription } from "../../sdk/index.ts";
 import { describeFailure } from "../model/outcome.ts";
 import { plainReason, sentence } from "../model/plain_words.ts";
-import type { Place } from "./geometry.ts";
-import { ahead } from "./scene.ts";
-import type { Thing } from "./scene.ts";
+import { ahead } from "./geometry.ts";
+import type { Place, Thing } from "./geometry.ts";
 
 export interface Target {
   /** As RoIS has it: `x,y`, or the ref of a thing. */
@@ -21,7 +20,7 @@ export type WalkState = "idle" | "walking" | "done" | "stopped" | "failed" | "re
 const BUSY = "another visitor is moving the avatar; try again in a moment";
 /** Milliseconds for which it is said what became of a walk. */
 const READABLE = 10_000;
-/** Millimetres from whom it follows. */
+/** Millimetres between the avatar and the person that it follows. */
 const DISTANCE = 1000;
 
 export class Walk {
@@ -146,7 +145,7 @@ export class Walk {
   }
 }
 
-/** Nothing was begun: it was stopped before. */
+/** Stopped before the walk began. */
 class Stopped extends Error {}
 
 function failure(error: unknown): readonly [WalkState, string] {

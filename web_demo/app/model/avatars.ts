@@ -25,7 +25,7 @@ export interface Avatar {
   readonly hearing: string | null;
 }
 
-/** The components that move an avatar's body, the one that stands for all first. */
+/** The components that move an avatar's body, the one that represents all of them first. */
 export function bodyOf({ teleoperation, navigation, move, follow, reaction, speech }: Avatar): string[] {
   const moving = [teleoperation, navigation, move, follow, reaction].filter((ref) => ref !== null);
   // Of an avatar that only speaks, control is control of that.

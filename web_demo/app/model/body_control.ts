@@ -1,14 +1,14 @@
-/** Control of all that moves the body, together or not at all: taking it, asking for it, handing it over. */
+/** Control of all components that move the body, all or none: taking, requesting, and handing it over. */
 
 import { RoISError } from "../../sdk/index.ts";
 import type { Client, LeaseRequestedNotification, LeaseStatus } from "../../sdk/index.ts";
-import { named } from "./names.ts";
+import { named } from "./plain_words.ts";
 
-/** Ends what was begun; a second time it does nothing. */
+/** Gives back what was taken; a second call does nothing. */
 export type GiveBack = () => void;
 
-/** Who has control of the body, as this page sees it. */
-export type Standing =
+/** Control of the body, as this page sees it. */
+export type ControlState =
   | { readonly kind: "free" | "mine" }
   | { readonly kind: "other"; readonly holder: string; readonly absent: boolean }
   | {
@@ -29,28 +29,28 @@ export class BodyTaken extends Error {
   }
 }
 
-/** One component that is held until the promise of `release` has come true. */
+/** One component, held until the promise of `release` has resolved. */
 interface Part {
   readonly componentRef: string;
   release(): Promise<void>;
 }
 
-/** All parts that are held, and how many works need them. */
+/** The held parts, and how many works need them. */
 interface Holding {
   uses: number;
   readonly parts: Part[];
 }
 
 /** A request of another application that waits for an answer. */
-interface Asking {
-  readonly told: LeaseRequestedNotification;
+interface PendingRequest {
+  readonly lease: LeaseRequestedNotification;
   readonly ending: ReturnType<typeof setTimeout>;
 }
 
 export class BodyControl {
   readonly #client: Client;
   readonly #onChange: () => void;
-  /** Is told, in a sentence, that what was held is held no more, although no work has given it back. */
+  /** Is called with a reason, a sentence, when control was lost without being given back. */
   onLost: (why: string) => void = () => undefined;
   #refs: readonly string[] = [];
   #present = false;
@@ -63,35 +63,36 @@ export class BodyControl {
   /** The component that this page waits for; empty for none. */
   #waitsFor = "";
   /** Requests of other applications by their ids, the first one first. */
-  readonly #asking = new Map<string, Asking>();
+  readonly #requests = new Map<string, PendingRequest>();
 
-  /** @param onChange is called when `standing`, `asked` or what `isTaken` says may have changed */
+  /** @param onChange is called when `state`, `nextRequest` or what `holderOf` says may have changed */
   constructor(client: Client, onChange: () => void) {
     this.#client = client;
     this.#onChange = onChange;
     const { control } = client;
-    control.on("openrois.lease.changed", (told) => {
-      const { component_ref: ref = "" } = told;
+    control.on("openrois.lease.changed", (lease) => {
+      const { component_ref: ref = "" } = lease;
       if (!this.#refs.includes(ref)) return;
-      const { reason: _, ...status } = told;
+      const { reason: _, ...status } = lease;
       this.#leases.set(ref, status);
       if (status.state === "HELD" || status.state === "ABSENT")
-        this.#lose(ref, `${named(status.holder ?? "")} has control now.`);
+        this.#controlLost(ref, `${named(status.holder ?? "")} has control now.`);
       this.#onChange();
     });
-    control.on("openrois.lease.requested", (told) => this.#ask(told));
-    control.on("openrois.lease.withdrawn", ({ request_id }) => this.#forget(request_id));
+    control.on("openrois.lease.requested", (lease) => this.#addRequest(lease));
+    control.on("openrois.lease.withdrawn", ({ request_id }) => this.#dropRequest(request_id));
     control.on("openrois.lease.declined", ({ component_ref }) => {
       if (component_ref !== this.#waitsFor) return;
       this.#declined = true;
-      void this.#look();
+      void this.#readLeases();
     });
     client.on("lost", (claim) => {
-      if (claim.kind === "binding") this.#lose(claim.componentRef, "Control was lost with the connection.");
+      if (claim.kind === "binding")
+        this.#controlLost(claim.componentRef, "Control was lost with the connection.");
     });
   }
 
-  /** @param refs the components that move the body, the one that stands for all first; null while they are away */
+  /** @param refs the components that move the body, the one that represents all of them first; null while they are away */
   setComponents(refs: readonly string[] | null): void {
     this.#present = refs !== null;
     if (refs !== null && refs.join() !== this.#refs.join()) {
@@ -99,13 +100,13 @@ export class BodyControl {
       this.#refs = refs;
       this.#leases.clear();
     }
-    void this.#look(this.#refs);
+    void this.#readLeases(this.#refs);
   }
 
-  get standing(): Standing {
+  get state(): ControlState {
     if (!this.#present) return { kind: "free" };
-    const seat = this.#leases.get(this.#waitsFor || (this.#refs[0] ?? ""));
-    const { state = "FREE", holder = "", position = 0 } = seat ?? {};
+    const lease = this.#leases.get(this.#waitsFor || (this.#refs[0] ?? ""));
+    const { state = "FREE", holder = "", position = 0 } = lease ?? {};
     if (state === "MINE" || this.#holding) return { kind: "mine" };
     if (position > 0) return { kind: "waiting", holder, position, declined: this.#declined };
     if (state === "FREE") return { kind: "free" };
@@ -113,17 +114,17 @@ export class BodyControl {
   }
 
   /** Names the application that has control of all, or of this component; empty where that is none, or this page. */
-  takenBy(componentRef: string | null): string {
-    const { standing } = this;
-    if (standing.kind === "other" || standing.kind === "waiting") return named(standing.holder);
+  holderOf(componentRef: string | null): string {
+    const control = this.state;
+    if (control.kind === "other" || control.kind === "waiting") return named(control.holder);
     const { state, holder = "" } = this.#leases.get(componentRef ?? "") ?? {};
     return this.#present && (state === "HELD" || state === "ABSENT") ? named(holder) : "";
   }
 
   /** The request that is to be answered next, and how many wait behind it; null without one. */
-  get asked(): { readonly subject: string; readonly more: number } | null {
-    const [first] = this.#asking.values();
-    return first ? { subject: named(first.told.subject), more: this.#asking.size - 1 } : null;
+  get nextRequest(): { readonly subject: string; readonly more: number } | null {
+    const [first] = this.#requests.values();
+    return first ? { subject: named(first.lease.subject), more: this.#requests.size - 1 } : null;
   }
 
   /**
@@ -131,9 +132,9 @@ export class BodyControl {
    *
    * @throws BodyTaken | what binding throws
    */
-  async take(): Promise<GiveBack> {
+  async takeControl(): Promise<GiveBack> {
     if (!this.#holding) {
-      this.#taking ??= this.#takeAll().finally(() => (this.#taking = null));
+      this.#taking ??= this.#bindAll().finally(() => (this.#taking = null));
       this.#holding = await this.#taking;
     }
     const holding = this.#holding;
@@ -153,26 +154,26 @@ export class BodyControl {
    *
    * @throws RoISError (OUT_OF_RESOURCES: this page has left the line) | what `take` throws
    */
-  async request(): Promise<GiveBack> {
+  async requestControl(): Promise<GiveBack> {
     const asked: string[] = [];
     this.#declined = false;
     try {
       for (;;) {
         try {
-          return await this.take();
+          return await this.takeControl();
         } catch (error) {
           if (!(error instanceof BodyTaken) || asked.length > this.#refs.length) throw error;
           asked.push(error.componentRef);
           this.#waitsFor = error.componentRef;
           const granted = this.#client.control.request(error.componentRef, { wait: true });
-          void this.#look();
+          void this.#readLeases();
           await granted;
         }
       }
     } finally {
       this.#waitsFor = "";
       for (const ref of asked) void this.#client.release(ref).catch(() => undefined);
-      void this.#look();
+      void this.#readLeases();
     }
   }
 
@@ -181,47 +182,47 @@ export class BodyControl {
     this.#declined = false;
     if (this.#waitsFor === "") return;
     this.#client.control.request(this.#waitsFor, { wait: true }).catch(() => undefined);
-    await this.#look();
+    await this.#readLeases();
   }
 
   /** Leaves the line: `request` fails. */
-  async leave(): Promise<void> {
+  async leaveLine(): Promise<void> {
     if (this.#waitsFor !== "") await this.#client.control.leave(this.#waitsFor);
-    await this.#look();
+    await this.#readLeases();
   }
 
-  /** Answers the request that is to be answered next. A part is not handed over alone: all is given up for it. */
-  async answer(grant: boolean): Promise<void> {
-    const [[id, asking] = []] = this.#asking;
-    if (id === undefined || !asking) return;
-    this.#forget(id);
+  /** Answers the next request. All parts are given up for it: a part is not handed over alone. */
+  async answerRequest(grant: boolean): Promise<void> {
+    const [[id, request] = []] = this.#requests;
+    if (id === undefined || !request) return;
+    this.#dropRequest(id);
     if (!grant) return this.#client.control.decline(id);
     const holding = this.#holding;
     this.#holding = null;
     const parts = [...(holding?.parts ?? [])].reverse();
-    const isAsked = ({ componentRef }: Part): boolean => componentRef === asking.told.component_ref;
+    const isAsked = ({ componentRef }: Part): boolean => componentRef === request.lease.component_ref;
     for (const part of parts) if (!isAsked(part)) await part.release();
     const why = await this.#client.control.grant(id).then(
-      () => `You have handed over control to ${named(asking.told.subject)}.`,
+      () => `You have handed over control to ${named(request.lease.subject)}.`,
       () => "The request had ended already. Control was given back.",
     );
     for (const part of parts) if (isAsked(part)) void part.release();
     if (holding) this.onLost(why);
-    await this.#look();
+    await this.#readLeases();
   }
 
-  async #takeAll(): Promise<Holding> {
+  async #bindAll(): Promise<Holding> {
     const refs = this.#refs;
     const parts: Part[] = [];
     for (const componentRef of refs) {
       try {
         parts.push(await this.#hold(componentRef));
-        // A gateway tells an application nothing of what it has bound itself.
+        // A gateway sends an application no notifications of its own bindings.
         this.#leases.delete(componentRef);
         this.#requireUnchanged(refs, parts);
       } catch (error) {
         for (const part of parts.reverse()) await part.release();
-        await this.#look();
+        await this.#readLeases();
         if (error instanceof BodyTaken) throw error;
         const isBusy = error instanceof RoISError && error.returnCode === "OUT_OF_RESOURCES";
         throw isBusy ? new BodyTaken(componentRef, this.#leases.get(componentRef)?.holder ?? "") : error;
@@ -230,7 +231,7 @@ export class BodyControl {
     return { uses: 0, parts };
   }
 
-  /** Of what is bound one after the other, a part may be another's by now, and the avatar another one. */
+  /** Checks that no part was lost, and the avatar not changed, while further parts were bound. */
   #requireUnchanged(refs: readonly string[], parts: readonly Part[]): void {
     if (refs !== this.#refs) throw new Error("Another avatar was chosen.");
     for (const { componentRef } of parts) {
@@ -256,28 +257,28 @@ export class BodyControl {
     });
   }
 
-  /** The parts are given back from the last to the first, which stands for all. */
+  /** Releases the parts from the last to the first, which represents all of them. */
   #giveBackAll(): void {
     const holding = this.#holding;
     this.#holding = null;
     if (!holding) return;
     const release = async (): Promise<void> => {
       for (const part of [...holding.parts].reverse()) await part.release();
-      await this.#look();
+      await this.#readLeases();
     };
     void release();
   }
 
-  /** Another application has a part: the others are of no use without it. */
-  #lose(componentRef: string, why: string): void {
+  /** Gives up all parts when another application has one: they are of no use without it. */
+  #controlLost(componentRef: string, why: string): void {
     if (!this.#holding?.parts.some((part) => part.componentRef === componentRef)) return;
     this.#giveBackAll();
-    for (const id of [...this.#asking.keys()]) this.#forget(id);
+    for (const id of [...this.#requests.keys()]) this.#dropRequest(id);
     this.onLost(why);
   }
 
-  /** Reads how things stand; from then on changes by others are told. Gateways without leases say nothing. */
-  async #look(
+  /** Reads leases; from then on their changes are notified. Gateways without leases have none. */
+  async #readLeases(
     refs: readonly string[] = [this.#waitsFor || (this.#refs[0] ?? "")].filter((ref) => ref !== ""),
   ): Promise<void> {
     const all = this.#refs;
@@ -294,16 +295,16 @@ export class BodyControl {
     this.#onChange();
   }
 
-  #ask(told: LeaseRequestedNotification): void {
-    if (!this.#refs.includes(told.component_ref)) return;
-    const { request_id: id, answer_ms: milliseconds } = told;
-    clearTimeout(this.#asking.get(id)?.ending);
-    this.#asking.set(id, { told, ending: setTimeout(() => this.#forget(id), milliseconds) });
+  #addRequest(lease: LeaseRequestedNotification): void {
+    if (!this.#refs.includes(lease.component_ref)) return;
+    const { request_id: id, answer_ms: milliseconds } = lease;
+    clearTimeout(this.#requests.get(id)?.ending);
+    this.#requests.set(id, { lease, ending: setTimeout(() => this.#dropRequest(id), milliseconds) });
     this.#onChange();
   }
 
-  #forget(requestId: string): void {
-    clearTimeout(this.#asking.get(requestId)?.ending);
-    if (this.#asking.delete(requestId)) this.#onChange();
+  #dropRequest(requestId: string): void {
+    clearTimeout(this.#requests.get(requestId)?.ending);
+    if (this.#requests.delete(requestId)) this.#onChange();
   }
 }

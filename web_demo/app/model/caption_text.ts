@@ -1,11 +1,11 @@
-/** What stands on the picture of what the avatar says: a line or two, with the word that is heard. Pure. */
+/** Captions: the one or two lines of the avatar's speech with the current word. Pure. */
 
 import { SpokenText } from "./spoken_text.ts";
 import type { Parts } from "./spoken_text.ts";
 
 /** Characters that are shown at once, at most; one word may be longer. */
 const LONGEST = 84;
-/** Words that are shown of a text whose beginning was missed. */
+/** Words shown of a speech whose beginning was missed. */
 const LAST_WORDS = 8;
 
 /** Follows one speech. */
@@ -20,8 +20,8 @@ export class Caption {
     this.#text = text === null ? null : new SpokenText(text, "", ssml);
   }
 
-  heard(word: string, position: number, length: number): void {
-    if (this.#text) return void this.#text.heard(this.id, position, length);
+  wordHeard(word: string, position: number, length: number): void {
+    if (this.#text) return void this.#text.wordHeard(this.id, position, length);
     this.#words.push(word);
     if (this.#words.length > LAST_WORDS) this.#words.shift();
   }

@@ -1,4 +1,4 @@
-/** Whether a component can be used, asked again until it can. */
+/** Polls whether a component can be used, until it can. */
 
 import { onlyComponent, resultValue, RoISError } from "../../sdk/index.ts";
 import type { Client, ComponentStatus } from "../../sdk/index.ts";
@@ -54,7 +54,7 @@ export class ComponentWatch {
   }
 }
 
-/** BUSY means that it works for an application; whether for this one, bind will tell. */
+/** Whether a component can be used. BUSY counts: `bind` finds out whether this page may use it. */
 export function isUsable(status: Availability): boolean {
   return status === "READY" || status === "BUSY" || status === "WARNING";
 }

@@ -21,11 +21,11 @@ export function deviceWords(
   used = "",
 ): DeviceWords {
   if (!on) {
-    if (asking) return { state: "asking", text: "Asking you" };
+    if (asking) return { state: "asking", text: "Asking for permission" };
     return failed ? { state: "trouble", text: "Not available" } : { state: "off", text: "Off" };
   }
   if (status === "STREAMING_RUNNING") return { state: "on", text: used === "" ? "Sent" : `Sent, ${used}` };
-  if (status === "STREAMING_SUSPENDED") return { state: "held", text: "Held by the avatar" };
+  if (status === "STREAMING_SUSPENDED") return { state: "held", text: "Paused by the avatar" };
   return { state: "waiting", text: "Connecting" };
 }
 
@@ -42,7 +42,7 @@ export function deviceTrouble(device: CaptureProblem | null, stream: Problem | n
     case "no-media":
       return "Nothing gets through to the avatar. Another way through the network is being looked for.";
     case "no-streaming":
-      return "This gateway cannot stream.";
+      return "This gateway cannot stream. Run an OpenRoIS gateway of this version.";
     case "unsupported":
     case "refused": {
       const why = plainReason(stream.detail);

@@ -1,19 +1,17 @@
-/** The messages that the page remembers, and how one is put into a line. Pure. */
+/** The messages that the page remembers. Pure. */
 
 import type { Json, Traffic } from "../../sdk/index.ts";
+import { member, summarize } from "./log_summary.ts";
 
 export const MAX_ENTRIES = 500;
 const EVENT = "rois.event.notify_event";
 const QUERY = "rois.query.query";
-/** How many lines back one is looked for that says the same. */
+/** Lines back in which a message of the same sort is looked for. */
 const LOOK_BACK = 12;
-/** Questions whose answers are awaited; of an older one the answer is a line of its own. */
+/** Most queries whose responses are matched; the response to an older one gets its own line. */
 const MAX_ASKED = 64;
 /** Characters of SDP that are shown; the message itself stays whole. */
 const SDP_SHOWN = 120;
-/** Ids are 96 or 128 random bits; their first digits tell them apart. */
-const LONG_ID = /[0-9a-f]{24,32}/g;
-const ID_SHOWN = 6;
 
 const SECRETS = new Set(["token", "credential"]);
 const TELLS_SECRETS = new Set([
@@ -31,9 +29,9 @@ export interface LogEntry {
   /** In small letters, for the filter. */
   readonly text: string;
   readonly failed: boolean;
-  /** How many of its kind came, this one the last: what is told or asked all the time is one line. */
+  /** Number of messages of this sort, this one the last: frequent events and queries share one line. */
   readonly repeats: number;
-  /** What those of its kind have in common; null for what is a line of its own each time. */
+  /** Identifies messages that share a line; null for a message with its own line. */
   readonly sort: string | null;
 }
 
@@ -72,7 +70,7 @@ export class LogModel {
     this.#entries.length = 0;
   }
 
-  /** Where the line is that says the same, with nothing but events and questions after it; -1 where there is none. */
+  /** Returns the index of the line of this sort with only events and queries after it; -1 where there is none. */
   #again(sort: string): number {
     const end = this.#entries.length - 1;
     for (let index = end; index >= Math.max(0, end - LOOK_BACK); index--) {
@@ -84,12 +82,12 @@ export class LogModel {
 
   #sort(traffic: Traffic): string | null {
     const { kind, method, message } = traffic;
-    const params = field(message, "params");
-    if (method === EVENT) return `event ${String(field(params, "subscribe_id"))}`;
+    const params = member(message, "params");
+    if (method === EVENT) return `event ${String(member(params, "subscribe_id"))}`;
     if (method !== QUERY) return null;
-    const id = field(message, "id") ?? null;
+    const id = member(message, "id") ?? null;
     if (kind === "request") {
-      const sort = `${String(field(params, "query_type"))} ${String(field(params, "condition"))}`;
+      const sort = `${String(member(params, "query_type"))} ${String(member(params, "condition"))}`;
       this.#asked.set(id, sort);
       for (const first of this.#asked.keys()) if (this.#asked.size > MAX_ASKED) this.#asked.delete(first);
       return `question ${sort}`;
@@ -123,49 +121,13 @@ function shortened(sdp: string): string {
 
 function isFailure({ kind, message }: Traffic): boolean {
   if (kind === "error" || kind === "violation") return true;
-  const code = field(field(message, "result"), "return_code");
+  const code = member(member(message, "result"), "return_code");
   return typeof code === "string" && code !== "OK";
 }
 
-/** A secret is nothing to look at: every person who sees the page could use it. */
+/** Replaces secrets, which the page must not show. */
 function withoutSecrets(traffic: Traffic): Traffic {
   if (!TELLS_SECRETS.has(traffic.method)) return traffic;
   const hide = (name: string, value: unknown): unknown => (SECRETS.has(name) && value !== null ? "…" : value);
   return { ...traffic, message: JSON.parse(JSON.stringify(traffic.message, hide)) as Json };
-}
-
-function summarize({ kind, message }: Traffic): string {
-  if (kind === "violation") return String(message);
-  if (kind === "error") {
-    const error = field(message, "error");
-    return `${String(field(error, "code"))} ${String(field(error, "message"))}`;
-  }
-  const body = field(message, kind === "response" ? "result" : "params");
-  if (typeof body !== "object" || body === null || Array.isArray(body)) return "";
-  return Object.entries(body)
-    .map(([name, value]) => summarizeField(name, value))
-    .filter((part) => part !== "")
-    .join("  ");
-}
-
-function summarizeField(name: string, value: Json): string {
-  if (name === "return_code") return String(value);
-  if (name === "sdp") return `sdp ${String(value).length} characters`;
-  if (value === "" || value === null) return "";
-  if (name === "command_unit_list" && Array.isArray(value)) return value.map(commandType).join(" → ");
-  if (Array.isArray(value)) return `${name}[${value.length}]`;
-  if (typeof value === "object") return `${name}{${Object.keys(value).length}}`;
-  if (name === "timestamp") return "";
-  const text = String(value).replaceAll(LONG_ID, (id) => `${id.slice(0, ID_SHOWN)}…`);
-  return text.length > 48 ? `${text.slice(0, 47)}…` : text;
-}
-
-function commandType(item: Json): string {
-  const concurrent = field(item, "command_list");
-  if (Array.isArray(concurrent)) return `(${concurrent.map(commandType).join(" ∥ ")})`;
-  return String(field(item, "command_type"));
-}
-
-function field(value: Json | undefined, name: string): Json | undefined {
-  return typeof value === "object" && value !== null && !Array.isArray(value) ? value[name] : undefined;
 }

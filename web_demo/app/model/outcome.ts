@@ -1,6 +1,13 @@
-/** What became of a command, in words. Pure. */
+/** Outcomes of commands in words. Pure. */
 
-import { CommandFailed, ConnectionLost, RoISError } from "../../sdk/index.ts";
+import {
+  CommandFailed,
+  ConnectionLost,
+  InvalidMessage,
+  RequestTimeout,
+  RoISError,
+  RpcError,
+} from "../../sdk/index.ts";
 import type { CompletedStatus } from "../../sdk/index.ts";
 import { plainReason } from "./plain_words.ts";
 
@@ -13,7 +20,7 @@ const BUSY = "another visitor has control";
 
 /**
  * @param elapsed milliseconds from the start to the end
- * @param reason why it did not end OK, where that was told
+ * @param reason why it did not end OK, where one was given
  */
 export function describeCompleted(status: CompletedStatus, elapsed: number, reason = ""): Outcome {
   const seconds = `${(elapsed / 1000).toFixed(1)} s`;
@@ -54,8 +61,20 @@ export function describeFailure(error: unknown, busy = BUSY): Outcome {
     const why = plainReason(error.reason);
     return { state: "failed", text: `the avatar refused it${why && `: ${why}`}` };
   }
-  if (error instanceof ConnectionLost) {
-    return { state: "failed", text: "the connection ended before the avatar had finished" };
+  if (error instanceof CommandFailed) {
+    const why = plainReason(error.reason);
+    return { state: "failed", text: why || "the avatar could not do it" };
   }
-  return { state: "failed", text: error instanceof Error ? error.message : String(error) };
+  return { state: "failed", text: failureWords(error) };
+}
+
+/** Words for errors of the SDK, whose own texts name methods, ids and codes for programmers. */
+function failureWords(error: unknown): string {
+  if (error instanceof ConnectionLost) return "the connection ended before the avatar had finished";
+  if (error instanceof RequestTimeout) return "the gateway did not answer in time; try again";
+  if (error instanceof RpcError)
+    return "this gateway does not support it; run an OpenRoIS gateway of this version";
+  if (error instanceof InvalidMessage)
+    return "the gateway's answer cannot be read; run an OpenRoIS gateway of this version";
+  return error instanceof Error ? error.message : String(error);
 }

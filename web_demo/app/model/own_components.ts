@@ -1,4 +1,4 @@
-/** The avatar's components that are not the standard's, as proxies; docs/avatar.md says what they do. */
+/** The avatar's components that are not the standard's, as proxies; docs/reference/avatar.md says what they do. */
 
 import { RoISCommon } from "../../sdk/index.ts";
 import type { CompletedStatus } from "../../sdk/index.ts";
@@ -6,12 +6,12 @@ import type { CompletedStatus } from "../../sdk/index.ts";
 const URN = "urn:x-rois:def:component:OpenRoIS::";
 
 export interface Floor {
-  /** Corners `x,y` in metres; empty where the engine tells no floor. */
+  /** Corners `x,y` in metres; empty for an unknown floor. */
   readonly outline: readonly string[];
   readonly obstacles: readonly (readonly string[])[];
 }
 
-/** What there is beside the figure, side by side. */
+/** Things and persons beside the figure, as parallel lists. */
 export interface Things {
   readonly thing_ref: readonly string[];
   readonly kind: readonly string[];
@@ -58,7 +58,7 @@ export interface SpeechEnded {
   readonly status: CompletedStatus;
 }
 
-/** What of a text is heard, word by word. */
+/** Progress of speech, word by word. */
 export class SpeechProgress extends RoISCommon<{ readonly barge_in?: boolean }> {
   static readonly componentType = `${URN}SpeechProgress`;
   protected override readonly parameterTypes = { barge_in: "bool" };
@@ -76,7 +76,7 @@ export class SpeechProgress extends RoISCommon<{ readonly barge_in?: boolean }> 
   readonly speechEnded = this.event<SpeechEnded>("speech_ended", { speech_id: "string", status: "string" });
 }
 
-/** Whom the avatar sees in a picture of the camera, side by side. */
+/** Persons in a picture of the camera, as parallel lists. */
 export interface Seen {
   readonly person_ref: readonly string[];
   /** `left,top,width,height` in shares of the picture, not mirrored. */
@@ -96,7 +96,7 @@ export class Sight extends RoISCommon {
   });
 }
 
-/** Whom it knows by name. */
+/** Persons that the avatar knows by name. */
 export class Enrolment extends RoISCommon {
   static readonly componentType = `${URN}Enrolment`;
 
@@ -114,7 +114,7 @@ export class Enrolment extends RoISCommon {
   }
 }
 
-/** From where the pictures show it. */
+/** Viewpoint of the pictures. */
 export class Viewpoint extends RoISCommon {
   static readonly componentType = `${URN}Viewpoint`;
   readonly changed = this.event<{ readonly viewpoint: string }>("viewpoint_changed", { viewpoint: "string" });
@@ -134,7 +134,7 @@ export class Viewpoint extends RoISCommon {
   }
 }
 
-/** What it understands of what is said to it. */
+/** Speech that the avatar has understood. */
 export class Hearing extends RoISCommon {
   static readonly componentType = `${URN}Hearing`;
   readonly heard = this.event<{ readonly text: string; readonly final: boolean }>("heard", {
@@ -143,7 +143,7 @@ export class Hearing extends RoISCommon {
   });
 }
 
-/** The avatar's component that tells what it hears and sees of its operator. */
+/** What the avatar receives of its operator: levels of the microphone. */
 export class Operator extends RoISCommon {
   static readonly componentType = `${URN}Operator`;
   readonly microphoneLevel = this.event<{ readonly rms: number; readonly peak: number }>("microphone_level", {

@@ -1,10 +1,10 @@
-/** What a person cannot use now, because of the token or because another visitor has control: it says why. */
+/** Reasons why a control cannot be used now: the token, or another visitor in control. */
 
 export const WATCHING = "You are watching: your token does not let you operate the avatar";
 
 export const AWAY = "The avatar is away";
 
-/** The words that stand on the page all the time, for those who hear what they cannot use. */
+/** Id of the element with the reason, which screen readers read for a disabled control. */
 const REASON = "handover-words";
 
 /**

@@ -1,7 +1,17 @@
 /** What gateways and engines say, for a person: without references, codes and positions. Pure. */
 
-import { named } from "./names.ts";
+/** What a gateway without authentication calls every application. */
+const WITHOUT_TOKEN = "local";
 
+/** Names the subject of a token for a person; without tokens subjects have no names. */
+export function named(subject: string, unknown = "Another visitor"): string {
+  return subject === "" || subject === WITHOUT_TOKEN ? unknown : subject;
+}
+
+/** A gateway says so of a component that another application holds by now. */
+const HOLDER = /^\S+ is (?:now )?(?:held|bound|controlled) by (.+?)(?: now)?: /;
+/** Random bits, with what stands before them: `avatar/0a1b…`, `command-0a1b…: `. */
+const ID = /\S*[0-9a-f]{24,32}(?:…|: ?)?/g;
 const CODE = /^[A-Z]+(_[A-Z]+)*$/;
 /** A reference in a sentence; units such as km/h are none. */
 const REFERENCE = /(^|[\s“"'(])[\w.-]+(?:\/[\w.-]+)*\/([A-Za-z]\w{2,})/g;
@@ -15,10 +25,13 @@ export function plainReason(reason: string): string {
     const name = named(stopper, "");
     return name === "" ? "everything was stopped" : `everything was stopped by ${name}`;
   }
-  const [, holder] = /^\S+ is (.+)'s now: /.exec(text) ?? [];
+  const holder = HOLDER.exec(text)
+    ?.slice(1)
+    .find((name) => name !== undefined);
   if (holder !== undefined) return `${named(holder)} has control now`;
   return text
     .replace(/ \(character \d+\)/g, "")
+    .replace(ID, "")
     .replace(REFERENCE, (_, before: string, name: string) => before + name.replaceAll("_", " "));
 }
 

@@ -1,8 +1,45 @@
-/** What the page measures of picture and sound, once a second, for all who show it. */
+/** Measurements of picture and sound, once a second, for the panels. */
 
 import { RecentMedian, wallNow } from "../../sdk/media/index.ts";
 import type { ClockOffset, Figures, PresentedFrame, RemoteStream } from "../../sdk/media/index.ts";
-import { Freezes } from "./freezes.ts";
+
+/** A picture that is older than this stands still: more than any frame rate worth looking at explains. */
+export const STILL_AFTER = 200;
+
+/** For how long a picture stood still. Pure: the time is an argument, in milliseconds of a monotonic clock. */
+export class Freezes {
+  #lastFrame: number | null = null;
+  #counted = 0;
+  #total = 0;
+
+  frame(now: number): void {
+    this.#count(now);
+    this.#lastFrame = now;
+    this.#counted = now;
+  }
+
+  /** Nothing is to be seen, or nothing is to move: what comes next is no end of a freeze. */
+  pause(): void {
+    this.#lastFrame = null;
+  }
+
+  /** Returns for how many milliseconds the picture stood still since the last call. */
+  collectFrozen(now: number): number {
+    this.#count(now);
+    const total = this.#total;
+    this.#total = 0;
+    return total;
+  }
+
+  #count(now: number): void {
+    if (this.#lastFrame === null) return;
+    // The first moments of a gap are no freeze, in whichever second it began.
+    const from = Math.max(this.#counted, this.#lastFrame + STILL_AFTER);
+    if (now <= from) return;
+    this.#total += now - from;
+    this.#counted = now;
+  }
+}
 
 /** One second. What is not known is null. */
 export interface Reading {
@@ -58,7 +95,7 @@ export class Readings {
     setInterval(() => this.#read(), 1000);
   }
 
-  /** Milliseconds from the camera to this screen, median of the last two seconds; null when it cannot be told. */
+  /** Milliseconds from the camera to this screen, median of the last two seconds; null when unknown. */
   get latency(): number | null {
     return this.#clock === null ? null : this.#latencies.value(performance.now());
   }
@@ -97,7 +134,7 @@ export class Readings {
     const rate = (1000 * this.#presented) / (now - this.#presentedAt);
     this.#presented = 0;
     this.#presentedAt = now;
-    const frozen = this.#freezes.take(now);
+    const frozen = this.#freezes.collectFrozen(now);
     // What cannot be seen, or is not wanted to move, is not frozen.
     const moving = this.#stream?.desire === "running" && document.visibilityState === "visible";
     if (!moving) this.#freezes.pause();

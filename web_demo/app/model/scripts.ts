@@ -29,7 +29,7 @@ const SEVERAL: Readonly<Record<string, readonly string[]>> = {
 const SHOWN = 8;
 
 /**
- * Returns a hint for a person who is about to have a text spoken; empty where the voice can be expected to read it.
+ * Returns a hint for a visitor who is about to have a text spoken; empty where the voice can be expected to read it.
  *
  * @param tag the voice's language, as BCP 47 tag
  * @param language the name of that language

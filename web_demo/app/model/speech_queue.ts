@@ -56,7 +56,7 @@ export class SpeechQueue {
     return this.#waiting.shift() ?? null;
   }
 
-  /** Makes one that was taken out the next again. */
+  /** Puts an utterance back as the next one. */
   putBack(utterance: Utterance): void {
     this.#waiting.unshift(utterance);
   }
@@ -80,7 +80,7 @@ export function split(text: string, longest = LONGEST): string[] {
   const parts: string[] = [];
   let rest = [...text.trim()];
   while (rest.length > longest) {
-    // The character behind it tells whether the part ends there.
+    // The next character shows whether the part ends there.
     const ahead = rest.slice(0, longest + 1).join("");
     const end = endOf(ahead);
     const part = end > 0 ? [...ahead.slice(0, end)] : rest.slice(0, longest);

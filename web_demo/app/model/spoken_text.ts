@@ -1,4 +1,4 @@
-/** A text that is being said, and the word of it that is heard. Positions are Unicode code points. Pure. */
+/** A text being spoken, and its current word. Positions are Unicode code points. Pure. */
 
 export interface Parts {
   readonly before: string;
@@ -19,7 +19,7 @@ export class SpokenText {
   #parts: Parts | null = null;
 
   /**
-   * @param earlier the id of the speech before, whose last words may still be told
+   * @param earlier the id of the speech before, whose last words may still be reported
    * @param ssml whether the text is an SSML document, of which only the contents are shown
    */
   constructor(text: string, earlier = "", ssml = false) {
@@ -38,8 +38,8 @@ export class SpokenText {
     return this.#parts ?? { before: "", word: "", after: this.#shown(this.#text) };
   }
 
-  /** A word is heard. Returns whether it is of this text. */
-  heard(id: string, position: number, length: number): boolean {
+  /** Sets the current word. Returns whether it belongs to this text. */
+  wordHeard(id: string, position: number, length: number): boolean {
     if (id === this.#earlier || (this.#id !== "" && id !== this.#id)) return false;
     if (position < 0 || length < 0 || position + length > this.#characters.length) return false;
     this.#id = id;

@@ -10,7 +10,7 @@ type Store = Pick<Storage, "getItem" | "setItem">;
 export class PageToken {
   readonly #store: Store;
   #value: string | undefined;
-  /** Whether the gateway asks for tokens; at one that does not, what a token says of its bearer counts for nothing. */
+  /** Whether the gateway asks for tokens; without that, roles in a token have no effect. */
   asked = true;
 
   constructor(store: Store) {
@@ -58,10 +58,10 @@ export class PageToken {
   }
 
   /**
-   * Takes the token out of the address, `#token=…`: browsers send this part to no server, and where it does not stand any
-   * more it is in no history and no bookmark.
+   * Reads the token from the address, `#token=…`, and removes it there: browsers send this part to no server, and a
+   * removed one gets into no history and no bookmark.
    */
-  takeFrom(
+  readFrom(
     location: Pick<Location, "hash" | "pathname" | "search">,
     history: Pick<History, "replaceState">,
   ): void {
@@ -89,8 +89,8 @@ function claimsOf(token: string): { readonly roles?: unknown; readonly exp?: unk
 }
 
 /**
- * Whether the gateway is there and does not take this token, or wants one. A browser does not tell why a WebSocket was
- * refused; a plain request with the same token is answered.
+ * Whether the gateway is reached and refuses this token, or a page without one. A browser hides why a WebSocket was refused; a
+ * plain request with the same token is answered.
  */
 export async function isTurnedAway(token: string | undefined): Promise<boolean> {
   const status = await admission(token).then(
@@ -100,7 +100,7 @@ export async function isTurnedAway(token: string | undefined): Promise<boolean> 
   return status === 401 || status === 403;
 }
 
-/** Whether the gateway asks for tokens; one that does not say so is taken to. */
+/** Whether the gateway asks for tokens; assumed where it does not say. */
 export async function asksForTokens(token: string): Promise<boolean> {
   try {
     const said: unknown = await (await admission(token)).json();

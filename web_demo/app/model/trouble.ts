@@ -1,17 +1,17 @@
-/** What is wrong, in words for the person in front of the page, and what to do about it. Pure. */
+/** What is wrong, in words for the visitor, and what to do about it. Pure. */
 
 import type { ConnectionState, StreamStatus } from "../../sdk/index.ts";
 import type { Problem } from "../../sdk/media/index.ts";
 import { plainReason } from "./plain_words.ts";
 
-/** `none`: without one. `ended`: with one that was good before. `refused`: with one that is not good. */
+/** Why a page is refused. `none`: no token; `ended`: its token has ended; `refused`: its token is not valid. */
 export type Unwelcome = "none" | "ended" | "refused";
 
 export interface Situation {
   /** The browser has WebRTC. */
   readonly canStream: boolean;
   readonly connection: ConnectionState;
-  /** The gateway is there and does not let the page in: with which token; null while nothing is known of that. */
+  /** Why the gateway refuses the page; null where it does not, or where that is unknown. */
   readonly unwelcome: Unwelcome | null;
   /** The gateway has the streaming extension; false for one that speaks plain RoIS. */
   readonly streaming: boolean;
@@ -66,7 +66,7 @@ const TOKEN_WORDS: Readonly<Record<Unwelcome, Pick<Trouble, "title" | "text">>> 
   },
 };
 
-/** Returns the trouble that stands before all others; null when all is well or still starting. */
+/** Returns the trouble to solve first; null when all is well or still starting. */
 export function findTrouble(situation: Situation): Trouble | null {
   return connectionTrouble(situation) ?? avatarTrouble(situation) ?? streamTrouble(situation);
 }
@@ -92,7 +92,7 @@ function connectionTrouble({ canStream, connection, unwelcome, streaming }: Situ
     return {
       kind: "no-streaming",
       title: "This gateway cannot stream",
-      text: "It speaks plain RoIS without the streaming extension. Speech and reactions may work; for the picture, run an OpenRoIS gateway.",
+      text: "It knows RoIS, but not the streaming extension. Speech and reactions may work; for the picture, run an OpenRoIS gateway.",
     };
   }
   return null;
@@ -104,14 +104,14 @@ function avatarTrouble({ connection, avatar }: Situation): Trouble | null {
     return {
       kind: "no-adapter",
       title: "No avatar is connected",
-      text: "The gateway runs, but no engine behind it offers video. Start one with “openrois avatar”; it appears here by itself. Other components stand in the Inspector.",
+      text: "The gateway runs, but nothing that it knows offers video. Start an avatar with “openrois avatar”; it appears here by itself. Other components are in the Inspector.",
     };
   }
   if (avatar.present) return null;
   return {
     kind: "adapter-gone",
     title: `The avatar “${avatar.name}” has left`,
-    text: "Its adapter has stopped or lost the gateway. As soon as it is back, everything goes on by itself.",
+    text: "It has stopped, or lost the gateway. Start it again with “openrois avatar”; then everything goes on by itself.",
   };
 }
 
@@ -140,13 +140,13 @@ function problemTrouble(problem: Problem): Trouble {
       return {
         kind: "no-media",
         title: "The picture does not get through",
-        text: `The avatar is connected, but its video packets do not arrive (${problem.detail}). A firewall or VPN may block UDP between this browser and the avatar. Other ways are being tried.`,
+        text: "The avatar is connected, but its video packets do not arrive. A firewall or VPN may block UDP between this browser and the avatar: allow it, or set up a TURN server at the gateway. Other ways are being tried.",
       };
     case "no-streaming":
       return {
         kind: "no-streaming",
         title: "This gateway cannot stream",
-        text: "It does not know the streaming methods. Run an OpenRoIS gateway of this version.",
+        text: "It has no streaming, or an older one. Run an OpenRoIS gateway of this version.",
       };
     case "unsupported":
       return {

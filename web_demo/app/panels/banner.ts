@@ -1,4 +1,4 @@
-/** The strip that says what is wrong. */
+/** Banner with the present trouble. */
 
 import { byRole, byTestId, setText } from "../dom/elements.ts";
 import { secondsUntil } from "../model/format.ts";
@@ -21,7 +21,9 @@ export class Banner {
     this.#form.addEventListener("submit", (event) => {
       event.preventDefault();
       if (onToken(this.#token.value)) return void (this.#token.value = "");
-      this.#token.setCustomValidity("This is no token: three parts with points between them.");
+      this.#token.setCustomValidity(
+        "This is not a token. A token has three parts with points between them: paste the whole of it.",
+      );
       this.#token.reportValidity();
     });
   }

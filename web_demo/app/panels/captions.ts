@@ -1,4 +1,4 @@
-/** Captions on the picture: what the avatar says, at whatever application's request. */
+/** Captions on the picture, for speech of any application. */
 
 import type { Client, Subscription } from "../../sdk/index.ts";
 import { Caption } from "../model/caption_text.ts";
@@ -6,7 +6,7 @@ import { byTestId, make } from "../dom/elements.ts";
 import { SpeechProgress } from "../model/own_components.ts";
 
 const KEY = "openrois.captions";
-/** Milliseconds for which the last words stand when all is said. */
+/** Milliseconds for which the last words stay. */
 const AFTER = 1500;
 
 export class Captions {
@@ -57,7 +57,7 @@ export class Captions {
       ),
       progress.wordSpoken.subscribe(({ speech_id: id, word, position, length }) => {
         const caption = this.#caption?.id === id ? this.#caption : new Caption(id, null);
-        caption.heard(word, position, length);
+        caption.wordHeard(word, position, length);
         this.#show(caption);
       }),
       progress.speechEnded.subscribe(({ speech_id: id, status }) => {

@@ -1,4 +1,4 @@
-/** Driving the avatar by hand: keyboard, mouse, fingers and gamepad, from "Take control" on. */
+/** Teleoperation from "Take control" on: keyboard, mouse, touch and gamepad. */
 
 import type { Client } from "../../sdk/index.ts";
 import { Teleoperation } from "../../sdk/media/index.ts";
@@ -43,7 +43,7 @@ export class Control {
   readonly #legend = byTestId("control-legend", HTMLElement);
   readonly #pads: GamepadWatch;
   readonly #stick = new Stick((x, y) => this.#teleoperation?.stick(x, y));
-  /** A finger is what this page is operated with. */
+  /** Whether the page is operated by touch. */
   readonly #fingers = matchMedia("(any-pointer: coarse)");
   #teleoperation: Teleoperation | null = null;
   #fading: ReturnType<typeof setTimeout> | undefined;
@@ -80,7 +80,7 @@ export class Control {
         if (this.#detach) this.#say(sentence(plainReason(reason)));
       });
     teleoperation.on("ended", (reason) => {
-      if (teleoperation === this.#teleoperation) this.#ended(sentence(plainReason(reason)));
+      if (teleoperation === this.#teleoperation) this.#drivingEnded(sentence(plainReason(reason)));
     });
     if (this.#pads.pad) this.#padChanged(this.#pads.pad);
   }
@@ -95,7 +95,7 @@ export class Control {
     const teleoperation = this.#teleoperation;
     if (!teleoperation || this.#button.getAttribute("aria-busy") === "true") return;
     try {
-      if (!this.#detach) return await this.#start(teleoperation, await this.#take());
+      if (!this.#detach) return await this.#start(teleoperation, await this.#takeControl());
       const giveBack = this.#giveBack;
       this.#giveBack = null;
       this.#show(false);
@@ -115,24 +115,24 @@ export class Control {
     return true;
   }
 
-  /** Takes the body once, however often that is asked for meanwhile. */
-  async #take(): Promise<GiveBack> {
+  /** Takes control; the button is busy meanwhile. */
+  async #takeControl(): Promise<GiveBack> {
     this.#button.setAttribute("aria-busy", "true");
     try {
-      return await this.#body.take();
+      return await this.#body.takeControl();
     } finally {
       this.#button.removeAttribute("aria-busy");
     }
   }
 
   /** The body was handed over, or lost. @param why in a sentence, whatever the end of driving said before */
-  lost(why: string): void {
-    this.#ended("");
+  controlLost(why: string): void {
+    this.#drivingEnded("");
     this.#say(why);
   }
 
   /** The avatar is not driven any more, though this page did not end it. @param why in a sentence; empty for no words */
-  #ended(why: string): void {
+  #drivingEnded(why: string): void {
     const was = this.#detach !== null;
     const giveBack = this.#giveBack;
     this.#giveBack = null;
@@ -153,7 +153,7 @@ export class Control {
     }
     // It may have been granted while it was being taken.
     if (this.#giveBack !== null) return giveBack();
-    if (!teleoperation.operating || this.#body.standing.kind !== "mine") return giveBack();
+    if (!teleoperation.operating || this.#body.state.kind !== "mine") return giveBack();
     this.#giveBack = giveBack;
     this.#show(true);
   }
@@ -171,7 +171,7 @@ export class Control {
     this.#rest();
   }
 
-  /** What does what is shown for a while, anew when there is another gamepad. */
+  /** Shows the legend of keys for a while, and again for another gamepad. */
   #showLegend(): void {
     clearTimeout(this.#closing);
     this.#legend.hidden = this.#detach === null;
@@ -191,13 +191,16 @@ export class Control {
       return this.#rest();
     }
     if (pad === null || this.#teleoperation === null) return this.#rest();
-    if (!pad.standard) return this.#say(`${pad.name} cannot drive: the browser does not know its buttons`);
-    const holder = this.#body.takenBy(this.#teleoperation.componentRef);
+    if (!pad.standard)
+      return this.#say(
+        `${pad.name} cannot drive: the browser does not know its buttons. Use another one, or the keyboard.`,
+      );
+    const holder = this.#body.holderOf(this.#teleoperation.componentRef);
     const then = holder === "" ? ": take control to drive" : `; ${holder} has control`;
     this.#say(`${pad.name} is connected${then}`);
   }
 
-  /** What is said for as long as nothing happens. */
+  /** Shows the text for the normal state. */
   #rest(): void {
     clearTimeout(this.#fading);
     this.#words.hidden = this.#detach === null;

@@ -1,6 +1,6 @@
-/** Whether a gamepad is there that can drive, and what it is called. */
+/** The connected gamepad: its name, and whether it can drive. */
 
-import { padName } from "../model/gamepad_name.ts";
+const LONGEST = 32;
 
 export interface Pad {
   readonly name: string;
@@ -8,11 +8,11 @@ export interface Pad {
   readonly standard: boolean;
 }
 
-/** Tells of gamepads that come and go. Browsers show one to a page only once a button of it was pressed. */
+/** Watches gamepads come and go. Browsers show one to a page only after a press of a button. */
 export class GamepadWatch {
   #pad: Pad | null = null;
 
-  /** @param onChange is called when another one is there, or none */
+  /** @param onChange is called with another gamepad, or null for none */
   constructor(onChange: (pad: Pad | null) => void) {
     const look = (): void => {
       const found = [...(navigator.getGamepads?.() ?? [])].filter((each) => each?.connected);
@@ -29,4 +29,14 @@ export class GamepadWatch {
   get pad(): Pad | null {
     return this.#pad;
   }
+}
+
+/** Leaves out vendor and product numbers, and what is said of the mapping. */
+export function padName(id: string): string {
+  const plain = id
+    .replace(/\([^()]*\b(vendor|product|standard gamepad)\b[^()]*\)?/gi, "")
+    .replace(/^[0-9a-f]{4}-[0-9a-f]{4}-/i, "")
+    .replace(/\s+/g, " ")
+    .trim();
+  return plain === "" ? "Gamepad" : plain.length > LONGEST ? `${plain.slice(0, LONGEST - 1)}…` : plain;
 }

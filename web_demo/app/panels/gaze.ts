@@ -27,13 +27,13 @@ export class Gaze {
     stage.addEventListener("click", (event) => {
       if (event.target instanceof Element && event.target.closest("button, .statistics") !== null) return;
       const { left, top, width, height } = stage.getBoundingClientRect();
-      this.#look((2 * (event.clientX - left)) / width - 1, 1 - (2 * (event.clientY - top)) / height);
+      this.#lookAt((2 * (event.clientX - left)) / width - 1, 1 - (2 * (event.clientY - top)) / height);
     });
     stage.addEventListener("keydown", (event) => {
       const step = STEPS[event.key];
       if (!step || event.target !== stage) return;
       event.preventDefault();
-      this.#look(this.#x + step[0], this.#y + step[1]);
+      this.#lookAt(this.#x + step[0], this.#y + step[1]);
     });
   }
 
@@ -43,7 +43,7 @@ export class Gaze {
     this.#stage.tabIndex = componentRef === null ? -1 : 0;
   }
 
-  #look(x: number, y: number): void {
+  #lookAt(x: number, y: number): void {
     const now = performance.now();
     if (this.#componentRef === null || now - this.#lookedAt < PAUSE) return;
     this.#lookedAt = now;

@@ -1,8 +1,8 @@
-/** The strip that says who has control of the avatar: one may ask for it, and the holder is asked. */
+/** Strip with the holder of control: visitors request it there, and the holder answers. */
 
 import type { BodyControl, GiveBack } from "../model/body_control.ts";
 import { byRole, byTestId, setText } from "../dom/elements.ts";
-import { named } from "../model/names.ts";
+import { named } from "../model/plain_words.ts";
 import { WATCHING } from "../model/permission.ts";
 
 type Press = () => Promise<unknown>;
@@ -36,7 +36,7 @@ export class Handover {
     this.render();
   }
 
-  /** A visitor who may only watch asks for nothing, and is told so. */
+  /** Whether the visitor may only watch; the strip says so, without a button. */
   set watching(watching: boolean) {
     this.#watching = watching;
     this.render();
@@ -49,26 +49,26 @@ export class Handover {
   }
 
   render(): void {
-    const { standing, asked } = this.#body;
-    if (standing.kind !== "mine") this.#giveBack = null;
+    const { state, nextRequest } = this.#body;
+    if (state.kind !== "mine") this.#giveBack = null;
     if (!this.#shown) return this.#hide();
     if (this.#watching) return this.#show(WATCHING, null, null);
-    if (asked) return this.#ask(asked.subject, asked.more);
-    switch (standing.kind) {
+    if (nextRequest) return this.#ask(nextRequest.subject, nextRequest.more);
+    switch (state.kind) {
       case "mine":
         return this.#has();
       case "free":
         return this.#hide();
       case "other": {
-        const away = standing.absent ? ", whose connection is lost," : "";
+        const away = state.absent ? ", whose connection is lost," : "";
         return this.#show(
-          `${named(standing.holder)}${away} has control`,
+          `${named(state.holder)}${away} has control`,
           ["Ask for it", () => this.#request()],
           null,
         );
       }
       case "waiting":
-        return this.#wait(named(standing.holder), standing.position, standing.declined);
+        return this.#wait(named(state.holder), state.position, state.declined);
     }
   }
 
@@ -81,8 +81,8 @@ export class Handover {
     const others = more > 0 ? `, and ${more} more` : "";
     this.#show(
       `${subject} asks for control${others}`,
-      ["Hand over", () => this.#body.answer(true)],
-      ["Keep", () => this.#body.answer(false)],
+      ["Hand over", () => this.#body.answerRequest(true)],
+      ["Keep", () => this.#body.answerRequest(false)],
     );
   }
 
@@ -99,7 +99,7 @@ export class Handover {
   }
 
   #wait(holder: string, position: number, declined: boolean): void {
-    const leave: Choice = ["Leave", () => this.#body.leave()];
+    const leave: Choice = ["Leave", () => this.#body.leaveLine()];
     const line = `number ${position} in line`;
     if (!declined) return this.#show(`You wait for control: ${line}`, null, leave);
     const again: Choice = ["Ask again", () => this.#body.askAgain()];
@@ -107,7 +107,7 @@ export class Handover {
   }
 
   async #request(): Promise<void> {
-    const giveBack = await this.#body.request();
+    const giveBack = await this.#body.requestControl();
     if (!this.#drive(giveBack)) this.#giveBack = giveBack;
     this.render();
   }
@@ -117,7 +117,7 @@ export class Handover {
   }
 
   #show(words: string, yes: Choice | null, no: Choice | null): void {
-    this.#bar.classList.toggle("asking", this.#body.asked !== null);
+    this.#bar.classList.toggle("asking", this.#body.nextRequest !== null);
     setText(this.#words, words);
     setText(this.#yes, yes?.[0] ?? "");
     setText(this.#no, no?.[0] ?? "");

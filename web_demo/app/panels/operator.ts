@@ -1,4 +1,4 @@
-/** The person at this machine: microphone and camera on their way to the avatar, and what arrives there. */
+/** Card of the operator: microphone and camera on their way to the avatar, and what arrives there. */
 
 import type { Client } from "../../sdk/index.ts";
 import type { LocalStream, MediaReceiver } from "../../sdk/media/index.ts";
@@ -19,9 +19,9 @@ export class OperatorCard {
   readonly #hearing: HearingPanel;
   readonly #microphone: DeviceControl;
   readonly #camera: DeviceControl;
-  /** Components that have said that they take what is sent. */
-  readonly #taking = new Set<string>();
-  /** Is told when another device is on, or none. */
+  /** Components that accept streams of applications. */
+  readonly #accepting = new Set<string>();
+  /** Is called when a device is switched on or off. */
   onChange: () => void = () => undefined;
   readonly #on = { audio: false, video: false };
 
@@ -29,17 +29,17 @@ export class OperatorCard {
   constructor(client: Client, receiver: MediaReceiver, take: () => Promise<GiveBack>) {
     this.#client = client;
     this.#receiver = receiver;
-    this.#hearing = new HearingPanel(client, () => this.#tell());
-    this.#sight = new SightPanel(client, () => this.#tell());
+    this.#hearing = new HearingPanel(client, () => this.#showSending());
+    this.#sight = new SightPanel(client, () => this.#showSending());
     this.#microphone = new DeviceControl("audio", this.#hearing.element, take, (track) => {
       this.#on.audio = track !== null;
       this.#hearing.show(track);
-      this.#tell();
+      this.#showSending();
     });
     this.#camera = new DeviceControl("video", this.#sight.element, take, (track) => {
       this.#on.video = track !== null;
       this.#sight.show(track);
-      this.#tell();
+      this.#showSending();
     });
     this.#element.append(
       make("h2", { id: "operator-title" }, "You"),
@@ -50,13 +50,13 @@ export class OperatorCard {
   /** The streams to the avatar, for the browser's console; null where it takes none. */
   async watch(avatar: Avatar): Promise<{ microphone: LocalStream | null; camera: LocalStream | null }> {
     const { video, audio } = avatar;
-    await Promise.all([this.#ask(audio), this.#ask(video)]);
+    await Promise.all([this.#askDirection(audio), this.#askDirection(video)]);
     this.#hearing.setComponents(avatar.operator, avatar.hearing, avatar.progress);
     this.#sight.setComponents(avatar.sight, avatar.enrolment);
     const microphone =
-      audio !== null && this.#taking.has(audio) ? this.#receiver.sending(audio, "audio") : null;
+      audio !== null && this.#accepting.has(audio) ? this.#receiver.sending(audio, "audio") : null;
     const limits = { width: 640, height: 360, fps: 30, max_bitrate: 1_000_000 };
-    const camera = this.#taking.has(video) ? this.#receiver.sending(video, "video", { limits }) : null;
+    const camera = this.#accepting.has(video) ? this.#receiver.sending(video, "video", { limits }) : null;
     this.#microphone.watch(microphone);
     this.#camera.watch(camera);
     this.#element.hidden = microphone === null && camera === null;
@@ -88,9 +88,9 @@ export class OperatorCard {
     void this.#camera.toggle();
   }
 
-  /** Says where it is always seen what leaves this machine. */
-  #tell(): void {
-    // The panels tell while they are made.
+  /** Shows in the header what leaves this machine. */
+  #showSending(): void {
+    // The panels call this while they are made.
     if (!this.#camera) return;
     this.#microphone.used = this.#hearing.listens ? "listened to" : "";
     this.#camera.used = this.#sight.looks ? "looked at" : "";
@@ -100,14 +100,14 @@ export class OperatorCard {
     this.onChange();
   }
 
-  /** Asks a component whether applications may send to it; one that cannot be asked has not changed its mind. */
-  async #ask(componentRef: string | null): Promise<void> {
-    if (componentRef === null || this.#taking.has(componentRef)) return;
+  /** Asks a component whether applications may send to it; without an answer the last one counts. */
+  async #askDirection(componentRef: string | null): Promise<void> {
+    if (componentRef === null || this.#accepting.has(componentRef)) return;
     try {
       const parameters = await this.#client.getParameter(componentRef);
       const transports = parameters.find(({ name }) => name === "available_transports")?.value ?? "{}";
       const { direction = [] } = JSON.parse(transports) as { direction?: string | string[] };
-      if (direction.includes("sendonly")) this.#taking.add(componentRef);
+      if (direction.includes("sendonly")) this.#accepting.add(componentRef);
     } catch {
       // An engine that comes back changes the profile, and is asked again.
     }

@@ -124,7 +124,7 @@ class Tile {
     );
   }
 
-  /** What is not shown is kept all the same: a user who looks wants to know what was. */
+  /** Adds a reading, also while hidden: the last minute is shown when the overlay is opened. */
   add(reading: Reading): void {
     this.#newest = reading;
     this.#histories.forEach((history, index) => history.push(this.#chart.lines[index]?.(reading) ?? null));

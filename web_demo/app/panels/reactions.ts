@@ -7,7 +7,7 @@ import { byRole, byTestId, icon, make } from "../dom/elements.ts";
 import { describeEnd } from "../model/outcome.ts";
 import { PassingText } from "../dom/passing_text.ts";
 import { explain } from "../model/permission.ts";
-import { bestColumns, reactionLook } from "../model/reaction_names.ts";
+import { bestColumns, reactionLook } from "../model/reaction_looks.ts";
 
 const BUSY = "another visitor is moving the avatar; try again in a moment";
 
@@ -51,7 +51,7 @@ export class Reactions {
     this.#watch.watch(componentRef);
   }
 
-  /** Performs the reaction whose button stands at this place, from 0. */
+  /** Performs the reaction of the button with this index, from 0. */
   press(index: number): void {
     this.#buttons[index]?.click();
   }
@@ -82,7 +82,7 @@ export class Reactions {
       this.#state.show("", false);
       this.#section.hidden = refs.length === 0;
     } catch (error) {
-      this.#state.show("The avatar does not tell its reactions.", false);
+      this.#state.show("The reactions could not be read. The page tries again.", false);
       throw error;
     }
   }
@@ -91,7 +91,7 @@ export class Reactions {
     const { code, name, path } = reactionLook(reactionRef);
     const button = make(
       "button",
-      { type: "button", class: "reaction", "data-testid": `reaction-${code}`, title: reactionRef },
+      { type: "button", class: "reaction", "data-testid": `reaction-${code}`, title: name },
       icon(path),
       make("span", {}, name),
     );

@@ -1,4 +1,4 @@
-/** The line in which a person types what the avatar shall say. */
+/** Speech form: text to speak, language, queue, pause and stop. */
 
 import { SpeechSynthesis } from "../../sdk/index.ts";
 import type { Client } from "../../sdk/index.ts";
@@ -32,7 +32,7 @@ export class SayLine {
   readonly #hint = byTestId("say-hint", HTMLElement);
   readonly #list = byTestId("say-queue", HTMLOListElement);
   readonly #queue = new SpeechQueue();
-  readonly #told = new PassingText(this.#state, () => this.#show("idle", ""));
+  readonly #stateText = new PassingText(this.#state, () => this.#show("idle", ""));
   readonly #watch: ComponentWatch;
   readonly #words: SpeechWords;
   readonly #onCut: (cut: Promise<unknown>) => void;
@@ -41,12 +41,12 @@ export class SayLine {
   #hasLanguages = false;
   #barred = "";
   #performance = 0;
-  /** Whether what waits is being spoken, one after the other. */
+  /** Whether the queue is being spoken. */
   #running = false;
   #stopping = new AbortController();
   #last = "";
 
-  /** @param onCut is told that speech is being broken off, and when that is done */
+  /** @param onCut is called when speech is interrupted, with a promise for the end of that */
   constructor(client: Client, onCut: (cut: Promise<unknown>) => void) {
     this.#client = client;
     this.#onCut = onCut;
@@ -101,7 +101,7 @@ export class SayLine {
     this.#input.focus();
   }
 
-  /** Ends what is spoken, and forgets what waits. */
+  /** Stops speech and clears the queue. */
   stop(): void {
     this.#queue.clear();
     this.#renderQueue();
@@ -122,7 +122,7 @@ export class SayLine {
       await (paused ? this.#speech?.resume() : this.#speech?.suspend());
     } catch (error) {
       if (performance === this.#performance)
-        this.#told.show(sentence(describeFailure(error, BUSY).text), false);
+        this.#stateText.show(sentence(describeFailure(error, BUSY).text), false);
       return;
     }
     // It may have come to its end meanwhile.
@@ -178,14 +178,14 @@ export class SayLine {
     };
     const { signal } = (this.#stopping = new AbortController());
     this.#show("speaking", "speaking");
-    await this.#words.begin(text, ssml);
+    await this.#words.beginText(text, ssml);
     if (signal.aborted) {
-      this.#words.end();
+      this.#words.endText();
       this.#show("stopped", "stopped");
       return "stopped";
     }
     const { state, text: words } = await describeEnd(speech.perform(parameters), BUSY);
-    this.#words.end();
+    this.#words.endText();
     this.#show(state, words);
     return state;
   }
@@ -263,7 +263,7 @@ export class SayLine {
 
   #show(state: State, text: string): void {
     this.#state.dataset["state"] = state;
-    this.#told.show(sentence(text), state !== "unavailable" && !this.#speaking);
+    this.#stateText.show(sentence(text), state !== "unavailable" && !this.#speaking);
     this.#render();
   }
 

@@ -1,4 +1,4 @@
-/** The page's keys, and the list that tells them. */
+/** The page's keyboard shortcuts, and their list. */
 
 import { byRole, make } from "../dom/elements.ts";
 

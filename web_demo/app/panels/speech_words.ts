@@ -1,4 +1,4 @@
-/** The text that is being said, with the word that is heard. */
+/** The text being spoken, with its current word. */
 
 import type { Client, Subscription } from "../../sdk/index.ts";
 import { byTestId, make } from "../dom/elements.ts";
@@ -28,8 +28,8 @@ export class SpeechWords {
     this.#progress = new SpeechProgress(this.#client, componentRef);
   }
 
-  /** A text, or an SSML document, is about to be said. Resolves when its words will be told. */
-  async begin(text: string, ssml: boolean): Promise<void> {
+  /** Shows a text or SSML document about to be spoken. Resolves when its words will be reported. */
+  async beginText(text: string, ssml: boolean): Promise<void> {
     this.#text = new SpokenText(text, this.#lastId, ssml);
     this.#render();
     const progress = this.#progress;
@@ -37,7 +37,7 @@ export class SpeechWords {
     if (this.#listening.length === 0) {
       this.#listening = [
         progress.wordSpoken.subscribe(({ speech_id: id, position, length }) => {
-          if (this.#text?.heard(id, position, length)) this.#render();
+          if (this.#text?.wordHeard(id, position, length)) this.#render();
           this.#lastId = id;
         }),
         progress.speechEnded.subscribe(({ status }) => {
@@ -45,11 +45,11 @@ export class SpeechWords {
         }),
       ];
     }
-    // Who does not tell the words speaks all the same.
+    // Without these events the avatar speaks all the same.
     await Promise.all(this.#listening).catch(() => (this.#listening = []));
   }
 
-  end(): void {
+  endText(): void {
     this.#text = null;
     this.#render();
   }

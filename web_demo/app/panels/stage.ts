@@ -1,4 +1,4 @@
-/** The picture: live, frozen or awaited; and what is said upon it. */
+/** The picture, live, frozen or awaited, and the badges on it. */
 
 import { FrameWatch, LastingPicture } from "../../sdk/media/index.ts";
 import type { RemoteStream } from "../../sdk/media/index.ts";
@@ -68,9 +68,9 @@ export class Stage {
     if (stream.track) this.picture.show(stream.track);
   }
 
-  /** @param latency milliseconds, or null when it cannot be told */
+  /** @param latency milliseconds, or null when unknown */
   render(present: boolean, latency: number | null): void {
-    const look = this.#look(present);
+    const look = this.#currentLook(present);
     this.#element.dataset["look"] = look;
     this.#element.classList.toggle("empty", !this.picture.shown);
     const awaited = look === "waiting" || look === "connecting";
@@ -86,7 +86,7 @@ export class Stage {
     else void document.documentElement.requestFullscreen().catch(() => undefined);
   }
 
-  #look(present: boolean): Look {
+  #currentLook(present: boolean): Look {
     const stream = this.#stream;
     const age = this.frameAge;
     if (!stream || (!present && (age === null || age > FROZEN_AFTER))) return "waiting";

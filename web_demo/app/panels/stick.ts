@@ -13,7 +13,7 @@ export class Stick {
   readonly #onMove: (x: number, y: number) => void;
   #pointerId: number | null = null;
 
-  /** @param onMove is told where it stands; 0, 0 when it is let go */
+  /** @param onMove is called with its position; 0, 0 when it is released */
   constructor(onMove: (x: number, y: number) => void) {
     this.#onMove = onMove;
     const element = this.#element;

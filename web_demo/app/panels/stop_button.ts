@@ -22,7 +22,7 @@ export class StopButton {
   #barred = "";
   #fading: ReturnType<typeof setTimeout> | undefined;
 
-  /** @param onPress forgets what this page would let the avatar do next */
+  /** @param onPress clears what this page would let the avatar do next */
   constructor(client: Client, onPress: () => void) {
     this.#client = client;
     this.#onPress = onPress;
@@ -43,7 +43,7 @@ export class StopButton {
 
   /**
    * @param engineId the avatar's; null while there is none
-   * @param acting its components that act: who stops has to hold one
+   * @param acting its actuators, of which the page has to hold one to stop the engine
    */
   setEngine(engineId: string | null, acting: readonly string[]): void {
     this.#acting = acting;
@@ -74,7 +74,7 @@ export class StopButton {
 
   async #stop(engineId: string): Promise<void> {
     const stop = (): Promise<unknown> => this.#client.control.stopAll(engineId);
-    // With a token, who stops has to hold something that acts: without any, a free one is taken for that moment.
+    // With a token, STOP needs a binding of an actuator: without any, a free one is bound for that moment.
     const ways = [stop, ...this.#acting.map((ref) => () => this.#client.bound(ref, stop))];
     let refused: unknown;
     for (const way of ways) {
@@ -89,7 +89,7 @@ export class StopButton {
     throw refused;
   }
 
-  /** It is always in view, so that it is found where it was. */
+  /** Renders the button, which is always visible at the same place. */
   #render(): void {
     this.#button.disabled = this.#engineId === null || this.#barred !== "";
     explain(this.#button, this.#barred);

@@ -1,21 +1,15 @@
-/** One stream: what RoIS says of it, and the four verbs. */
+/** Card of one stream: its status in RoIS, and the four verbs. */
 
-import type { MediaKind, StreamStatus } from "../../sdk/index.ts";
+import type { MediaKind } from "../../sdk/index.ts";
 import type { RemoteStream } from "../../sdk/media/index.ts";
 import { byRole, icon, make, setText } from "../dom/elements.ts";
+import { codeWords } from "../model/code_words.ts";
+import { sentence } from "../model/plain_words.ts";
 
 const ICONS: Readonly<Record<MediaKind, string>> = {
   video:
     "M4.5 6.500h9A1.500 1.500 0 0 1 15 8v8a1.500 1.500 0 0 1-1.500 1.500h-9A1.500 1.500 0 0 1 3 16V8a1.500 1.500 0 0 1 1.500-1.500ZM15 10.500l6-3v9l-6-3",
   audio: "M4 10v4M8 6.500v11M12 9v6M16 4.500v15M20 10v4",
-};
-
-const WORDS: Readonly<Record<StreamStatus, string>> = {
-  STREAMING_RUNNING: "Running",
-  STREAMING_RESUMED: "Running",
-  STREAMING_SUSPENDED: "Suspended",
-  STREAMING_NOT_RUNNING: "Not running",
-  STREAMING_NOT_CONNECTED: "Not connected",
 };
 
 const TITLES: Readonly<Record<MediaKind, string>> = { video: "Video", audio: "Audio" };
@@ -76,7 +70,7 @@ export class StreamCard {
   #render(): void {
     const stream = this.#stream;
     const { suspend, resume, disconnect, connect } = this.#buttons;
-    setText(this.#status, stream?.status ? WORDS[stream.status] : "–");
+    setText(this.#status, stream?.status ? sentence(codeWords(stream.status)) : "–");
     this.#status.dataset["status"] = stream?.status ?? "";
     this.#element.classList.toggle("busy", stream?.busy ?? false);
     const connected = stream !== null && stream.desire !== "disconnected";

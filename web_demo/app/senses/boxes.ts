@@ -18,7 +18,7 @@ export interface Face {
   readonly gesture: string;
 }
 
-/** Milliseconds for which a gesture stands beside a face: it is told once, when it is complete. */
+/** Milliseconds for which a gesture stands beside a face: it is reported once, when it is complete. */
 const GESTURE_SHOWN = 2000;
 const GESTURES: Readonly<Record<string, string>> = {
   "1": "nods",
@@ -50,7 +50,7 @@ export function inMirror({ left, top, width, height }: Box, picture: number, pre
   };
 }
 
-/** Returns what a person does who makes a gesture, such as `nods`. */
+/** Returns a gesture as a verb, such as `nods`. */
 export function gestureWords(gestureRef: string): string {
   if (gestureRef === "") return "";
   const code = gestureRef.split(":").at(-1) ?? "";

@@ -1,10 +1,11 @@
-/** What the avatar hears: levels, what it understands if it is let, and whether it lets itself be interrupted. */
+/** Panel of the microphone: levels, transcription, and interruption of speech. */
 
 import type { Client } from "../../sdk/index.ts";
 import { SILENCE } from "../model/decibels.ts";
 import { make, setText } from "../dom/elements.ts";
 import { LevelBar, TrackLevel } from "../dom/level_bar.ts";
 import { describeFailure } from "../model/outcome.ts";
+import { sentence } from "../model/plain_words.ts";
 import { Hearing, Operator, SpeechProgress } from "../model/own_components.ts";
 import { Switch } from "./switch.ts";
 import { Wanted } from "./wanted.ts";
@@ -36,11 +37,11 @@ export class HearingPanel {
   constructor(client: Client, onChange: () => void) {
     this.#client = client;
     this.#onChange = onChange;
-    this.#switch = new Switch("hearing-switch", "Let it write down what you say", () => this.#look());
+    this.#switch = new Switch("hearing-switch", "Let it write down what you say", () => this.#update());
     this.#interrupt = new Switch("barge-in", "Speak to interrupt it", (on) => void this.#setInterrupt(on));
     const levels = make("div", { class: "levels" }, this.#here.element, this.#there.element);
     this.element.append(levels, this.#switch.element, this.#list, this.#interrupt.element, this.#words);
-    this.#look();
+    this.#update();
   }
 
   /** Whether the avatar writes down for this page what it hears. */
@@ -61,13 +62,13 @@ export class HearingPanel {
       const component = hearing === null ? null : new Hearing(this.#client, hearing);
       this.#hearing = component;
       this.#heard.from(
-        component && (() => component.heard.subscribe(({ text, final }) => this.#hear(text, final))),
+        component && (() => component.heard.subscribe(({ text, final }) => this.#addHeard(text, final))),
       );
     }
     if (progress !== (this.#progress?.componentRef ?? null))
       this.#progress = progress === null ? null : new SpeechProgress(this.#client, progress);
     this.#there.element.hidden = operator === null;
-    this.#look();
+    this.#update();
   }
 
   /** @param track of the microphone; null while it is off */
@@ -78,12 +79,12 @@ export class HearingPanel {
     this.#local.follow(track);
     if (began) void this.#askInterrupt();
     else if (track === null && this.#interrupt.on) void this.#setInterrupt(false);
-    this.#look();
+    this.#update();
   }
 
-  #look(): void {
+  #update(): void {
     const on = this.#switch.on && this.#hearing !== null;
-    // The avatar tells its level several times a second: only to those who want to know.
+    // Level events come several times a second: subscribed to only while they are shown.
     this.#level.wanted = this.#track !== null;
     this.#heard.wanted = on && this.#track !== null;
     if (this.#track === null) this.#there.show(SILENCE);
@@ -95,7 +96,7 @@ export class HearingPanel {
     this.#onChange();
   }
 
-  #hear(text: string, final: boolean): void {
+  #addHeard(text: string, final: boolean): void {
     if (final && text !== "") this.#sentences = [...this.#sentences, text].slice(-KEPT);
     this.#render(final ? "" : text);
   }
@@ -126,7 +127,6 @@ export class HearingPanel {
   }
 
   #refused(error: unknown): void {
-    const { text } = describeFailure(error, BUSY);
-    setText(this.#words, `${text.charAt(0).toUpperCase()}${text.slice(1)}`);
+    setText(this.#words, sentence(describeFailure(error, BUSY).text));
   }
 }

@@ -1,16 +1,16 @@
-/** The preview of the camera, and over it what the avatar sees there, if it is let. */
+/** Preview of the camera, with the faces that the avatar sees in it. */
 
-import { CommandFailed } from "../../sdk/index.ts";
 import type { Client } from "../../sdk/index.ts";
 import { make, setText } from "../dom/elements.ts";
 import { describeFailure } from "../model/outcome.ts";
+import { sentence } from "../model/plain_words.ts";
 import { Enrolment, Sight } from "../model/own_components.ts";
 import { Faces, inMirror } from "./boxes.ts";
 import type { Box, Face } from "./boxes.ts";
 import { Switch } from "./switch.ts";
 import { Wanted } from "./wanted.ts";
 
-/** Milliseconds after which what is told no more is not shown any more. */
+/** Milliseconds after which faces without a new event are removed. */
 const FRESH = 1500;
 /** Milliseconds for which it stands why something failed. */
 const READABLE = 4000;
@@ -50,7 +50,7 @@ export class SightPanel {
     this.#preview.autoplay = true;
     this.#preview.playsInline = true;
     this.#preview.setAttribute("aria-label", "What your camera shows");
-    this.#switch = new Switch("sight-switch", "Let it look for faces", () => this.#look());
+    this.#switch = new Switch("sight-switch", "Let it look for faces", () => this.#update());
     const remember = make("button", { class: "button small", "data-testid": "enrol" }, "Remember me");
     this.#form = make("form", { class: "enrol" }, this.#name, remember);
     this.#form.append(make("p", { class: "hint" }, KEPT), this.#known);
@@ -60,7 +60,7 @@ export class SightPanel {
     });
     const picture = make("div", { class: "picture" }, this.#preview, this.#boxes);
     this.element.append(picture, this.#switch.element, this.#words, this.#form);
-    this.#look();
+    this.#update();
   }
 
   /** Whether the avatar looks at the camera for this page. */
@@ -80,7 +80,7 @@ export class SightPanel {
     }
     if (enrolment !== (this.#enrolment?.componentRef ?? null))
       this.#enrolment = enrolment === null ? null : new Enrolment(this.#client, enrolment);
-    this.#look();
+    this.#update();
   }
 
   /** @param track of the camera; null while it is off */
@@ -88,10 +88,10 @@ export class SightPanel {
     const shown = this.#preview.srcObject instanceof MediaStream ? this.#preview.srcObject : null;
     if (track === (shown?.getTracks()[0] ?? null)) return;
     this.#preview.srcObject = track && new MediaStream([track]);
-    this.#look();
+    this.#update();
   }
 
-  #look(): void {
+  #update(): void {
     const on = this.#switch.on && this.#sight !== null;
     const wanted = on && this.#preview.srcObject !== null;
     const began = wanted && !this.#seen.wanted;
@@ -164,7 +164,7 @@ export class SightPanel {
       return true;
     } catch (error) {
       this.#refused(error);
-      // Long enough to be read before it is said again who is seen.
+      // Long enough to be read before the persons in view are shown again.
       await new Promise((resolve) => setTimeout(resolve, READABLE));
       return false;
     } finally {
@@ -174,9 +174,7 @@ export class SightPanel {
   }
 
   #refused(error: unknown): void {
-    const why =
-      error instanceof CommandFailed ? error.reason || error.message : describeFailure(error, BUSY).text;
-    this.#say(`${why.charAt(0).toUpperCase()}${why.slice(1)}`, true);
+    this.#say(sentence(describeFailure(error, BUSY).text), true);
   }
 
   #say(words: string, failed = false): void {

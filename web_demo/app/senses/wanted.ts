@@ -1,4 +1,4 @@
-/** An event that is subscribed to only while it is wanted. */
+/** Subscription that exists only while it is wanted. */
 
 import type { Subscription } from "../../sdk/index.ts";
 
@@ -8,7 +8,7 @@ export class Wanted {
   #wanted = false;
   #subscription: Promise<Subscription> | null = null;
 
-  /** @param onRefused is told why it cannot be had */
+  /** @param onRefused is called with the error of a refused subscription */
   constructor(onRefused: (error: unknown) => void = () => undefined) {
     this.#onRefused = onRefused;
   }

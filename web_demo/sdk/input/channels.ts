@@ -1,15 +1,15 @@
 /** The two data channels of one peer connection. */
 
-import { readTold } from "./messages.ts";
-import type { Told } from "./messages.ts";
+import { readEngineMessage } from "./messages.ts";
+import type { EngineMessage } from "./messages.ts";
 
-/** Bytes that may wait to be sent; the newest state is worth more than all before it. */
+/** Most bytes waiting to be sent: the newest state is worth more than older ones. */
 const UNSENT = 2048;
 const UNSENT_CHANGES = 16_384;
 
 export class InputChannels {
-  /** Hears what the engine says. */
-  onTold: (told: Told) => void = () => undefined;
+  /** Is called with each message of the engine. */
+  onMessage: (message: EngineMessage) => void = () => undefined;
   readonly #input: RTCDataChannel;
   readonly #control: RTCDataChannel;
 
@@ -22,17 +22,17 @@ export class InputChannels {
     });
     this.#control = connection.createDataChannel("control", { negotiated: true, id: 1 });
     this.#control.onmessage = ({ data }) => {
-      const told = readTold(data);
-      if (told) this.onTold(told);
+      const message = readEngineMessage(data);
+      if (message) this.onMessage(message);
     };
   }
 
-  /** Messages can be sent in both. */
+  /** Whether both channels are open. */
   get open(): boolean {
     return this.#input.readyState === "open" && this.#control.readyState === "open";
   }
 
-  /** Sends all that is held now; false when states before it still wait, and it is of no use to add to them. */
+  /** Sends the present state; false when earlier states still wait to be sent. */
   sendState(text: string): boolean {
     if (!this.open || this.#input.bufferedAmount > UNSENT) return false;
     this.#input.send(text);

@@ -1,4 +1,4 @@
-/** Collects what a person does at an element of the page: keyboard, mouse, fingers and gamepad. */
+/** Collects the operator's input at an element of the page: keyboard, mouse, fingers and gamepad. */
 
 import type { Held } from "./held.ts";
 import type { Change, Why } from "./messages.ts";
@@ -11,11 +11,11 @@ export interface CollectorOptions {
 }
 
 export interface CollectorEvents {
-  /** Something changed, and this is to be told at once. */
+  /** Is called for a change that has to be sent at once. */
   onChange(change: Change): void;
-  /** Something moved. */
+  /** Is called when a pointer, finger or stick moved. */
   onMove(): void;
-  /** All is let go. */
+  /** Is called when everything is released. */
   onRelease(why: Why): void;
 }
 
@@ -25,7 +25,7 @@ type Pad = Pick<Gamepad, "axes" | "buttons" | "mapping" | "connected">;
 /** Keys that the page and the browser need themselves. */
 const NOT_OURS = new Set(["Tab", "Escape", "F5", "F11", "F12"]);
 
-/** Listens until `detach`. Keys are heard while the element has the focus, which a click gives it. */
+/** Collects input until `detach`. Keys count while the element has the focus, which a click gives it. */
 export class Collector {
   readonly #element: HTMLElement;
   readonly #held: Held;
@@ -51,7 +51,7 @@ export class Collector {
     });
   }
 
-  /** Looks at the gamepad; to be called often, because a gamepad tells nothing by itself. */
+  /** Reads the gamepad; to be called often, since gamepads fire no events for axes and buttons. */
   poll(): void {
     const pads: (Pad | null)[] = document.hasFocus() ? [...(navigator.getGamepads?.() ?? [])] : [];
     const pad = pads.find((each) => each?.connected && each.mapping === "standard") ?? null;
@@ -70,7 +70,7 @@ export class Collector {
     this.#ends.push(() => target.removeEventListener(name, listener as EventListener));
   }
 
-  #told(change: Change | null): void {
+  #report(change: Change | null): void {
     if (change) this.#events.onChange(change);
     else this.#events.onMove();
   }
@@ -104,7 +104,7 @@ export class Collector {
       const [x, y] = this.#place(event);
       if (event.pointerType === "touch") {
         if (this.#held.state.touches?.some(([id]) => id === event.pointerId))
-          this.#told(this.#held.touch(event.pointerId, true, x, y));
+          this.#report(this.#held.touch(event.pointerId, true, x, y));
       } else {
         this.#held.move(x, y, event.buttons);
         this.#events.onMove();
@@ -118,7 +118,7 @@ export class Collector {
       (event: WheelEvent) => {
         event.preventDefault();
         const [x, y] = this.#place(event);
-        this.#told(this.#held.wheel(event.deltaX, event.deltaY, x, y));
+        this.#report(this.#held.wheel(event.deltaX, event.deltaY, x, y));
       },
       false,
     );
@@ -127,11 +127,11 @@ export class Collector {
 
   #pressed(event: PointerEvent, down: boolean): void {
     const [x, y] = this.#place(event);
-    if (event.pointerType === "touch") this.#told(this.#held.touch(event.pointerId, down, x, y));
-    else this.#told(this.#held.button(event.button, down, x, y, event.buttons));
+    if (event.pointerType === "touch") this.#report(this.#held.touch(event.pointerId, down, x, y));
+    else this.#report(this.#held.button(event.button, down, x, y, event.buttons));
   }
 
-  /** Of what went down elsewhere nothing is held. */
+  /** Ignores what was pressed outside of the element. */
   #lifted(event: PointerEvent): void {
     const { pointer, touches } = this.#held.state;
     const ours =

@@ -1,4 +1,4 @@
-/** What is held now, from what keyboard, mouse, fingers and gamepad say. Pure. */
+/** What is held on keyboard, mouse, touch screen and gamepad. Pure. */
 
 import type { Change, Gamepad4, HeldState } from "./messages.ts";
 
@@ -6,16 +6,16 @@ const MAX_KEYS = 16;
 const MAX_TOUCHES = 10;
 const MAX_BUTTONS = 17;
 const MAX_AXES = 4;
-/** How far from the middle a stick may stand that nobody touches, and a button be down that nobody presses. */
+/** Dead zone of axes and analogue buttons at rest. */
 const AT_REST = 0.05;
 const CODE = /^[A-Za-z0-9]{1,32}$/;
-/** What counts as pressed, as browsers have it. */
+/** Threshold of an analogue button, as in browsers. */
 const PRESSED = 0.5;
 
 const fine = (value: number, low: number): number =>
   Math.round(Math.min(1, Math.max(low, Number.isFinite(value) ? value : 0)) * 10_000) / 10_000;
 
-/** Each method returns the change to tell; null where nothing changed that is worth a word of its own. */
+/** State of the input devices. Methods return the change to send at once; null where the state alone is enough. */
 export class Held {
   readonly #keys = new Set<string>();
   readonly #touches = new Map<number, readonly [number, number]>();
@@ -24,7 +24,7 @@ export class Held {
   /** A stick on the screen, as the left stick of a gamepad. */
   #stick: readonly [number, number] | null = null;
 
-  /** As a message has it. */
+  /** The state in the form of a message. */
   get state(): HeldState {
     return {
       ...(this.#keys.size > 0 && { keys: [...this.#keys] }),
@@ -36,7 +36,7 @@ export class Held {
     };
   }
 
-  /** Something is pressed, touched or deflected: while it is, states have to be sent. */
+  /** Whether anything is pressed, touched or deflected: states have to be repeated meanwhile. */
   get active(): boolean {
     const pad = this.#pad;
     const deflected = pad !== null && [...pad.axes, ...pad.buttons].some((each) => Math.abs(each) > AT_REST);
@@ -51,7 +51,7 @@ export class Held {
     return { event: "key", code, down };
   }
 
-  /** The pointer is at a place, with these buttons down. */
+  /** Sets the pointer's place and buttons. */
   move(x: number, y: number, buttons: number): void {
     this.#pointer = [fine(x, 0), fine(y, 0), buttons & 31];
   }
@@ -107,7 +107,7 @@ export class Held {
     return { axes: [fine((axes[0] ?? 0) + x, -1), fine((axes[1] ?? 0) + y, -1), ...axes.slice(2)], buttons };
   }
 
-  /** Nothing is held any more, and nothing points anywhere. */
+  /** Releases everything. */
   clear(): void {
     this.#keys.clear();
     this.#touches.clear();

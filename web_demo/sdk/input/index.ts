@@ -1,4 +1,4 @@
-/** What a person does with keyboard, mouse, fingers and gamepad, sent to an avatar. */
+/** Input of keyboard, mouse, touch and gamepad, sent to an avatar. */
 
 export type { CollectorOptions } from "./collector.ts";
 export { Teleoperation } from "./teleoperation.ts";

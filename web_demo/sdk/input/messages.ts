@@ -1,6 +1,6 @@
-/** The messages of the data channels, as `docs/wire.md` has them. Pure. */
+/** The messages of the data channels, as `docs/reference/wire.md` has them. Pure. */
 
-/** Why all is let go. */
+/** Reason for releasing everything. */
 export type Why = "blur" | "hidden" | "bye" | "lost";
 
 export interface Gamepad4 {
@@ -44,16 +44,16 @@ export type Change =
   | { readonly event: "pad"; readonly button: number; readonly down: boolean }
   | { readonly event: "release"; readonly why: Why };
 
-/** It takes no input, has stopped the figure, or has it go slower or at full speed again. */
-const TOLD = ["refused", "stopped", "paced"] as const;
+/** Input refused, figure stopped, or its speed changed. */
+const ENGINE_EVENTS = ["refused", "stopped", "paced"] as const;
 
-/** What the engine says back. */
-export interface Told {
-  readonly event: (typeof TOLD)[number];
+/** Message of the engine on the control channel. */
+export interface EngineMessage {
+  readonly event: (typeof ENGINE_EVENTS)[number];
   readonly reason: string;
 }
 
-/** One counter for all messages of the page: what is sent later counts more, whoever sends it. */
+/** Counter of all input messages of the page: of two, the engine uses the later one. */
 let last = 0;
 
 /** Returns a message with the next number and the time of now. */
@@ -62,11 +62,11 @@ export function message(body: HeldState | Change): string {
   return JSON.stringify({ seq: last, t: Math.round(performance.now() * 10) / 10, ...body });
 }
 
-/** Reads what the engine says; null for what is not known. */
-export function readTold(text: unknown): Told | null {
+/** Reads a message of the engine; null for an unknown one. */
+export function readEngineMessage(text: unknown): EngineMessage | null {
   try {
-    const { event, reason } = JSON.parse(String(text)) as Partial<Told>;
-    return event && TOLD.includes(event) && typeof reason === "string" ? { event, reason } : null;
+    const { event, reason } = JSON.parse(String(text)) as Partial<EngineMessage>;
+    return event && ENGINE_EVENTS.includes(event) && typeof reason === "string" ? { event, reason } : null;
   } catch {
     return null;
   }

@@ -1,4 +1,4 @@
-/** Operating an avatar by hand: takes its component, collects what the person does, and sends it. */
+/** Teleoperation of an avatar: binds its component, collects the operator's input, and sends it. */
 
 import { Emitter } from "../jsonrpc/events.ts";
 import type { Client } from "../rois/client.ts";
@@ -10,9 +10,9 @@ import { Collector } from "./collector.ts";
 import type { CollectorOptions } from "./collector.ts";
 import { Held } from "./held.ts";
 import { message } from "./messages.ts";
-import type { Change, Told, Why } from "./messages.ts";
+import type { Change, EngineMessage, Why } from "./messages.ts";
 
-/** Milliseconds between two looks at the gamepad and at what moved: as often as a screen shows pictures. */
+/** Milliseconds between two readings of gamepad and movements: about one frame of a screen. */
 const PACE = 16;
 /** Milliseconds after which a state is sent again while something is held; the engine stops without one for 400. */
 const REPEAT = 80;
@@ -20,18 +20,18 @@ const REPEAT = 80;
 const ASKED = 20;
 const ASK_AGAIN = 50;
 
-/** Where the data channels are: a `MediaReceiver` that was made with `input: true`. */
+/** Source of the data channels: a `MediaReceiver` made with `input: true`. */
 export interface InputMedia {
   inputs(engineId: string): InputChannels[];
 }
 
 export interface TeleoperationEvents {
-  /** The engine does not take what is sent, or has stopped the figure: a sentence says why. */
+  /** Input is refused, or the figure was stopped; the value is the reason, a sentence. */
   refused: string;
   stopped: string;
-  /** The figure goes slower, because the way to it is long, or at full speed again: a sentence says which. */
+  /** The figure's speed changed with the network delay; the value is a sentence. */
   paced: string;
-  /** This application does not operate any more, and did not end that itself. */
+  /** Operation ended without `stop`; the value is the reason. */
   ended: string;
 }
 
@@ -58,7 +58,7 @@ export class Teleoperation {
     return this.#command !== null;
   }
 
-  /** Whether what the person does can be sent now: a stream of the avatar is there, and its channels are open. */
+  /** Whether input can be sent now: a stream of the avatar is there, and its channels are open. */
   get linked(): boolean {
     return this.#media.inputs(engineOf(this.componentRef)).length > 0;
   }
@@ -71,7 +71,7 @@ export class Teleoperation {
   }
 
   /**
-   * Takes the component and begins to operate.
+   * Binds the component and begins to operate.
    *
    * @throws RoISError (OUT_OF_RESOURCES: another application has it)
    */
@@ -83,10 +83,10 @@ export class Teleoperation {
     ]);
     this.#command = command;
     void this.#client.completed(command).then(
-      ({ status, reason }) => this.#ended(command, reason || status),
-      (error: unknown) => this.#ended(command, error instanceof Error ? error.message : String(error)),
+      ({ status, reason }) => this.#operationEnded(command, reason || status),
+      () => this.#operationEnded(command, "the connection to the gateway was lost"),
     );
-    // What is sent takes a shorter way than the command: it must not be there first.
+    // Input takes a shorter way than the command: it must not arrive before the component operates.
     for (let asked = 0; asked < ASKED && this.#command === command; asked += 1) {
       const results = await this.#client.query("operation", onlyComponent(this.componentRef));
       if (resultValue(results, "operated") === "true") break;
@@ -94,7 +94,7 @@ export class Teleoperation {
     }
   }
 
-  /** Lets go of everything, and gives the component back. */
+  /** Releases everything held, stops operating, and releases the component. */
   async stop(): Promise<void> {
     if (this.#command === null) return;
     this.#release("bye");
@@ -104,9 +104,9 @@ export class Teleoperation {
   }
 
   /**
-   * Sends what the person does at an element (the video), from now on and while this application operates.
+   * Sends the operator's input at an element (the video), from now on and while this application operates.
    *
-   * @returns ends it
+   * @returns detaches from the element
    */
   attach(element: HTMLElement, options: CollectorOptions = {}): () => void {
     this.detach();
@@ -117,7 +117,7 @@ export class Teleoperation {
     };
     const collector = new Collector(element, this.#held, events, options);
     this.#collector = collector;
-    this.#timer = setInterval(() => this.#look(), PACE);
+    this.#timer = setInterval(() => this.#sendDue(), PACE);
     return () => {
       if (this.#collector === collector) this.detach();
     };
@@ -128,7 +128,7 @@ export class Teleoperation {
     if (!this.#collector) return;
     this.#held.stick(x, y);
     this.#moved = true;
-    this.#look();
+    this.#sendDue();
   }
 
   detach(): void {
@@ -142,11 +142,11 @@ export class Teleoperation {
   get #channels(): InputChannels | null {
     if (this.#command === null) return null;
     const channels = this.#media.inputs(engineOf(this.componentRef))[0] ?? null;
-    if (channels) channels.onTold = (told: Told) => this.#events.emit(told.event, told.reason);
+    if (channels) channels.onMessage = ({ event, reason }: EngineMessage) => this.#events.emit(event, reason);
     return channels;
   }
 
-  #look(): void {
+  #sendDue(): void {
     this.#collector?.poll();
     const now = performance.now();
     const due = this.#held.active && now - this.#sentAt >= REPEAT;
@@ -159,7 +159,7 @@ export class Teleoperation {
   #change(change: Change): void {
     this.#moved = true;
     this.#channels?.sendChange(message(change));
-    this.#look();
+    this.#sendDue();
   }
 
   #release(why: Why): void {
@@ -170,11 +170,11 @@ export class Teleoperation {
     channels?.sendState(message(this.#held.state));
   }
 
-  #ended(command: string, reason: string): void {
+  #operationEnded(command: string, reason: string): void {
     if (this.#command !== command) return;
     this.#command = null;
     this.#held.clear();
-    // Whoever wants to operate again asks for it again; the client must not take the component back by itself.
+    // The application has to start again: the client must not bind the component again by itself.
     void this.#client.release(this.componentRef).catch(() => undefined);
     this.#events.emit("ended", reason);
   }

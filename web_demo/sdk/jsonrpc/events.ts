@@ -2,8 +2,8 @@
 
 type Listener<T> = (value: T) => void;
 
-/** Calls a listener; what it throws, at once or later, is nobody's concern but its author's. */
-export function tell<T>(name: string, listener: Listener<T>, value: T): void {
+/** Calls a listener and reports what it throws, at once or later, on the console. */
+export function notifyListener<T>(name: string, listener: Listener<T>, value: T): void {
   const failed = (error: unknown): void => console.error(`openrois: a listener of "${name}" failed`, error);
   try {
     const ended: unknown = listener(value);
@@ -14,11 +14,11 @@ export function tell<T>(name: string, listener: Listener<T>, value: T): void {
   }
 }
 
-/** Calls its listeners in the order in which they were added. */
+/** Event emitter: calls listeners in the order in which they were added. */
 export class Emitter<Events extends object> {
   readonly #listeners = new Map<keyof Events, Set<Listener<never>>>();
 
-  /** Adds a listener; the function that comes back takes it away again. */
+  /** Adds a listener and returns the function that removes it. */
   on<Name extends keyof Events>(name: Name, listener: Listener<Events[Name]>): () => void {
     const listeners = this.#listeners.get(name) ?? new Set();
     this.#listeners.set(name, listeners);
@@ -27,9 +27,9 @@ export class Emitter<Events extends object> {
   }
 
   emit<Name extends keyof Events>(name: Name, value: Events[Name]): void {
-    // A copy, since a listener may take itself away while it runs.
+    // A copy, since a listener may remove itself while it runs.
     for (const listener of [...(this.#listeners.get(name) ?? [])]) {
-      tell(String(name), listener as Listener<Events[Name]>, value);
+      notifyListener(String(name), listener as Listener<Events[Name]>, value);
     }
   }
 }

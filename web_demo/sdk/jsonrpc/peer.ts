@@ -39,7 +39,7 @@ export interface Notification {
   readonly params: JsonObject;
 }
 
-/** The answer to our request `id`, which asked `method`; `id` is no longer outstanding. */
+/** Response to our request `id` for `method`; `id` is no longer outstanding. */
 export interface Response {
   readonly kind: "response";
   readonly id: number;
@@ -47,7 +47,7 @@ export interface Response {
   readonly result: Json;
 }
 
-/** The other side refused our request `id`, which asked `method`; `id` is no longer outstanding. */
+/** Error response to our request `id` for `method`; `id` is no longer outstanding. */
 export interface ErrorResponse {
   readonly kind: "error";
   readonly id: number;
@@ -55,7 +55,7 @@ export interface ErrorResponse {
   readonly error: ErrorObject;
 }
 
-/** The other side broke the protocol. `answer` is null where an answer would answer an answer. */
+/** Violation of the protocol by the other side. `answer` is null where a response must not be answered. */
 export interface Violation {
   readonly kind: "violation";
   readonly reason: string;
@@ -82,15 +82,15 @@ export class Peer {
     return this.#outstanding.size;
   }
 
-  /** Returns a new id and the text that asks `method`. */
+  /** Returns a new id and the text of a request for `method`. */
   request(method: string, params: JsonObject): { id: number; text: string } {
     const id = this.#nextId++;
     this.#outstanding.set(id, method);
     return { id, text: JSON.stringify({ jsonrpc: "2.0", id, method, params }) };
   }
 
-  /** Gives up waiting for the answer to `id`. */
-  forget(id: number): void {
+  /** Stops expecting a response to the request `id`. */
+  abandonRequest(id: number): void {
     this.#outstanding.delete(id);
   }
 
@@ -112,10 +112,10 @@ export class Peer {
     const id = has(message, "id") ? message["id"] : null;
     if (!isRequestId(id)) return this.#violation("id must be a string, a number or null", INVALID_REQUEST);
     if (message["jsonrpc"] !== "2.0") return this.#violation('jsonrpc must be "2.0"', INVALID_REQUEST, id);
-    return has(message, "method") ? this.#call(message, id) : this.#answer(message, id);
+    return has(message, "method") ? this.#readCall(message, id) : this.#readAnswer(message, id);
   }
 
-  #call(message: JsonObject, id: RequestId): Incoming {
+  #readCall(message: JsonObject, id: RequestId): Incoming {
     const method = message["method"];
     const params = message["params"] ?? {};
     if (typeof method !== "string") return this.#violation("method must be a string", INVALID_REQUEST, id);
@@ -129,7 +129,7 @@ export class Peer {
       : { kind: "violation", reason, answer: null };
   }
 
-  #answer(message: JsonObject, id: RequestId): Incoming {
+  #readAnswer(message: JsonObject, id: RequestId): Incoming {
     const withResult = has(message, "result");
     const withError = has(message, "error");
     if (!withResult && !withError) {

@@ -1,4 +1,4 @@
-/** One JSON-RPC peer over one WebSocket: waiters, time limits, and a hook that sees every message. */
+/** JSON-RPC session over one WebSocket: waiters, time limits, and a hook that sees every message. */
 
 import { METHOD_NOT_FOUND, Peer, isObject } from "./peer.ts";
 import type { ErrorObject, Json, JsonObject, Notification } from "./peer.ts";
@@ -39,7 +39,7 @@ export interface SessionOptions {
   readonly onClose?: (code: number, reason: string) => void;
 }
 
-/** The request was refused on the level of JSON-RPC: unknown method, wrong params, a fault in the engine. */
+/** JSON-RPC error response: unknown method, wrong params, or a fault in the engine. */
 export class RpcError extends Error {
   override readonly name = "RpcError";
   readonly code: number;
@@ -54,19 +54,19 @@ export class RpcError extends Error {
   }
 }
 
-/** There is no connection, or it ended before the answer came. */
+/** No connection, or it ended before the response came. */
 export class ConnectionLost extends Error {
   override readonly name = "ConnectionLost";
 }
 
-/** No answer came in time, or too many answers are missing already. */
+/** No response in time, or too many requests without one. */
 export class RequestTimeout extends Error {
   override readonly name = "RequestTimeout";
 }
 
 const OPEN = 1;
 const MAX_BUFFERED_BYTES = 1024 * 1024;
-/** How many late answers are still waited for; the oldest is given up first. */
+/** Most late responses that are still accepted; the oldest is given up first. */
 const MAX_LATE = 64;
 
 type OnLate = (result: Json) => void;
@@ -100,7 +100,7 @@ export class JsonRpcSession {
     this.#requestTimeout = options.requestTimeout ?? 10_000;
     this.#maxOutstanding = options.maxOutstanding ?? 64;
     socket.addEventListener("message", (event) => this.#receive(event.data));
-    socket.addEventListener("close", (event) => this.#end(event.code, event.reason));
+    socket.addEventListener("close", (event) => this.#failWaiters(event.code, event.reason));
   }
 
   /** Milliseconds since the last message came in. */
@@ -111,8 +111,8 @@ export class JsonRpcSession {
   /**
    * Asks `method` and waits for its result.
    *
-   * @param onLate hears a result that comes after `RequestTimeout`, to undo what was done
-   * @param onReason hears what `explain` is told of this request, before its result comes
+   * @param onLate is called with a result that comes after `RequestTimeout`, to undo what was done
+   * @param onReason is called with the reason that `explain` gives for this request, before its result comes
    * @throws RpcError | ConnectionLost | RequestTimeout
    */
   request(method: string, params: JsonObject = {}, onLate?: OnLate, onReason?: OnReason): Promise<Json> {
@@ -121,7 +121,9 @@ export class JsonRpcSession {
         return reject(new ConnectionLost(`${method}: there is no connection`));
       }
       if (this.#waiters.size >= this.#maxOutstanding || this.#socket.bufferedAmount > MAX_BUFFERED_BYTES) {
-        return reject(new RequestTimeout(`${method}: too many requests are unanswered`));
+        return reject(
+          new RequestTimeout(`${method}: too many requests are unanswered: await some responses first`),
+        );
       }
       const { id, text } = this.#peer.request(method, params);
       const timer = setTimeout(() => this.#expire(id), this.#requestTimeout);
@@ -131,15 +133,15 @@ export class JsonRpcSession {
     });
   }
 
-  /** Says why a request is about to be refused; of one that nobody waits for it is forgotten. */
+  /** Passes on why a request is about to be refused; ignored for a request without a waiter. */
   explain(id: number, reason: string): void {
     this.#waiters.get(id)?.onReason?.(reason);
   }
 
-  /** Ends the session and fails every waiter at once, whether or not the other side takes part. */
+  /** Closes the socket and fails every waiter at once, without waiting for the other side. */
   close(code: number, reason: string): void {
     this.#socket.close(code, reason);
-    this.#end(code, reason);
+    this.#failWaiters(code, reason);
   }
 
   #receive(data: unknown): void {
@@ -162,7 +164,7 @@ export class JsonRpcSession {
         if (incoming.answer !== null) this.#socket.send(incoming.answer);
         return;
       default: {
-        const waiter = this.#take(incoming.id);
+        const waiter = this.#removeWaiter(incoming.id);
         const elapsed = waiter && performance.now() - waiter.sentAt;
         this.#observe("received", incoming.kind, incoming.method, () => parsed(data), elapsed);
         if (incoming.kind === "response") (waiter?.resolve ?? this.#late.get(incoming.id))?.(incoming.result);
@@ -173,31 +175,31 @@ export class JsonRpcSession {
   }
 
   #expire(id: number): void {
-    const waiter = this.#take(id);
+    const waiter = this.#removeWaiter(id);
     if (waiter?.onLate) this.#late.set(id, waiter.onLate);
-    else this.#peer.forget(id);
+    else this.#peer.abandonRequest(id);
     const oldest = this.#late.keys().next();
     if (this.#late.size > MAX_LATE && !oldest.done) {
       this.#late.delete(oldest.value);
-      this.#peer.forget(oldest.value);
+      this.#peer.abandonRequest(oldest.value);
     }
     waiter?.reject(new RequestTimeout(`${waiter.method}: no answer within ${this.#requestTimeout} ms`));
     // A socket on which nothing at all comes in any more is dead, though the browser cannot know it yet.
     if (this.silence >= this.#requestTimeout) this.close(4000, "no answer");
   }
 
-  #take(id: number): Waiter | undefined {
+  #removeWaiter(id: number): Waiter | undefined {
     const waiter = this.#waiters.get(id);
     this.#waiters.delete(id);
     if (waiter) clearTimeout(waiter.timer);
     return waiter;
   }
 
-  #end(code: number, reason: string): void {
+  #failWaiters(code: number, reason: string): void {
     if (this.#closed) return;
     this.#closed = true;
     for (const id of [...this.#waiters.keys()]) {
-      const waiter = this.#take(id);
+      const waiter = this.#removeWaiter(id);
       waiter?.reject(new ConnectionLost(`${waiter.method}: the connection ended (${code} ${reason})`));
     }
     this.#options.onClose?.(code, reason);
@@ -216,15 +218,15 @@ export class JsonRpcSession {
   }
 }
 
-/** The observer gets a copy of its own, so that it cannot change what the application sees. */
+/** Parses a message again: the observer's copy cannot change the application's. */
 function parsed(text: string): Json {
   const value: unknown = JSON.parse(text);
   return isObject(value) ? value : null;
 }
 
-/** What is wrong with params, `[{path, message}]`, as the end of a sentence; anybody may send anything as data. */
+/** Errors in params, `[{path, message}]`, as the end of a sentence; `data` may be any JSON. */
 function details(data: Json | undefined): string {
   const wrong = (Array.isArray(data) ? data : []) as readonly ({ path?: Json; message?: Json } | null)[];
-  const told = wrong.slice(0, 3).map((each) => `${String(each?.path)}: ${String(each?.message)}`);
-  return told.length > 0 ? `: ${told.join("; ").slice(0, 300)}` : "";
+  const parts = wrong.slice(0, 3).map((each) => `${String(each?.path)}: ${String(each?.message)}`);
+  return parts.length > 0 ? `: ${parts.join("; ").slice(0, 300)}` : "";
 }

@@ -22,7 +22,7 @@ export interface CaptureProblem {
 /** What is used of `navigator.mediaDevices`. */
 export type Devices = Pick<MediaDevices, "getUserMedia" | "enumerateDevices">;
 
-/** What is wanted of a device unless somebody says otherwise. */
+/** Default constraints of each kind of device. */
 const USUAL: Readonly<Record<MediaKind, MediaTrackConstraints>> = {
   // The avatar's own voice comes out of the speakers beside this microphone.
   audio: { echoCancellation: true, noiseSuppression: true, autoGainControl: true },
@@ -31,7 +31,7 @@ const USUAL: Readonly<Record<MediaKind, MediaTrackConstraints>> = {
 
 const NAMES: Readonly<Record<MediaKind, string>> = { audio: "microphone", video: "camera" };
 
-/** Asks for its device only when `open` is called, and lets go of it with `close`: then its light goes out. */
+/** Capture of one device: asked for by `open`, released by `close`, when its light goes out. */
 export class Capture {
   readonly kind: MediaKind;
   readonly #constraints: MediaTrackConstraints;
@@ -40,7 +40,7 @@ export class Capture {
   #track: MediaStreamTrack | null = null;
   #problem: CaptureProblem | null = null;
   #deviceId: string | null = null;
-  /** Counts what was asked for: consent may come when nobody wants the device any more. */
+  /** Number of requests for a device: consent may come after the request was withdrawn. */
   #asked = 0;
 
   constructor(
@@ -53,7 +53,7 @@ export class Capture {
     this.#devices = devices;
   }
 
-  /** What the device gives; null while it is not in use. */
+  /** The captured track; null while the device is not in use. */
   get track(): MediaStreamTrack | null {
     return this.#track;
   }
@@ -68,7 +68,7 @@ export class Capture {
     return this.#track?.getSettings().deviceId ?? this.#deviceId;
   }
 
-  /** Tells that track, problem or device have changed. */
+  /** Calls the listener when track, problem or device have changed. */
   onChange(listener: () => void): () => void {
     return this.#events.on("change", listener);
   }
@@ -104,7 +104,7 @@ export class Capture {
     this.#events.emit("change", undefined);
   }
 
-  /** The devices of this kind; without the user's consent browsers do not tell their names. */
+  /** The devices of this kind; before the user's consent browsers hide their names. */
   async list(): Promise<MediaDeviceInfo[]> {
     const all = (await this.#devices?.enumerateDevices().catch(() => [])) ?? [];
     return all.filter(({ kind, deviceId }) => kind === `${this.kind}input` && deviceId !== "");

@@ -2,7 +2,7 @@
 
 import { Emitter } from "../jsonrpc/events.ts";
 
-/** Milliseconds that a frame takes to the screen at most, after the browser has told of it. */
+/** Most milliseconds from the frame callback to the screen. */
 const SOON = 50;
 
 export interface PresentedFrame {
@@ -10,21 +10,21 @@ export interface PresentedFrame {
   readonly visibleAt: number;
   /** How many frames the element has presented. */
   readonly presented: number;
-  /** Of the packets that brought it; null where the browser does not tell. */
+  /** Of the packets that brought it; null where the browser does not say. */
   readonly rtpTimestamp: number | null;
 }
 
 /**
  * Follows the frames that a video element presents, whichever stream it shows.
  *
- * Only frames that came over the network count, where the browser tells: one that it made itself, because a track
- * ended or begins, is black.
+ * Only frames that came over the network count, where the browser marks them: a frame that the browser makes itself,
+ * because a track ends or begins, is black.
  */
 export class FrameWatch {
   readonly #events = new Emitter<{ frame: PresentedFrame }>();
   readonly #video: HTMLVideoElement;
   #lastAt: number | null = null;
-  /** This browser tells which frames came over RTP. */
+  /** Whether this browser marks the frames that came over RTP. */
   #tells = false;
 
   constructor(video: HTMLVideoElement) {
@@ -48,7 +48,7 @@ export class FrameWatch {
       this.#tells ||= received;
       if (this.#tells && !received) return;
       this.#lastAt = now;
-      // After a pause Chromium may tell a time of its smoothing, 250 ms later; but what it calls for is nearly on the screen.
+      // After a pause Chromium may give a time of its smoothing, 250 ms too late: the frame is nearly on the screen.
       const visibleAt = Math.max(now, Math.min(metadata.expectedDisplayTime, now + SOON));
       this.#events.emit("frame", {
         visibleAt,

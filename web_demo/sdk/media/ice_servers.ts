@@ -26,7 +26,7 @@ export class IceServers {
     return this.#servers;
   }
 
-  /** Asks the gateway, unless what it said still holds. A gateway without such servers is fine. */
+  /** Asks the gateway, unless the servers are still valid. A gateway may have none. */
   refresh(): Promise<void> {
     if (performance.now() < this.#staleAt) return Promise.resolve();
     this.#asking ??= this.#ask().finally(() => {
@@ -35,8 +35,8 @@ export class IceServers {
     return this.#asking;
   }
 
-  /** Another session may have another gateway behind it. */
-  forget(): void {
+  /** Marks the servers as expired: another session may reach another gateway. */
+  expire(): void {
     this.#staleAt = 0;
   }
 

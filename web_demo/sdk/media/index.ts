@@ -1,7 +1,7 @@
 /** The streams that RoIS controls, received and sent over WebRTC in a browser. */
 
-export { SAME_CLOCK, isLoopback, measureOffset, wallNow } from "./clock_offset.ts";
-export type { ClockOffset } from "./clock_offset.ts";
+export { SAME_CLOCK, isLoopback, measureOffset, wallNow } from "./engine_clock.ts";
+export type { ClockOffset } from "./engine_clock.ts";
 export type { CaptureProblem, Devices } from "./capture.ts";
 export { decodableCodecs, encodableCodecs } from "./codecs.ts";
 export { FrameWatch, LastingPicture } from "./frames.ts";

@@ -1,4 +1,4 @@
-/** A stream that this application sends: what a microphone or camera gives, for as long as the user wants it. */
+/** A stream of this machine's microphone or camera to a component. */
 
 import type { BackoffOptions } from "../rois/backoff.ts";
 import type { StreamStatus } from "../rois/generated/types.ts";
@@ -13,7 +13,7 @@ import type { EncodingLimits, StreamDescription, StreamOperations } from "./stre
  */
 export class LocalStream extends ControlledStream {
   readonly #capture: Capture;
-  /** The engine has suspended it. */
+  /** Whether the engine has suspended it. */
   #held = false;
 
   constructor(
@@ -28,7 +28,7 @@ export class LocalStream extends ControlledStream {
     capture.onChange(() => this.#follow());
   }
 
-  /** What the device gives, for a preview and a level; null while it is not in use. */
+  /** The captured track, for a preview and a level; null while the device is not in use. */
   get captured(): MediaStreamTrack | null {
     return this.#capture.track;
   }
@@ -53,12 +53,12 @@ export class LocalStream extends ControlledStream {
     return super.expectsMedia && (this.outgoing !== null || this.direction === "sendrecv");
   }
 
-  /** The devices that could be used; without the user's consent browsers do not tell their names. */
+  /** The devices that could be used; before the user's consent browsers hide their names. */
   devices(): Promise<MediaDeviceInfo[]> {
     return this.#capture.list();
   }
 
-  /** Takes another device into use; where that fails the one before goes on, and `captureProblem` says why. */
+  /** Changes to another device; on failure the present one stays in use, and `captureProblem` says why. */
   async use(deviceId: string): Promise<void> {
     await this.#capture.open(deviceId);
   }
@@ -68,7 +68,7 @@ export class LocalStream extends ControlledStream {
     if (await this.#capture.open()) await super.connect();
   }
 
-  /** Has nothing captured and sends nothing, at once, whatever the engine says; the connection stays. */
+  /** Stops capturing and sending at once, without waiting for the engine; the connection stays. */
   override suspend(): Promise<void> {
     const done = super.suspend();
     this.#follow();
@@ -88,7 +88,7 @@ export class LocalStream extends ControlledStream {
     return done;
   }
 
-  /** An engine that has suspended the stream says something else before it wants it again. @internal */
+  /** Takes a status; an engine that resumes a stream which it suspended reports another status. @internal */
   override reported(status: StreamStatus): void {
     this.#held = status === "STREAMING_SUSPENDED" && this.desire === "running";
     super.reported(status);

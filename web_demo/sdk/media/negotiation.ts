@@ -35,9 +35,9 @@ export type Effect =
 
 /** The most peer connections at one time: one in use, one that replaces it, and room for a burst of restarts. */
 export const MAX_PEERS = 6;
-/** The most candidates of one peer that wait, in each direction. */
+/** Most waiting candidates of one peer, in each direction. */
 export const MAX_WAITING_CANDIDATES = 64;
-/** How many ended peers are remembered, so that a late message does not bring one back. */
+/** Ended peers that are remembered, so that late messages are ignored. */
 const MAX_ENDED = 64;
 
 interface PeerState {
@@ -54,7 +54,7 @@ export class Negotiation {
   readonly #peers = new Map<string, PeerState>();
   readonly #ended = new Set<string>();
 
-  /** An offer came in. */
+  /** Takes an offer. */
   offer(offer: Offer): Effect[] {
     if (this.#ended.has(offer.peer_id)) return [];
     const peer = this.#peers.get(offer.peer_id);
@@ -69,7 +69,7 @@ export class Negotiation {
     return [{ kind: "apply", offer }];
   }
 
-  /** The offer of this generation was applied, and this is the answer to it. */
+  /** Takes the answer to the offer of a generation, once applied. */
   answered(peerId: string, generation: number, sdp: string): Effect[] {
     const peer = this.#peers.get(peerId);
     if (!peer || peer.applying !== generation) return [];
@@ -87,7 +87,7 @@ export class Negotiation {
     return effects;
   }
 
-  /** A candidate of the engine came in. Those of earlier generations still hold: all share one ICE session. */
+  /** Takes a candidate of the engine. Those of earlier generations stay valid: all share one ICE session. */
   candidate(message: CandidateMessage): Effect[] {
     const peer = this.#peers.get(message.peer_id);
     if (!peer || message.generation > peer.generation) return [];
@@ -100,7 +100,7 @@ export class Negotiation {
     return [];
   }
 
-  /** This side found a candidate of its own. */
+  /** Takes a candidate that this side gathered. */
   gathered(peerId: string, candidate: Candidate): Effect[] {
     const peer = this.#peers.get(peerId);
     if (!peer) return [];
@@ -109,13 +109,13 @@ export class Negotiation {
     return [];
   }
 
-  /** The engine ended the peer, or this side gives it up. */
-  end(peerId: string, reason: string): Effect[] {
+  /** Ends a peer, by the engine's bye or this side's decision. */
+  endPeer(peerId: string, reason: string): Effect[] {
     this.#remember(peerId);
     return this.#peers.delete(peerId) ? [{ kind: "close", peerId, reason }] : [];
   }
 
-  /** The session is gone: nothing can be negotiated on its peers any more. Their media may go on. */
+  /** Ends negotiation on all peers, since the session is gone. Their media may go on. */
   abandon(): void {
     for (const peerId of this.#peers.keys()) this.#remember(peerId);
     this.#peers.clear();

@@ -1,4 +1,4 @@
-/** Decides, from what arrives, when the path of a peer connection is broken. Pure: the time is an argument. */
+/** Detects a broken media path of a peer connection by what arrives. Pure: the time is an argument. */
 
 /** A stream that the peer carries. */
 export interface Flow {
@@ -39,7 +39,7 @@ export class PathWatch {
   #quietUntil = 0;
   #patience = FIRST_PATIENCE;
 
-  /** Call it about once a second with all the flows there are. `now` is in milliseconds of a monotonic clock. */
+  /** Returns the verdict; to be called about once a second with all flows. `now`: milliseconds, monotonic. */
   observe(now: number, connection: RTCPeerConnectionState, flows: readonly Flow[]): Verdict {
     const broken = this.#judgeConnection(now, connection);
     for (const streamId of this.#progress.keys()) {

@@ -7,10 +7,10 @@ import type { Candidate } from "./negotiation.ts";
 /** Makes a peer connection; replaced in tests. */
 export type CreatePeerConnection = (configuration: RTCConfiguration) => RTCPeerConnection;
 
-/** What is sent in a stream now; null for nothing. */
+/** Returns the track sent in a stream now; null for none. */
 export type Outgoing = (streamId: string) => MediaStreamTrack | null;
 
-/** What the receiver of a section can be told about the delay it may add; names differ between browsers. */
+/** Settings of the delay that a receiver may add; names differ between browsers. */
 interface DelayTargets {
   jitterBufferTarget?: number | null;
   playoutDelayHint?: number;
@@ -18,7 +18,7 @@ interface DelayTargets {
 
 /**
  * Milliseconds between the decision to close a connection and its end. A video whose track ends turns black at once,
- * past the page's own drawing: whoever keeps the last picture needs a few frames to put it on the screen before.
+ * past the page's own drawing: keeping the last picture takes a few frames.
  */
 const LINGER = 150;
 
@@ -31,9 +31,9 @@ export interface MediaPeerEvents {
 export class MediaPeer {
   readonly peerId: string;
   readonly connection: RTCPeerConnection;
-  /** For what a person does; null where the engine offers no data channels. */
+  /** Channels for the operator's input; null where the engine offers none. */
   input: InputChannels | null = null;
-  /** What the engine said last of when it captures what it sends. */
+  /** Newest capture clocks of the engine's senders. */
   clocks: readonly SenderClock[] = [];
   #sections = new Map<string, RTCRtpTransceiver>();
   #closed = false;
@@ -97,7 +97,7 @@ export class MediaPeer {
     return this.connection.localDescription?.sdp ?? "";
   }
 
-  /** Adds a candidate of the engine. One that the browser can't use is skipped, as ICE does. */
+  /** Adds a candidate of the engine. An unusable one is skipped, as in ICE. */
   async addCandidate({ candidate, sdp_mid, sdp_m_line_index }: Candidate): Promise<void> {
     const init = { candidate: candidate ?? "", sdpMid: sdp_mid, sdpMLineIndex: sdp_m_line_index };
     try {
@@ -107,7 +107,7 @@ export class MediaPeer {
     }
   }
 
-  /** Nothing is heard from this peer any more; its tracks end a moment later. */
+  /** Ends all callbacks of this peer; its tracks end a moment later. */
   close(): void {
     if (this.#closed) return;
     this.#closed = true;

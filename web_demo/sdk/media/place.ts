@@ -1,10 +1,10 @@
-/** Where a stream is carried. */
+/** The section of a peer connection that carries a stream, and its counters. */
 
 import type { Emitter } from "../jsonrpc/events.ts";
 import type { MediaPeer } from "./peer.ts";
-import { figuresBetween } from "./statistics.ts";
+import { figuresBetween, readSample } from "./statistics.ts";
 import type { Sample } from "./statistics.ts";
-import type { StreamEvents } from "./stream.ts";
+import type { ControlledStream, StreamEvents } from "./stream.ts";
 
 /** A section of one of the peer connections. */
 export interface Attachment {
@@ -12,11 +12,11 @@ export interface Attachment {
   readonly transceiver: RTCRtpTransceiver;
 }
 
-/** Where a stream is carried now, and where it will be once the first frame has come, or gone, there. */
+/** The section that carries a stream now, and the next one, used from its first frame on. */
 export class StreamPlace {
-  /** Media flows. */
+  /** Is called when media flows. */
   onFlow: () => void = () => undefined;
-  /** There is another place, beside the one so far or instead of it. */
+  /** Is called for another section, beside the present one or instead of it. */
   onAttached: (attachment: Attachment) => void = () => undefined;
   readonly #events: Emitter<StreamEvents>;
   readonly #receives: boolean;
@@ -26,7 +26,7 @@ export class StreamPlace {
   #located = false;
   #playoutDelay: number | null = null;
 
-  /** @param receives there is a track of the engine's */
+  /** @param receives whether the engine sends a track */
   constructor(events: Emitter<StreamEvents>, receives: boolean) {
     this.#events = events;
     this.#receives = receives;
@@ -44,22 +44,22 @@ export class StreamPlace {
     return this.#next ?? this.#current;
   }
 
-  /** Milliseconds in the jitter buffer and on the way to the device, as they were last; null while nothing flows. */
+  /** Newest milliseconds in the jitter buffer and output device; null while nothing flows. */
   get playoutDelay(): number | null {
     return this.#playoutDelay;
   }
 
-  /** The present connection of the stream has a place; what is shown may still come from the one before. */
+  /** Whether the stream's present connection has a section; the picture may still come from the former one. */
   get located(): boolean {
     return this.#located;
   }
 
-  /** Something has arrived at the newest place, or left from there. */
+  /** Whether media has flowed in the newest section. */
   get flowed(): boolean {
     return this.#located && this.#next === null && this.#sample !== null && this.#sample.units > 0;
   }
 
-  /** The stream is carried here too. It is shown from here at once if it was shown nowhere. */
+  /** Adds a section that carries the stream; the first one is shown at once. */
   attach(attachment: Attachment): void {
     const { newest } = this;
     this.#located = true;
@@ -69,7 +69,7 @@ export class StreamPlace {
     if (!this.#current) this.promote();
   }
 
-  /** The first frame has come: the stream is shown from the newest place. */
+  /** Shows the stream from the newest section, whose first frame has come. */
   promote(): void {
     if (!this.#next) return;
     this.#current = this.#next;
@@ -79,26 +79,26 @@ export class StreamPlace {
     this.#events.emit("change", undefined);
   }
 
-  /** A peer connection is about to be closed. */
+  /** Leaves a peer connection that is about to be closed. */
   detach(peer: MediaPeer): void {
     if (this.#next?.peer === peer) this.#next = null;
     if (this.#current?.peer === peer) this.#interrupt();
     this.promote();
   }
 
-  /** The connection of the stream has ended. What is shown stays. */
-  forget(): void {
+  /** Drops the next section, since the stream's connection ended. The picture stays. */
+  connectionEnded(): void {
     this.#next = null;
     this.#located = false;
   }
 
-  /** The stream is not wanted any more. */
+  /** Leaves all sections, since the stream is disconnected. */
   drop(): void {
-    this.forget();
+    this.connectionEnded();
     if (this.#current) this.#interrupt();
   }
 
-  /** Counters of the current place. */
+  /** Takes counters of the current section. */
   sampled(sample: Sample): void {
     const figures = this.#sample && figuresBetween(this.#sample, sample);
     this.#sample = sample;
@@ -116,4 +116,21 @@ export class StreamPlace {
     this.#playoutDelay = null;
     this.#events.emit("change", undefined);
   }
+}
+
+/** Returns a counter that grows while media arrives: bytes on a hidden page, which may stop decoding. */
+export function progress(sample: Sample | undefined): number {
+  if (!sample) return 0;
+  return globalThis.document?.visibilityState === "hidden" ? sample.bytes : sample.units;
+}
+
+/** Reads the browser's counters of a section; null for a closed or missing one. */
+export async function readCounters(
+  attachment: Attachment | null,
+  { direction }: ControlledStream,
+): Promise<Sample | null> {
+  if (!attachment || attachment.peer.closed) return null;
+  const { sender, receiver } = attachment.transceiver;
+  const stats = await (direction === "sendonly" ? sender : receiver).getStats();
+  return readSample((stats as unknown as Map<string, never>).values(), performance.now());
 }

@@ -1,4 +1,4 @@
-/** The streams of one application, both ways: streaming verbs, signaling, peer connections, and getting well again. */
+/** The streams of one application, both ways: streaming verbs, signaling, peer connections, recovery. */
 
 import type { Notification } from "../jsonrpc/peer.ts";
 import type { BackoffOptions } from "../rois/backoff.ts";
@@ -15,7 +15,6 @@ import type {
 import type { InputChannels } from "../input/channels.ts";
 import { Capture } from "./capture.ts";
 import { decodableCodecs, encodableCodecs } from "./codecs.ts";
-import { progress, readCounters } from "./counters.ts";
 import { IceServers } from "./ice_servers.ts";
 import { LocalStream } from "./local_stream.ts";
 import { Negotiation } from "./negotiation.ts";
@@ -24,19 +23,20 @@ import { FIRST_FRAME_WITHIN, PathWatch } from "./path_watch.ts";
 import { sizeWanted, streamParameters } from "./parameters.ts";
 import { MediaPeer } from "./peer.ts";
 import { PlayoutReports } from "./playout_reports.ts";
+import { progress, readCounters } from "./place.ts";
 import type { MediaLink, ReceiverOptions, SendingOptions } from "./receiver_options.ts";
 import type { Problem, Verb } from "./reconciler.ts";
 import type { Sample } from "./statistics.ts";
 import { RemoteStream } from "./stream.ts";
 import type { ControlledStream, EncodingLimits, StreamOperations } from "./stream.ts";
 
-/** When an engine comes back its profile changes, and that is tried at once; the waits only bound what that misses. */
+/** Backoff of streams. An engine that returns changes the profile, which causes an attempt at once. */
 const BACKOFF: BackoffOptions = { first: 1000, factor: 2, max: 15_000 };
 
 /** Milliseconds after which a connected stream without an offer is given up; the engine should do so after 15 s. */
 const OFFER_WITHIN = 20_000;
 
-/** Milliseconds between two looks at the counters, usually and while a first frame is awaited. */
+/** Milliseconds between two readings of the counters, usually and while a first frame is awaited. */
 const TICK = 1000;
 const QUICK_TICK = 100;
 
@@ -98,8 +98,8 @@ export class MediaReceiver {
   }
 
   /**
-   * There is reason to believe that the network is another one: the engine is asked for another way at once, before
-   * the old one has failed. What is shown stays until the new one plays.
+   * Asks the engine for new peer connections at once, since the network may have changed, before the old ones have
+   * failed. The picture stays until a new one plays.
    */
   networkChanged(): void {
     for (const { peer, leaving } of this.#peers.values()) if (!leaving) void this.#restart(peer.peerId);
@@ -135,7 +135,7 @@ export class MediaReceiver {
     const reports = new PlayoutReports((method, ...params) => this.#link.call(method, ...params));
     stream.on("figures", () => {
       const { streamId, place } = stream;
-      reports.look({ streamId, delay: place.playoutDelay }, performance.now());
+      reports.observeDelay({ streamId, delay: place.playoutDelay }, performance.now());
     });
   }
 
@@ -168,7 +168,7 @@ export class MediaReceiver {
     await this.#link.call(`rois.stream.${verb}_stream`, { stream_id: streamId });
   }
 
-  /** Attaches a stream to the newest peer that carries it, and closes what nobody needs. */
+  /** Attaches a stream to the newest peer that carries it, and closes unused peers. */
   #relocate(stream: ControlledStream): void {
     const { streamId } = stream;
     if (streamId !== null) {
@@ -190,7 +190,7 @@ export class MediaReceiver {
     }
     // The media may go on without the control link: the engine waits a while for its application to come back.
     this.#negotiation.abandon();
-    this.#iceServers.forget();
+    this.#iceServers.expire();
     for (const open of this.#peers.values()) open.leaving = true;
     for (const stream of this.#streams.values()) stream.lost(null);
   }
@@ -198,10 +198,10 @@ export class MediaReceiver {
   #notified({ method, params }: Notification): void {
     switch (method) {
       case "signaling.offer":
-        return this.#follow(this.#negotiation.offer(params as unknown as Offer));
+        return this.#runEffects(this.#negotiation.offer(params as unknown as Offer));
       case "signaling.candidate": {
         const missing = { sdp_mid: null, sdp_m_line_index: null };
-        return this.#follow(
+        return this.#runEffects(
           this.#negotiation.candidate({ ...missing, ...params } as unknown as CandidateMessage),
         );
       }
@@ -213,7 +213,7 @@ export class MediaReceiver {
       }
       case "signaling.bye": {
         const { peer_id: peerId, reason } = params as unknown as Bye;
-        return this.#follow(this.#negotiation.end(peerId, reason));
+        return this.#runEffects(this.#negotiation.endPeer(peerId, reason));
       }
       case "rois.stream.notify_stream_status": {
         const { stream_id: streamId, status } = params as unknown as StreamStatusNotification;
@@ -230,7 +230,7 @@ export class MediaReceiver {
     return [...this.#streams.values()].find((each) => each.streamId === streamId);
   }
 
-  #follow(effects: readonly Effect[]): void {
+  #runEffects(effects: readonly Effect[]): void {
     for (const effect of effects) {
       switch (effect.kind) {
         case "open":
@@ -255,7 +255,7 @@ export class MediaReceiver {
           void this.#peers.get(effect.peerId)?.peer.addCandidate(effect.candidate);
           break;
         case "close":
-          this.#ended(effect.peerId);
+          this.#peerEnded(effect.peerId);
       }
     }
   }
@@ -265,7 +265,7 @@ export class MediaReceiver {
       this.#options.createPeerConnection ?? ((configuration) => new RTCPeerConnection(configuration));
     const connection = create({ iceServers: this.#iceServers.current, bundlePolicy: "max-bundle" });
     const peer = new MediaPeer(peerId, connection, {
-      onCandidate: (candidate) => this.#follow(this.#negotiation.gathered(peerId, candidate)),
+      onCandidate: (candidate) => this.#runEffects(this.#negotiation.gathered(peerId, candidate)),
       onStateChange: () => void this.#tick(),
     });
     this.#peers.set(peerId, { peer, watch: new PathWatch(), leaving: false });
@@ -278,18 +278,18 @@ export class MediaReceiver {
     if (!open) return;
     try {
       const sdp = await open.peer.apply(offer, (streamId) => this.#byId(streamId)?.outgoing ?? null);
-      this.#follow(this.#negotiation.answered(offer.peer_id, offer.generation, sdp));
+      this.#runEffects(this.#negotiation.answered(offer.peer_id, offer.generation, sdp));
     } catch (error) {
       if (open.peer.closed) return;
       // Half an answer can't be taken back: the engine ends a peer that is not answered, this side does so now.
       console.error("openrois: the browser refused an offer", error);
-      return this.#follow(this.#negotiation.end(offer.peer_id, "the browser refused the offer"));
+      return this.#runEffects(this.#negotiation.endPeer(offer.peer_id, "the browser refused the offer"));
     }
     for (const stream of this.#streams.values()) this.#relocate(stream);
   }
 
-  /** A peer has ended for good: what arrived by it alone is lost. */
-  #ended(peerId: string): void {
+  /** Closes a peer that has ended; streams that it alone carried are lost. */
+  #peerEnded(peerId: string): void {
     const open = this.#peers.get(peerId);
     if (!open) return;
     this.#closePeer(open.peer);
@@ -313,7 +313,7 @@ export class MediaReceiver {
     for (const { peer, leaving } of [...this.#peers.values()]) {
       const used = streams.some(({ place }) => place.current?.peer === peer || place.next?.peer === peer);
       if (!leaving || used) continue;
-      this.#negotiation.end(peer.peerId, "replaced");
+      this.#negotiation.endPeer(peer.peerId, "replaced");
       this.#closePeer(peer);
     }
   }
@@ -330,7 +330,7 @@ export class MediaReceiver {
     const samples = new Map<ControlledStream, Sample>();
     await Promise.all(
       [...this.#streams.values()].map(async (stream) => {
-        const sample = await this.#look(stream);
+        const sample = await this.#sampleStream(stream);
         if (sample) samples.set(stream, sample);
       }),
     );
@@ -340,8 +340,8 @@ export class MediaReceiver {
     this.#scheduleTick();
   }
 
-  /** Reads the counters of a stream, and moves it to its next place when it flows there. */
-  async #look(stream: ControlledStream): Promise<Sample | null> {
+  /** Reads the counters of a stream, and promotes its next section when media flows there. */
+  async #sampleStream(stream: ControlledStream): Promise<Sample | null> {
     const { current, next } = stream.place;
     const [shown, coming] = await Promise.all([readCounters(current, stream), readCounters(next, stream)]);
     if (shown && stream.place.current === current) stream.place.sampled(shown);
@@ -351,7 +351,7 @@ export class MediaReceiver {
     return coming;
   }
 
-  /** The user should know that there is no offer; and an engine that does not give the stream back is asked to. */
+  /** Reports a missing offer as a problem, and disconnects the stream when the engine does not. */
   #missOffer(stream: ControlledStream): void {
     const { streamId } = stream;
     if (streamId === null || !stream.expectsMedia || stream.place.located) return;
@@ -391,13 +391,13 @@ export class MediaReceiver {
     } catch (error) {
       // The engine does not know the peer any more: only a new connection of its streams can help.
       if (error instanceof RoISError && error.returnCode !== "OUT_OF_RESOURCES") {
-        this.#follow(this.#negotiation.end(peerId, error.returnCode));
+        this.#runEffects(this.#negotiation.endPeer(peerId, error.returnCode));
       }
     }
   }
 }
 
-/** An answer or a candidate that is lost leads to a peer that does not connect, and that is noticed. */
+/** Ignores a failed call: a lost answer or candidate leads to a peer that does not connect, which is detected. */
 function mayFail(asked: Promise<unknown>): void {
   void asked.catch(() => undefined);
 }

@@ -1,4 +1,4 @@
-/** What a `MediaReceiver` is given. */
+/** Options of a `MediaReceiver`. */
 
 import type { Notification } from "../jsonrpc/peer.ts";
 import type { BackoffOptions } from "../rois/backoff.ts";
@@ -9,7 +9,7 @@ import type { Devices } from "./capture.ts";
 import type { CreatePeerConnection } from "./peer.ts";
 import type { EncodingLimits } from "./stream.ts";
 
-/** What a `Client` offers to the receiver. */
+/** The part of a `Client` that the receiver needs. */
 export interface MediaLink {
   readonly state: ConnectionState;
   readonly call: Call;
@@ -20,7 +20,7 @@ export interface MediaLink {
 export interface ReceiverOptions {
   readonly backoff?: BackoffOptions;
   readonly createPeerConnection?: CreatePeerConnection;
-  /** What this application can decode, best first. */
+  /** Codecs that this application decodes, best first. */
   readonly codecs?: (kind: MediaKind) => string[];
   /** Microphones and cameras; replaced in tests. */
   readonly devices?: Devices;
@@ -30,9 +30,9 @@ export interface ReceiverOptions {
 
 /** How a stream of this application's own is connected. */
 export interface SendingOptions {
-  /** `sendrecv` also hears what comes back; for sound only. */
+  /** `sendrecv` also receives; for sound only. */
   readonly direction?: "sendonly" | "sendrecv";
   readonly limits?: EncodingLimits;
-  /** What else is wanted of the device. */
+  /** Further constraints of the device. */
   readonly constraints?: MediaTrackConstraints;
 }

@@ -1,4 +1,4 @@
-/** Brings one stream, verb by verb, into the state that its user wants, as often as it takes. */
+/** Brings one stream, verb by verb, into the desired state, with retries. */
 
 import { METHOD_NOT_FOUND } from "../jsonrpc/peer.ts";
 import { ConnectionLost, RpcError } from "../jsonrpc/session.ts";
@@ -19,26 +19,26 @@ export interface Problem {
     | "refused"
     /** The stream is connected, and nothing arrives. */
     | "no-media";
-  /** A sentence, of the engine's where it gave one; else a return code. */
+  /** The engine's reason, a sentence, where it gave one; else a return code. */
   readonly detail: string;
 }
 
-/** The streaming verbs, and who wants to know what became of them. */
+/** The streaming verbs, and callbacks for their outcome. */
 export interface Verbs {
-  /** The engine can be asked now. */
+  /** Whether the engine can be reached now. */
   ready(): boolean;
   /** Returns the id of the new connection. */
   connect(): Promise<string>;
   perform(verb: Exclude<Verb, "connect">, streamId: string): Promise<void>;
-  /** The stream was connected and has an id now. */
+  /** Is called when the stream is connected and has an id. */
   onConnected(): void;
-  /** The stream is gone, by our own wish (`wanted`) or because the engine no longer knows it. */
+  /** Is called when the stream is gone: disconnected (`wanted`), or unknown to the engine. */
   onReleased(wanted: boolean): void;
   onProblem(problem: Problem | null): void;
   onChange(): void;
 }
 
-/** Returns what has to be done next so that a stream becomes what it should be. */
+/** Returns the next verb towards the desired state; null when it is reached. */
 export function nextVerb(desire: Desire, connected: boolean, suspended: boolean): Verb | null {
   if (desire === "disconnected") return connected ? "disconnect" : null;
   if (!connected) return "connect";
@@ -46,7 +46,7 @@ export function nextVerb(desire: Desire, connected: boolean, suspended: boolean)
   return suspended ? "resume" : null;
 }
 
-/** At most one verb of a stream is under way; after a failure the next try waits. */
+/** Runs at most one verb of a stream at a time; after a failure the next attempt waits. */
 export class Reconciler {
   readonly #verbs: Verbs;
   readonly #backoff: Backoff;
@@ -74,7 +74,7 @@ export class Reconciler {
     return this.#run !== null;
   }
 
-  /** Something remains to be done. */
+  /** Whether the desired state is not reached. */
   get pending(): boolean {
     return nextVerb(this.#desire, this.#streamId !== null, this.#suspended) !== null;
   }
@@ -86,7 +86,7 @@ export class Reconciler {
     return this.kick();
   }
 
-  /** There is a reason to try at once. */
+  /** Tries at once. */
   kick(): Promise<void> {
     clearTimeout(this.#retry);
     if (this.#run) {
@@ -101,17 +101,17 @@ export class Reconciler {
     return this.#run;
   }
 
-  /** Media flows: the next failure is counted as the first. */
+  /** Resets the backoff, since media flows. */
   succeeded(): void {
     this.#backoff.reset();
   }
 
-  /** The engine has suspended the stream by itself; wanting it to run is a reason to ask. */
+  /** Notes that the engine has suspended the stream; `running` then needs `resume`. */
   suspendedByEngine(): void {
     this.#suspended = true;
   }
 
-  /** The stream is no longer connected. Returns whether it was. */
+  /** Notes that the stream is no longer connected; returns whether it was. */
   lost(): boolean {
     if (this.#streamId === null) return false;
     this.#streamId = null;

@@ -1,4 +1,4 @@
-/** Figures of a stream, computed from what the browser counts. The computing is pure. */
+/** Figures of a stream, computed from the browser's counters. Pure. */
 
 /** Counters at one moment. All of them only grow, except the size and the round trip. */
 export interface Sample {
@@ -13,7 +13,7 @@ export interface Sample {
   /** Seconds that all units together spent in the jitter buffer. */
   readonly bufferDelay: number;
   readonly bufferCount: number;
-  /** Seconds that all samples together waited for the sound device, and how many these are; 0 where nobody says. */
+  /** Seconds that all samples together waited for the sound device, and how many these are; 0 where unknown. */
   readonly deviceDelay: number;
   readonly deviceCount: number;
   /** Seconds for which the picture stood still, all together, as the browser judges it. */

@@ -3,14 +3,14 @@
 import { Emitter } from "../jsonrpc/events.ts";
 import type { BackoffOptions } from "../rois/backoff.ts";
 import type { Direction, MediaKind, StreamStatus } from "../rois/generated/types.ts";
-import { captureTime } from "./capture_time.ts";
+import { captureTime } from "./engine_clock.ts";
 import { Hush } from "./hush.ts";
 import { StreamPlace } from "./place.ts";
 import { Reconciler } from "./reconciler.ts";
 import type { Desire, Problem, Verb } from "./reconciler.ts";
 import type { Figures } from "./statistics.ts";
 
-/** What is asked of the encoder at the other end, or kept to at this one. Whoever encodes may do less. */
+/** Limits of the encoder, at the other end or at this one; it may stay below them. */
 export interface EncodingLimits {
   readonly width?: number;
   readonly height?: number;
@@ -108,7 +108,7 @@ export abstract class ControlledStream {
     return this.#reconciler.streamId;
   }
 
-  /** As RoIS reported it last; null while there is no connection to the gateway, so that nobody can know. */
+  /** Newest status reported by RoIS; null without a connection to the gateway. */
   get status(): StreamStatus | null {
     return this.#status;
   }
@@ -190,10 +190,10 @@ export abstract class ControlledStream {
     this.changed();
   }
 
-  /** The stream is no longer connected; null says that nobody knows. @internal */
+  /** Notes that the stream is no longer connected; null for an unknown status. @internal */
   lost(status: StreamStatus | null): void {
     this.#status = status;
-    if (this.#reconciler.lost()) this.place.forget();
+    if (this.#reconciler.lost()) this.place.connectionEnded();
     this.changed();
   }
 
@@ -232,7 +232,7 @@ export class RemoteStream extends ControlledStream {
 
   /**
    * Silences what is still buffered here of a sound that the avatar is made to break off: at once, and until it has run
-   * out. Call it together with `stop`; what is heard ends then, and not with the buffer, which may hold 350 ms.
+   * out. Call it together with `stop`; the sound ends then, and not with the buffer, which may hold 350 ms.
    *
    * @param cut resolves when the avatar has broken it off, as `stop` does or the event that says so; without it the
    *   avatar has done so already

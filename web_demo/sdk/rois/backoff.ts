@@ -1,4 +1,4 @@
-/** Waiting longer after each failure, with chance in it, so that a thousand clients do not come back at once. */
+/** Exponential backoff with jitter, so that a thousand clients do not reconnect at once. */
 
 export interface BackoffOptions {
   /** Milliseconds before the first retry. */
@@ -19,7 +19,7 @@ export class Backoff {
     this.#options = { first: 500, factor: 1.5, max: 10_000, random: Math.random, ...options };
   }
 
-  /** How many waits were handed out since the last reset. */
+  /** Number of waits since the last reset. */
   get failures(): number {
     return this.#failures;
   }

@@ -4,15 +4,15 @@ import type { BindingClaim, Renewal } from "./claims.ts";
 import { RoISError } from "./errors.ts";
 import type { Call } from "./link.ts";
 
-/** `unknown`: the session that held it is gone. `lost`: it could not be made again, and that was told. */
+/** `unknown`: its session is gone. `lost`: it could not be made again, and `lost` was emitted. */
 type State = "held" | "unknown" | "lost";
 
-/** What this application has bound. A lost engine takes bindings with it, and so does a lost session. */
+/** Components that this application has bound. A lost engine ends bindings, and so does a lost session. */
 export class Bindings {
   readonly #states = new Map<string, State>();
-  /** What stays bound until it is released. */
+  /** Components bound until they are released. */
   readonly #lasting = new Set<string>();
-  /** How many works need each component now. */
+  /** Number of works that need each component now. */
   readonly #uses = new Map<string, number>();
   readonly #turns = new Map<string, Promise<unknown>>();
 
@@ -27,7 +27,7 @@ export class Bindings {
     }
   }
 
-  /** Binds one that meets a condition, until it is released. */
+  /** Binds a component that meets a condition, until it is released. */
   async bindAny(call: Call, condition: string): Promise<string> {
     const { component_ref: componentRef = "" } = await call(
       "rois.command.bind_any",
@@ -39,7 +39,7 @@ export class Bindings {
     return componentRef;
   }
 
-  /** It is not wanted any more, except for what `during` does; returns whether nothing needs it now. */
+  /** Removes a lasting binding; returns whether no work of `during` needs the component now. */
   delete(componentRef: string): boolean {
     this.#lasting.delete(componentRef);
     if (this.#uses.has(componentRef)) return false;
@@ -68,37 +68,37 @@ export class Bindings {
     }
   }
 
-  /** It was granted, and stays bound until it is released. */
+  /** Adds a granted component, bound until it is released. */
   gained(componentRef: string): void {
     this.#lasting.add(componentRef);
     this.#states.set(componentRef, "held");
   }
 
-  /** Another application has it by now: it is not fought for. */
+  /** Removes a component that another application holds now; it is not bound again. */
   taken(componentRef: string): void {
     if (this.#states.get(componentRef) !== "held") return;
     this.#lasting.delete(componentRef);
     this.#states.delete(componentRef);
   }
 
-  /** Of what is held again after a connection was lost: what is wanted no more is given back. */
+  /** Releases those of the resumed bindings that are not needed any more. */
   resumed(call: Call, refs: readonly string[]): void {
     for (const componentRef of refs) if (!this.#states.has(componentRef)) this.giveBack(call, componentRef);
   }
 
-  /** The session that held them is gone. */
+  /** Marks all bindings as unknown, since their session is gone. */
   lost(): void {
     for (const [componentRef, state] of this.#states) {
       if (state === "held") this.#states.set(componentRef, "unknown");
     }
   }
 
-  /** Something is wanted that is not held. */
+  /** Whether a needed component is not held. */
   get incomplete(): boolean {
     return [...this.#states.values()].some((state) => state !== "held");
   }
 
-  /** Binds again, all or only what is missing; what is bound stays so. Never rejects. */
+  /** Binds again, all or only what is missing. Never rejects. */
   async renew(call: Call, renewal: Renewal, all: boolean): Promise<void> {
     const refs = [...this.#states].filter(([, state]) => all || state !== "held").map(([ref]) => ref);
     await Promise.all(refs.map((ref) => this.#renew(call, ref, renewal)));
@@ -109,7 +109,7 @@ export class Bindings {
     this.#states.set(componentRef, "held");
   }
 
-  /** It may have been bound when its caller had given up: it is given back, unless somebody else wants it. */
+  /** Releases a component whose binding came after its caller gave up, unless it is needed otherwise. */
   giveBack(call: Call, componentRef: string): void {
     if (this.#uses.has(componentRef) || this.#lasting.has(componentRef)) return;
     call("rois.command.release", { component_ref: componentRef }).catch(() => undefined);

@@ -13,11 +13,11 @@ export const integer: Check = (value, name) =>
 export const truth: Check = (value, name) =>
   typeof value === "boolean" ? null : `${name} must be true or false`;
 
-/** What names a request of JSON-RPC. */
+/** Id of a JSON-RPC request. */
 export const identity: Check = (value, name) =>
   typeof value === "string" || typeof value === "number" ? null : `${name} must be text or a number`;
 
-/** It may be left out. */
+/** The value may be absent. */
 export const optional =
   (check: Check): Check =>
   (value, name) =>
@@ -47,7 +47,7 @@ export const map =
       ? first(Object.entries(value), ([key, each]) => item(each, `${name}.${key}`))
       : `${name} must be an object`;
 
-/** Members that nobody knows are passed over. */
+/** Unknown members are ignored. */
 export const object =
   (members: { readonly [name: string]: Check }): Check =>
   (value, name) =>

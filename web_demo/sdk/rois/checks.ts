@@ -1,11 +1,11 @@
-/** What comes in is what its method gives: what is needed is there, and of the right type. */
+/** Checks of results and notifications: required members are present, and types are right. */
 
 import { object, oneOf } from "./check.ts";
 import type { Check } from "./check.ts";
 import { NOTIFICATIONS, RESULTS } from "./generated/checks.ts";
 import { ReturnCode } from "./generated/types.ts";
 
-/** Of a method that is not ours no more is known. */
+/** Result of a method of another extension: only its return code is known. */
 const someResult = object({ return_code: oneOf(ReturnCode) });
 
 /** Returns what is wrong with the result of a method; null when nothing is. */

@@ -8,7 +8,6 @@ import type { ComponentClass } from "./component.ts";
 import { and, where } from "./conditions.ts";
 import { componentUrn } from "./discovery.ts";
 import { RoISError } from "./errors.ts";
-import { iterate } from "./event_feed.ts";
 import type {
   CommandUnit,
   ConcurrentCommands,
@@ -21,7 +20,7 @@ import { Link } from "./link.ts";
 import type { Call, ClientOptions, Ended, RoISEvent } from "./link.ts";
 import { Resumption } from "./resumption.ts";
 import { Restoration } from "./restoration.ts";
-import { Subscriptions } from "./subscriptions.ts";
+import { Subscriptions, iterate } from "./subscriptions.ts";
 import type { Subscription } from "./subscriptions.ts";
 
 /** The tree of engines, and the profile of each component by its reference. */
@@ -43,7 +42,7 @@ export type Step = Command | Concurrent;
 
 /**
  * A RoIS application's end of one gateway. It connects again by itself, and what it has bound and subscribed comes
- * back with it; what does not is told (`on("lost")`).
+ * back with it; what does not is reported by `on("lost")`.
  *
  * Every operation throws `RoISError` when its return code is not OK, `RpcError` when the gateway does not know it or
  * its params, `InvalidMessage` when the answer is none, and `ConnectionLost` or `RequestTimeout` when there is none.
@@ -102,7 +101,7 @@ export class Client extends Link {
   async find<Component>(type: ComponentClass<Component>, condition = ""): Promise<Component> {
     const [component] = await this.findAll(type, condition);
     if (component === undefined) {
-      const reason = `there is none${condition && ` where ${condition}`}`;
+      const reason = `there is no such component${condition && ` where ${condition}`}`;
       throw new RoISError("UNSUPPORTED", `find ${type.componentType}`, "", reason);
     }
     return component;
@@ -142,7 +141,7 @@ export class Client extends Link {
   }
 
   /**
-   * Does some work while a component is bound. Where works overlap the last one releases it; one that `bind` has bound
+   * Does some work while a component is bound. Where works overlap the last one releases it; a component bound by `bind`
    * stays so.
    *
    * @throws RoISError (OUT_OF_RESOURCES: another application has it) | what the work throws
@@ -184,7 +183,7 @@ export class Client extends Link {
     try {
       await this.call("rois.command.execute", { command_unit_list: list });
     } catch (error) {
-      for (const id of ids) this.#completions.forget(id);
+      for (const id of ids) this.#completions.discardCommand(id);
       throw error;
     }
     return ids;
@@ -210,7 +209,7 @@ export class Client extends Link {
     return (await this.call("rois.query.query", { query_type: queryType, condition })).results ?? [];
   }
 
-  /** Hears an event of the one component that meets the condition from now on, also after a reconnect. */
+  /** Subscribes to an event of the one component that meets the condition, also after a reconnect. */
   subscribe(
     eventType: string,
     condition: string,
@@ -228,25 +227,25 @@ export class Client extends Link {
     return iterate((listener, onEnd) => this.subscribe(eventType, condition, listener, onEnd));
   }
 
-  /** Returns what an event told, while the gateway remembers it (`expire`). */
+  /** Returns the results of an event, while the gateway remembers it (`expire`). */
   async getEventDetail(eventId: string): Promise<readonly Result[]> {
     return (await this.call("rois.event.get_event_detail", { event_id: eventId })).results ?? [];
   }
 
-  protected override async began(call: Call): Promise<void> {
+  protected override async sessionBegan(call: Call): Promise<void> {
     this.#bindings.resumed(call, await this.#resumption.begin(call, this.extensions));
     await this.#restoration.begin(call);
   }
 
-  protected override ended(closed: boolean, code?: number): void {
-    this.#resumption.ended(closed, code);
+  protected override sessionEnded(closed: boolean, code?: number): void {
+    this.#resumption.sessionEnded(closed, code);
     this.#restoration.stop();
     if (!closed) return;
-    this.#subscriptions.end();
+    this.#subscriptions.endAll();
     this.#bindings.clear();
   }
 
-  protected override changed(): void {
+  protected override profileChanged(): void {
     this.#restoration.changed(this.call);
   }
 }

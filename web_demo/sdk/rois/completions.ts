@@ -1,28 +1,28 @@
-/** Who waits for which command to end. */
+/** Waiters for the ends of commands. */
 
 import { ConnectionLost, RequestTimeout } from "../jsonrpc/session.ts";
 import type { Ended } from "./link.ts";
 
-/** How many ended commands are remembered; the oldest is forgotten first. */
+/** Ended commands that are remembered; the oldest is dropped first. */
 const REMEMBERED = 1024;
 
 type Outcome = Ended | Error;
 
 /**
- * Remembers how commands ended, also those for which nobody waits yet: the news may come in the same breath as the
- * answer that carries the command's id.
+ * Remembers how commands ended, also without a waiter: `completed` may come together with the response that carries the
+ * command's id.
  */
 export class Completions {
   readonly #waiting = new Map<string, Set<(outcome: Outcome) => void>>();
   readonly #ended = new Map<string, Outcome>();
 
-  /** The id is used from now on. Call it before the command is sent. */
+  /** Adds a command id; to be called before the command is sent. */
   expect(commandId: string): void {
     if (!this.#ended.has(commandId) && !this.#waiting.has(commandId)) this.#waiting.set(commandId, new Set());
   }
 
-  /** The command was refused: nobody need wait for it. */
-  forget(commandId: string): void {
+  /** Removes a command that was refused. */
+  discardCommand(commandId: string): void {
     this.#waiting.delete(commandId);
   }
 
@@ -39,7 +39,7 @@ export class Completions {
     return [...this.#waiting.keys()];
   }
 
-  /** The session is gone; what it would have reported of commands is lost. */
+  /** Fails the waiters of commands whose session is gone. */
   lost(commandIds = this.unfinished): void {
     for (const commandId of commandIds) {
       if (!this.#waiting.has(commandId)) continue;

@@ -1,6 +1,6 @@
 /** The run time of typed components: what `Navigation` and its like are made of. */
 
-import { tell } from "../jsonrpc/events.ts";
+import { notifyListener } from "../jsonrpc/events.ts";
 import type { Client } from "./client.ts";
 import { and, onlyComponent } from "./conditions.ts";
 import { CommandFailed } from "./errors.ts";
@@ -55,7 +55,7 @@ export class ComponentProxy<Parameters extends object = object, ReadOnly extends
   }
 
   /**
-   * Reserves the component for this application; one that acts takes commands from nobody else. Idempotent.
+   * Reserves the component for this application; an actuation takes commands from its holder alone. Idempotent.
    *
    * @throws RoISError (OUT_OF_RESOURCES: another application has it)
    */
@@ -78,7 +78,7 @@ export class ComponentProxy<Parameters extends object = object, ReadOnly extends
     }
   }
 
-  /** Some work of `bound` or `perform` is under way. */
+  /** Whether a work of `bound` or `perform` is under way. */
   get inUse(): boolean {
     return this.#works > 0;
   }
@@ -91,7 +91,7 @@ export class ComponentProxy<Parameters extends object = object, ReadOnly extends
   /** Changes parameters, all in one, and waits until that is done. Those that are read only are the component's. */
   async setParameter(values: Settable<Parameters, ReadOnly>): Promise<void> {
     const parameters = encode(this.parameterTypes, values);
-    await this.#ended("set_parameter", await this.#client.setParameter(this.componentRef, parameters));
+    await this.#awaitEnd("set_parameter", await this.#client.setParameter(this.componentRef, parameters));
   }
 
   /**
@@ -120,8 +120,8 @@ export class ComponentProxy<Parameters extends object = object, ReadOnly extends
       ]);
       onStart();
       const [set = "", start = ""] = ids;
-      await this.#ended("set_parameter", set);
-      await this.#ended("start", start);
+      await this.#awaitEnd("set_parameter", set);
+      await this.#awaitEnd("start", start);
     };
     await this.bound(work).finally(() => this.#unsent.delete(unsent));
   }
@@ -142,7 +142,7 @@ export class ComponentProxy<Parameters extends object = object, ReadOnly extends
     return decode(types, await this.#client.getCommandResult(commandId));
   }
 
-  /** Asks the component something; `condition` says what else must hold. */
+  /** Queries the component; `condition` says what else must hold. */
   protected async query<Payload>(queryType: string, types: Types<Payload>, condition = ""): Promise<Payload> {
     const results = await this.#client.query(queryType, and(onlyComponent(this.componentRef), condition));
     return decode(types, results);
@@ -158,11 +158,11 @@ export class ComponentProxy<Parameters extends object = object, ReadOnly extends
     const [commandId = ""] = await this.#client.execute([
       values.length > 0 ? { ...command, arguments: values } : command,
     ]);
-    await this.#ended(commandType, commandId);
+    await this.#awaitEnd(commandType, commandId);
     return commandId;
   }
 
-  async #ended(commandType: string, commandId: string): Promise<void> {
+  async #awaitEnd(commandType: string, commandId: string): Promise<void> {
     const { status, reason } = await this.#client.completed(commandId);
     if (status !== "OK")
       throw new CommandFailed(`${commandType} of ${this.componentRef}`, commandId, status, reason);
@@ -191,14 +191,15 @@ export class ComponentEvent<Payload> implements AsyncIterable<Payload> {
     this.#types = types;
   }
 
-  /** Hears the event from now on, also after a reconnect. */
+  /** Subscribes to the event, also after a reconnect. */
   subscribe(listener: (payload: Payload, event: RoISEvent) => void): Promise<Subscription> {
     let turn: Promise<unknown> = Promise.resolve();
     return this.#client.subscribe(this.eventType, onlyComponent(this.#componentRef), (event) => {
       turn = turn
         .then(() => this.#read(event))
         .then((payload) => {
-          if (payload !== undefined) tell(this.eventType, (told) => listener(told, event), payload);
+          if (payload !== undefined)
+            notifyListener(this.eventType, (value) => listener(value, event), payload);
         });
     });
   }
@@ -211,7 +212,7 @@ export class ComponentEvent<Payload> implements AsyncIterable<Payload> {
     }
   }
 
-  /** An engine may leave it to be asked what the event tells. What cannot be read is told and passed over. */
+  /** Reads the results, or asks for them where the engine sent none. Unreadable ones are reported and skipped. */
   async #read(event: RoISEvent): Promise<Payload | undefined> {
     const { event_id: eventId, results } = event;
     try {

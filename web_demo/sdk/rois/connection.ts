@@ -1,4 +1,4 @@
-/** A connection to one gateway that comes back by itself. */
+/** Connection to one gateway that reconnects by itself. */
 
 import { Emitter } from "../jsonrpc/events.ts";
 import { ConnectionLost, JsonRpcSession } from "../jsonrpc/session.ts";
@@ -7,7 +7,7 @@ import type { Json, JsonObject, Notification } from "../jsonrpc/peer.ts";
 import { Backoff } from "./backoff.ts";
 import type { BackoffOptions } from "./backoff.ts";
 
-/** Whether there is a connection, and if there is none, what is done about it. */
+/** State of the connection. */
 export type ConnectionState =
   /** `attempt` counts the failures since the connection was last good; 0 at the first try. */
   | { readonly name: "connecting"; readonly attempt: number }
@@ -93,7 +93,7 @@ export class Connection {
     return this.#state;
   }
 
-  /** Milliseconds since the gateway was last heard; infinite without a connection. */
+  /** Milliseconds since the last message of the gateway; infinite without a connection. */
   get silence(): number {
     return this.#session?.silence ?? Number.POSITIVE_INFINITY;
   }
@@ -107,14 +107,14 @@ export class Connection {
     if (this.#state.name === "waiting") this.#dial();
   }
 
-  /** Makes no further attempt before `retryNow`: there is reason to believe that none succeeds. */
+  /** Makes no further attempt before `retryNow`, since none would succeed. */
   hold(): void {
     if (this.#state.name !== "waiting") return;
     clearTimeout(this.#timer);
     this.#enter({ ...this.#state, retryAt: Number.POSITIVE_INFINITY });
   }
 
-  /** Nothing was heard for so long that the connection is taken for dead: the next one is made. */
+  /** Closes a connection that is taken for dead after a long silence; the next one is made. */
   abandon(): void {
     this.#session?.close(4000, "no answer");
   }
@@ -139,7 +139,7 @@ export class Connection {
     return Promise.reject(new ConnectionLost(`${method}: there is no connection`));
   }
 
-  /** Says why a request is about to be refused. */
+  /** Passes on why a request is about to be refused. */
   explain(id: number, reason: string): void {
     this.#session?.explain(id, reason);
   }
@@ -162,7 +162,7 @@ export class Connection {
       if (attempt === this.#attempt) void this.#welcome(attempt, socket);
       else socket.close();
     });
-    // `ws` throws an error that nobody listens to, and says why there is no connection; a browser may not.
+    // `ws` throws errors without a listener, and says why there is no connection; a browser does not.
     socket.addEventListener("error", ({ message }) => {
       if (message) this.#fail(attempt, message);
     });
@@ -196,13 +196,13 @@ export class Connection {
   }
 
   #fail(attempt: number, reason: string, code?: number): void {
-    // What an attempt says after it was given up is old news.
+    // An attempt that was given up is ignored.
     if (attempt !== this.#attempt) return;
     this.#attempt += 1;
     clearTimeout(this.#timer);
     this.#session = null;
     const asked = /^retry_after=(\d{1,4}(?:\.\d+)?)$/.exec(reason)?.[1];
-    // Both: what all are told alike must not bring all of them back in the same moment.
+    // Both: a time that all clients get alike must not bring them back at the same moment.
     const wait = this.#backoff.next() + (asked === undefined ? 0 : Number(asked) * 1000);
     const retryAt = Date.now() + wait;
     this.#timer = setTimeout(() => this.#dial(), wait);
@@ -220,7 +220,7 @@ export class Connection {
     const token = typeof given === "function" ? given() : given;
     if (token === undefined) return webSocket(this.#url, [], {});
     if (!/^[!-~]+$/.test(token))
-      throw new TypeError("what was given as a token is none: it is one line of letters");
+      throw new TypeError("the token must be one line of printable ASCII characters without spaces");
     return "location" in globalThis
       ? webSocket(this.#url, ["openrois.v1", `openrois.bearer.${token}`], {})
       : webSocket(this.#url, [], { Authorization: `Bearer ${token}` });
@@ -231,7 +231,7 @@ export class Connection {
 export function gatewayUrl(url: string | URL, base: string | undefined = globalThis.location?.href): string {
   const address = URL.canParse(url, base) ? new URL(url, base) : undefined;
   if (!address || !/^(ws|http)s?:$/.test(address.protocol))
-    throw new TypeError(`"${url}" is no address of a gateway, such as ws://127.0.0.1:8765/`);
+    throw new TypeError(`"${url}" is not the address of a gateway: give one such as ws://127.0.0.1:8765/`);
   address.protocol = address.protocol.replace(/^http/, "ws");
   address.hash = "";
   return address.href;

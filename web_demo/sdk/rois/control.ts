@@ -1,4 +1,4 @@
-/** Who controls which component: asking for it, handing it over, and stopping everything. */
+/** Control of components: requests, hand-over, and STOP. */
 
 import { ConnectionLost, RequestTimeout } from "../jsonrpc/session.ts";
 import type { Bindings } from "./bindings.ts";
@@ -12,7 +12,7 @@ import type {
 } from "./generated/types.ts";
 import type { Link } from "./link.ts";
 
-/** What is told of leases. */
+/** Notifications of leases. */
 export interface ControlEvents {
   "openrois.lease.changed": LeaseChangedNotification;
   "openrois.lease.requested": LeaseRequestedNotification;
@@ -20,12 +20,12 @@ export interface ControlEvents {
   "openrois.lease.withdrawn": LeaseWithdrawnNotification;
 }
 
-/** The leases of a client, see `docs/control.md`. Everything throws as the other operations of a client do. */
+/** The leases of a client, see `docs/explanation/control.md`. Everything throws as the other operations of a client do. */
 export class Control {
   readonly #client: Link;
   readonly #bindings: Bindings;
-  /** What looks, for each request that waits, whether it still does. */
-  readonly #looks = new Set<() => void>();
+  /** Checks of waiting requests: each finds out whether it still waits. */
+  readonly #checks = new Set<() => void>();
 
   constructor(client: Link, bindings: Bindings) {
     this.#client = client;
@@ -35,26 +35,26 @@ export class Control {
     });
   }
 
-  /** Listens to one kind of notification of leases; the function that comes back ends it. */
+  /** Listens to one kind of notification of leases and returns the function that ends it. */
   on<Name extends keyof ControlEvents>(
     name: Name,
-    listener: (told: ControlEvents[Name]) => void,
+    listener: (notification: ControlEvents[Name]) => void,
   ): () => void {
     return this.#client.on("notification", ({ method, params }) => {
       if (method === name) listener(params as unknown as ControlEvents[Name]);
     });
   }
 
-  /** Returns who controls a component; from then on `openrois.lease.changed` tells when that changes. */
+  /** Returns the lease of a component; from then on `openrois.lease.changed` reports its changes. */
   async status(componentRef: string): Promise<LeaseStatus | null> {
     return (await this.#client.call("openrois.lease.query", { component_ref: componentRef })).lease ?? null;
   }
 
   /**
-   * Asks the holder of a component for it, and resolves once it is bound; of a free one nobody is asked.
+   * Asks the holder of a component for it, and resolves once it is bound; a free component is bound at once.
    *
    * @param wait stay in line when the holder says no, until it is given back or one leaves
-   * @throws RoISError (OUT_OF_RESOURCES: the holder said no, or nothing in time, or one has left the line;
+   * @throws RoISError (OUT_OF_RESOURCES: the holder said no, or nothing in time, or this client has left the line;
    *   UNSUPPORTED: there is no such component) | RequestTimeout (nothing is asked any more) | ConnectionLost
    */
   async request(componentRef: string, { wait = false }: { readonly wait?: boolean } = {}): Promise<void> {
@@ -70,26 +70,26 @@ export class Control {
     const granted = new Promise<void>((resolve, reject) => {
       const refuse = (reason: string): void =>
         reject(new RoISError("OUT_OF_RESOURCES", "openrois.lease.request", `(${componentRef})`, reason));
-      const look = (): void => {
+      const check = (): void => {
         if (!kept) return;
         this.#waits(componentRef).then((waits) => {
           if (waits) return;
           kept = false;
-          refuse("one stands in line for it no more");
+          refuse("this application has left the line for it");
         }, reject);
       };
-      this.#looks.add(look);
+      this.#checks.add(check);
       const ends = [
-        () => this.#looks.delete(look),
+        () => this.#checks.delete(check),
         // It may be gone, also for a moment, or not be shown to this application any more.
-        client.on("profile_changed", look),
-        this.on("openrois.lease.changed", (told) => {
-          if (told.component_ref === componentRef && told.state === "MINE") resolve();
+        client.on("profile_changed", check),
+        this.on("openrois.lease.changed", (lease) => {
+          if (lease.component_ref === componentRef && lease.state === "MINE") resolve();
         }),
-        this.on("openrois.lease.declined", (told) => {
-          if (told.component_ref !== componentRef) return;
-          if (wait) look();
-          else refuse(told.reason);
+        this.on("openrois.lease.declined", (lease) => {
+          if (lease.component_ref !== componentRef) return;
+          if (wait) check();
+          else refuse(lease.reason);
         }),
         client.on("state", ({ name }) => {
           if (name !== "connected")
@@ -118,29 +118,29 @@ export class Control {
     }
   }
 
-  /** Asks for a component no more: whoever waits for it in this client is refused. */
+  /** Leaves the line for a component: requests that wait in this client are refused. */
   async leave(componentRef: string): Promise<void> {
     await this.#client.call("openrois.lease.leave", { component_ref: componentRef });
-    for (const look of this.#looks) look();
+    for (const check of this.#checks) check();
   }
 
-  /** Whether one stands in line for a component, or has it by now. */
+  /** Whether this client stands in line for a component, or holds it by now. */
   async #waits(componentRef: string): Promise<boolean> {
     const { state = "FREE", position = 0 } = (await this.status(componentRef)) ?? {};
     return state === "MINE" || position > 0;
   }
 
-  /** Lets who asks have the component; what runs there ends with ABORT. */
+  /** Hands the component over to the requesting application; running commands end with ABORT. */
   async grant(requestId: string): Promise<void> {
     await this.#client.call("openrois.lease.grant", { request_id: requestId });
   }
 
-  /** Keeps the component that somebody asks for. */
+  /** Declines a request and keeps the component. */
   async decline(requestId: string): Promise<void> {
     await this.#client.call("openrois.lease.decline", { request_id: requestId });
   }
 
-  /** Binds a component, as an administrator, whoever holds it; what runs there ends with ABORT. */
+  /** Takes a component from its holder, as an administrator; running commands end with ABORT. */
   async take(componentRef: string): Promise<void> {
     await this.#client.call("openrois.lease.take", { component_ref: componentRef });
     this.#bindings.gained(componentRef);
@@ -151,7 +151,7 @@ export class Control {
    * something. It is no safety-rated emergency stop.
    *
    * @returns which components have stopped
-   * @throws RoISError (ERROR: something did not say that it has stopped; OUT_OF_RESOURCES: one holds nothing there)
+   * @throws RoISError (ERROR: something did not say that it has stopped; OUT_OF_RESOURCES: this application holds nothing there)
    */
   async stopAll(engineId?: string): Promise<readonly string[]> {
     const params = engineId === undefined ? {} : { engine_id: engineId };

@@ -1,4 +1,4 @@
-/** What can go wrong in RoIS terms. What can go wrong with the connection stands in `jsonrpc/session.ts`. */
+/** Errors in RoIS terms; those of the connection are in `jsonrpc/session.ts`. */
 
 import type { CompletedStatus, ReturnCode } from "./generated/types.ts";
 
@@ -42,7 +42,7 @@ export class ValueError extends Error {
   override readonly name = "ValueError";
 }
 
-/** The gateway answered with something that is not what the method gives. */
+/** The gateway's response does not fit its method. */
 export class InvalidMessage extends Error {
   override readonly name = "InvalidMessage";
 }

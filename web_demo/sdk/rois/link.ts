@@ -1,4 +1,4 @@
-/** An application's end of one gateway: it connects, and again whenever the connection is lost, calls and is told. */
+/** An application's end of one gateway: connects and reconnects, calls methods, takes notifications. */
 
 import { Emitter } from "../jsonrpc/events.ts";
 import { METHOD_NOT_FOUND } from "../jsonrpc/peer.ts";
@@ -10,6 +10,7 @@ import type { Claim, LostClaim } from "./claims.ts";
 import { Connection } from "./connection.ts";
 import type { ConnectionOptions, ConnectionState } from "./connection.ts";
 import { InvalidMessage, RoISError } from "./errors.ts";
+import type { ExtensionMethods } from "./extension_methods.ts";
 import type { MethodName, Methods } from "./generated/methods.ts";
 import type {
   Completed,
@@ -27,33 +28,41 @@ const EXTENSIONS: readonly string[] = ["rois.stream", "signaling"];
 /** Milliseconds that a gateway has for a sign of life when the network may be another one. */
 const SIGN_WITHIN = 3000;
 
-/** The params of a method; of one that is not in `Methods`, any object. */
-export type Params<Method extends string> = Method extends MethodName
-  ? Methods[Method]["params"]
-  : JsonObject;
+/** The name of a method that may be called: one of the wire, or of an extension that was declared. */
+export type CallName = MethodName | keyof ExtensionMethods;
 
-/** The result of a method; of one that is not in `Methods`, any object. */
-export type ResultOf<Method extends string> = Method extends MethodName
-  ? Methods[Method]["result"]
-  : JsonObject;
+/** What a declared method carries; a declaration without it carries any object. */
+type Carried<Method extends CallName, Part extends "params" | "result"> = Method extends MethodName
+  ? Methods[Method][Part]
+  : Method extends keyof ExtensionMethods
+    ? ExtensionMethods[Method] extends { readonly [Each in Part]: infer Told }
+      ? Told
+      : JsonObject
+    : never;
 
-/** Hears the result of a call that had ended with `RequestTimeout` before, to undo what was done. */
-export type Late<Method extends string> = (result: ResultOf<Method>) => void;
+/** The params of a method. */
+export type Params<Method extends CallName> = Carried<Method, "params">;
+
+/** The result of a method. */
+export type ResultOf<Method extends CallName> = Carried<Method, "result">;
+
+/** Is called with the result of a call that had ended with `RequestTimeout`, to undo what was done. */
+export type Late<Method extends CallName> = (result: ResultOf<Method>) => void;
 
 /** Calls a method, and returns its result once the `return_code` is OK. Params may be left out where all may. */
-export type Call = <Method extends MethodName | (string & {})>(
+export type Call = <Method extends CallName>(
   method: Method,
   ...params: {} extends Params<Method>
     ? [params?: Params<Method>, late?: Late<Method>]
     : [params: Params<Method>, late?: Late<Method>]
 ) => Promise<ResultOf<Method>>;
 
-/** An event as an application hears it: what the engine left out is empty. */
+/** An event as an application gets it: what the engine left out is empty. */
 export type RoISEvent = Required<EventNotification>;
 
 /** How a command has ended. */
 export interface Ended extends Completed {
-  /** Why it did not end OK; absent where nobody has said so. */
+  /** Why it did not end OK; absent where no reason was given. */
   readonly reason?: string;
 }
 
@@ -63,25 +72,25 @@ export interface ClientOptions extends ConnectionOptions {
   readonly idleProbe?: number;
 }
 
-/** What a client tells. */
+/** Events of a client. */
 export interface ClientEvents {
   /** Connected, waiting, closed ... */
   state: ConnectionState;
   /** A command has ended. */
   completed: Ended;
-  /** An event happened; `subscribe` tells of those of one kind. */
+  /** An event happened; `subscribe` passes on those of one kind. */
   event: RoISEvent;
-  /** An engine or component reports a fault; `getErrorDetail` tells more. */
+  /** An engine or component reports a fault; `getErrorDetail` returns more. */
   fault: ErrorNotification;
   /** So many events and faults were dropped here, because this application reads too slowly. */
   dropped: number;
-  /** The engines or components behind the gateway are others now. */
+  /** The engines or components behind the gateway have changed. */
   profile_changed: undefined;
   /** A binding or subscription is gone and could not be made again. */
   lost: LostClaim;
   /** A binding or subscription was gone and is made again; what happened in between is not known. */
   restored: Claim;
-  /** Something that came in is not as it should be and was passed over: a sentence. */
+  /** An invalid message was ignored; a sentence says what is wrong with it. */
   invalid: string;
   /** Every notification, also those of extensions. */
   notification: Notification;
@@ -101,7 +110,7 @@ export abstract class Link {
   #doubt: ReturnType<typeof setTimeout> | undefined;
   #extensions: readonly string[] | null = null;
   #postponed: (() => void)[] = [];
-  /** Why the command that is told of next did not end OK. */
+  /** Reason of the command that is reported next. */
   #reason: ReasonNotification | null = null;
 
   /**
@@ -132,14 +141,14 @@ export abstract class Link {
     return this.#extensions;
   }
 
-  /** Listens to what the client tells; the function that comes back ends it. */
+  /** Listens to events of the client and returns the function that ends it. */
   on<Name extends keyof ClientEvents>(name: Name, listener: (value: ClientEvents[Name]) => void): () => void {
     return this.emitter.on(name, listener);
   }
 
   /**
    * Connects and stays connected until `close`; resolves at the first connection. While there is no gateway it keeps
-   * trying; `on("state")` tells why, and `signal` ends it, such as `AbortSignal.timeout(5000)`.
+   * trying; `on("state")` says why, and `signal` ends it, such as `AbortSignal.timeout(5000)`.
    *
    * @throws ConnectionLost when the client is closed first | the reason of `signal`
    */
@@ -164,7 +173,7 @@ export abstract class Link {
     });
   }
 
-  /** Does not wait for the next attempt: there is reason to believe that it succeeds. */
+  /** Makes the next attempt at once. */
   retryNow(): void {
     this.#connection.retryNow();
   }
@@ -175,8 +184,8 @@ export abstract class Link {
   }
 
   /**
-   * There is reason to believe that the network is another one: connects anew unless the gateway gives a sign of life
-   * within three seconds.
+   * Checks the connection, since the network may have changed: connects anew unless the gateway answers within three
+   * seconds.
    */
   networkChanged(): void {
     this.retryNow();
@@ -196,32 +205,32 @@ export abstract class Link {
   }
 
   /**
-   * Calls any method, also of extensions, and returns its result once `return_code` is OK. The params and results of
-   * methods in `Methods` are typed.
+   * Calls a method of the wire, or one that is declared in `ExtensionMethods`, and returns its result once `return_code`
+   * is OK. TypeScript refuses any other name.
    *
    * @throws RoISError | RpcError | InvalidMessage | ConnectionLost | RequestTimeout
    */
   readonly call: Call = (method, ...[params, late]) => ask(this.#connection, method, params, late);
 
-  /** Tells that something came in which is not as it should be. @internal */
+  /** Reports an invalid message that was ignored. @internal */
   passedOver(what: string): void {
     this.emitter.emit("invalid", what);
   }
 
-  /** Tells something when whoever hears it can act upon it. */
-  protected onceConnected(tell: () => void): void {
-    if (this.state.name === "connected") tell();
-    else this.#postponed.push(tell);
+  /** Calls `report` as soon as there is a connection, when its listeners can act. */
+  protected onceConnected(report: () => void): void {
+    if (this.state.name === "connected") report();
+    else this.#postponed.push(report);
   }
 
-  /** There is a session: what is held at the gateway is made again, before anybody is told. */
-  protected abstract began(call: Call): Promise<void>;
+  /** Is called for a new session, before its state is emitted: claims are restored here. */
+  protected abstract sessionBegan(call: Call): Promise<void>;
 
-  /** The session is gone; `closed`: for good; `code`: how it was closed, where it was. */
-  protected abstract ended(closed: boolean, code?: number): void;
+  /** Is called when the session is gone; `closed`: for good; `code`: the close code, where there was one. */
+  protected abstract sessionEnded(closed: boolean, code?: number): void;
 
-  /** The engines or components are others now. */
-  protected abstract changed(): void;
+  /** Is called when engines or components have changed. */
+  protected abstract profileChanged(): void;
 
   async #handshake(session: JsonRpcSession): Promise<void> {
     const call: Call = (method, ...[params, late]) => ask(session, method, params, late);
@@ -233,16 +242,16 @@ export abstract class Link {
       if (!(error instanceof RpcError && error.code === METHOD_NOT_FOUND)) throw error;
       this.#extensions = null;
     }
-    await this.began(call);
+    await this.sessionBegan(call);
   }
 
   #stateChanged(state: ConnectionState): void {
     clearInterval(this.#probe);
     clearTimeout(this.#doubt);
     if (state.name === "connected") this.#probe = setInterval(() => this.#probeIdle(), this.#idleProbe / 4);
-    else this.ended(state.name === "closed", state.name === "waiting" ? state.code : undefined);
+    else this.sessionEnded(state.name === "closed", state.name === "waiting" ? state.code : undefined);
     this.emitter.emit("state", state);
-    if (state.name === "connected") for (const tell of this.#postponed.splice(0)) tell();
+    if (state.name === "connected") for (const report of this.#postponed.splice(0)) report();
   }
 
   /** A browser cannot ping: only an unanswered request shows that a silent connection is dead. */
@@ -275,7 +284,7 @@ export abstract class Link {
         this.emitter.emit("dropped", (params as unknown as EventsDroppedNotification).count);
         break;
       case "rois.system.profile_changed":
-        this.changed();
+        this.profileChanged();
         this.emitter.emit("profile_changed", undefined);
         break;
     }
@@ -290,22 +299,22 @@ export abstract class Link {
     void this.call("openrois.auth.refresh", { token }).catch(() => undefined);
   }
 
-  /** It stands right before what it explains, so that nothing but the last one has to be kept. */
-  #explained(told: ReasonNotification): void {
-    const reason = oneLine(told.reason);
-    if (typeof told.request_id === "number") this.#connection.explain(told.request_id, reason);
-    this.#reason = { ...told, reason };
+  /** Keeps a reason; it comes right before what it explains, so the last one is enough. */
+  #explained(explanation: ReasonNotification): void {
+    const reason = oneLine(explanation.reason);
+    if (typeof explanation.request_id === "number") this.#connection.explain(explanation.request_id, reason);
+    this.#reason = { ...explanation, reason };
   }
 
   #completed(completed: Completed): void {
-    const told = this.#reason;
+    const explanation = this.#reason;
     this.#reason = null;
-    const explained = told?.command_id === completed.command_id && completed.status !== "OK";
-    this.emitter.emit("completed", explained ? { ...completed, reason: told.reason } : completed);
+    const explained = explanation?.command_id === completed.command_id && completed.status !== "OK";
+    this.emitter.emit("completed", explained ? { ...completed, reason: explanation.reason } : completed);
   }
 }
 
-/** Anybody may send any text as a reason. */
+/** Cleans a reason, which may be any text. */
 function oneLine(text: string): string {
   return text
     .slice(0, 500)
@@ -313,7 +322,7 @@ function oneLine(text: string): string {
     .trim();
 }
 
-async function ask<Method extends string>(
+async function ask<Method extends CallName>(
   asked: Pick<JsonRpcSession, "request">,
   method: Method,
   params: Params<Method> | undefined,
@@ -327,15 +336,15 @@ async function ask<Method extends string>(
     }
   };
   let reason = "";
-  const onReason = (told: string): void => {
-    reason = told;
+  const onReason = (text: string): void => {
+    reason = text;
   };
   const result = await asked.request(method, (params ?? {}) as JsonObject, late && onLate, onReason);
   return accepted(method, params, result, reason);
 }
 
 /** @throws RoISError when the return code is not OK | InvalidMessage when the result is not what the method gives */
-function accepted<Method extends string>(
+function accepted<Method extends CallName>(
   method: Method,
   params: unknown,
   result: Json,
@@ -348,7 +357,7 @@ function accepted<Method extends string>(
   return result as ResultOf<Method>;
 }
 
-/** What may stand in params; whose they are may be JavaScript. */
+/** Members of params that errors name; unchecked, since the caller may be JavaScript. */
 interface Asked {
   readonly component_ref?: unknown;
   readonly query_type?: unknown;
@@ -362,7 +371,7 @@ interface Asked {
 /** Returns what was asked, for a person: `(start of robot/navigation)`. */
 function asked(params: Asked): string {
   const sequence: Asked[] = Array.isArray(params.command_unit_list) ? params.command_unit_list : [];
-  const told = [params.component_ref, params.query_type, params.event_type, params.condition]
+  const parts = [params.component_ref, params.query_type, params.event_type, params.condition]
     .concat(
       sequence
         .flatMap((unit) => unit.command_list ?? unit)
@@ -370,5 +379,5 @@ function asked(params: Asked): string {
     )
     .filter(Boolean)
     .join(", ");
-  return told && `(${told.slice(0, 200)})`;
+  return parts && `(${parts.slice(0, 200)})`;
 }

@@ -1,4 +1,4 @@
-/** What a message carries: an object on one side, named texts on the wire on the other. */
+/** Payload of a message: an object in the program, named texts on the wire. */
 
 import { ValueError } from "./errors.ts";
 import { StreamStatus } from "./generated/types.ts";
@@ -40,7 +40,7 @@ export function encode<Payload>(types: Types<Payload>, payload: Partial<Payload>
     .map(([name, value]) => {
       const type = known.get(name);
       if (type === undefined)
-        throw new ValueError(`there is no value ${name}; there are: ${[...known.keys()].join(", ")}`);
+        throw new ValueError(`there is no value called ${name}: use one of ${[...known.keys()].join(", ")}`);
       return {
         name,
         data_type_ref: code(type),

@@ -1,4 +1,4 @@
-/** Makes bindings and subscriptions again, for as long as something is missing. */
+/** Restores bindings and subscriptions, with retries. */
 
 import { Backoff } from "./backoff.ts";
 import type { BackoffOptions } from "./backoff.ts";
@@ -9,7 +9,7 @@ import type { Subscriptions } from "./subscriptions.ts";
 
 /**
  * All are renewed when the profile has changed: an engine that left and came back has forgotten them. What is missing
- * is tried again after a while: of a component that another application gives back, or that works again, nobody tells.
+ * is tried again after a while: no notification reports a component that was released, or that works again.
  */
 export class Restoration {
   readonly #bindings: Bindings;
@@ -18,7 +18,7 @@ export class Restoration {
   readonly #backoff: Backoff;
   #wanted: { readonly call: Call; readonly all: boolean } | null = null;
   #running = false;
-  /** There is a session. */
+  /** Whether there is a session. */
   #live = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
 
@@ -30,8 +30,8 @@ export class Restoration {
   }
 
   /**
-   * There is a new session. Bindings are the gateway's own and quick, so that they are waited for; subscriptions are
-   * not, and an engine that hangs holds up nobody.
+   * Restores claims in a new session. Bindings are the gateway's own and quick, and are waited for; subscriptions are
+   * not: an engine that hangs must not delay the session.
    */
   async begin(call: Call): Promise<void> {
     this.#live = true;
@@ -39,7 +39,7 @@ export class Restoration {
     this.changed(call, false);
   }
 
-  /** What is there may be another now; without `all` only what is missing is made again. */
+  /** Restores after a change of the profile: all claims, or only the missing ones. */
   changed(call: Call, all = true): void {
     clearTimeout(this.#timer);
     if (all) this.#backoff.reset();
@@ -47,7 +47,7 @@ export class Restoration {
     if (!this.#running) void this.#run();
   }
 
-  /** The session is gone, and with it all that was held. */
+  /** Stops, since the session and its claims are gone. */
   stop(): void {
     clearTimeout(this.#timer);
     this.#live = false;
@@ -56,10 +56,10 @@ export class Restoration {
     this.#subscriptions.lost();
   }
 
-  /** One renewal at a time: what is asked for meanwhile is done once more. */
+  /** Runs one renewal at a time; a request meanwhile causes one more. */
   async #run(): Promise<void> {
     this.#running = true;
-    for (let wanted = this.#take(); wanted; wanted = this.#take()) {
+    for (let wanted = this.#nextRenewal(); wanted; wanted = this.#nextRenewal()) {
       const { call, all } = wanted;
       await Promise.all([
         this.#bindings.renew(call, this.#renewal, all),
@@ -72,7 +72,7 @@ export class Restoration {
     this.#running = false;
   }
 
-  #take(): { readonly call: Call; readonly all: boolean } | null {
+  #nextRenewal(): { readonly call: Call; readonly all: boolean } | null {
     const wanted = this.#wanted;
     this.#wanted = null;
     return wanted;

@@ -1,25 +1,25 @@
-/** Going on where a connection ended: the token for it, and how the commands ended of which nobody told meanwhile. */
+/** Resumption of a session after a lost connection: its token, and the ends of unfinished commands. */
 
 import { RpcError } from "../jsonrpc/session.ts";
 import type { Completions } from "./completions.ts";
 import { RoISError } from "./errors.ts";
 import type { Call } from "./link.ts";
 
-/** Milliseconds after which commands are given up of which nobody tells: a gateway that has crashed is back by then. */
+/** Milliseconds until unfinished commands are given up: a restarted gateway is back by then. */
 const PATIENCE = 30_000;
 
-/** Commands that one can ask about at once. */
+/** Most commands in one request, and most requests at a time. */
 const MOST = 1024;
 const AT_ONCE = 64;
 
-/** The close code of a connection whose session another one has resumed: it is that one's now. */
+/** Close code of a connection whose session was resumed by another one. */
 const RESUMED = 4409;
 
 const EXTENSION = "openrois.lease";
 
 /**
- * What a client does about a connection that has ended beside making another one. The gateway lets it resume its
- * session, or else has been restarted, or waited long enough. Then its journal may know how commands have ended.
+ * Resumes the session of a lost connection in a new one. Where that fails, because the gateway was restarted or the
+ * grace time is over, the gateway's journal may know how commands have ended.
  */
 export class Resumption {
   readonly #completions: Completions;
@@ -34,7 +34,7 @@ export class Resumption {
     this.#completions = completions;
   }
 
-  /** There is a new session: returns what it holds of the lost one. */
+  /** Resumes the lost session in a new one; returns the components that it still holds. */
   async begin(call: Call, extensions: readonly string[] | null): Promise<readonly string[]> {
     this.#extended = extensions?.includes(EXTENSION) === true;
     // An attempt that failed half way had a session, too.
@@ -46,13 +46,13 @@ export class Resumption {
       return [];
     }
     const refs = this.#former === "" ? [] : await this.#resume(call);
-    if (this.#token === "") await this.#ask(call);
+    if (this.#token === "") await this.#requestToken(call);
     void this.#findEnds(call);
     return refs;
   }
 
-  /** The session is gone; it is no more told of what was told before. */
-  ended(closed: boolean, code?: number): void {
+  /** Notes that the session is gone, and sets the deadline of its unfinished commands. */
+  sessionEnded(closed: boolean, code?: number): void {
     if (code === RESUMED) this.#token = "";
     if (closed || !this.#extended) {
       this.#token = "";
@@ -68,7 +68,7 @@ export class Resumption {
     try {
       const params = { token: this.#former, command_ids: this.#orphans.slice(0, MOST) };
       const resumed = await call("openrois.lease.resume", params);
-      this.#keep(resumed);
+      this.#keepToken(resumed);
       this.#former = "";
       this.#orphans = [...(resumed.forgotten ?? []), ...this.#orphans.slice(MOST)];
       return (resumed.leases ?? []).map((lease) => lease.component_ref);
@@ -79,21 +79,21 @@ export class Resumption {
     }
   }
 
-  /** Whoever may not hold anything needs no token, and some gateways keep nothing. */
-  async #ask(call: Call): Promise<void> {
+  /** Requests a resumption token; refused to applications that may hold nothing, and unknown to some gateways. */
+  async #requestToken(call: Call): Promise<void> {
     try {
-      this.#keep(await call("openrois.lease.token"));
+      this.#keepToken(await call("openrois.lease.token"));
     } catch (error) {
       if (!(error instanceof RoISError || error instanceof RpcError)) throw error;
     }
   }
 
-  #keep(told: { readonly token?: string; readonly grace_ms?: number }): void {
-    this.#token = told.token ?? "";
-    this.#grace = told.grace_ms ?? 0;
+  #keepToken(granted: { readonly token?: string; readonly grace_ms?: number }): void {
+    this.#token = granted.token ?? "";
+    this.#grace = granted.grace_ms ?? 0;
   }
 
-  /** Asks how those commands have ended of which nobody will tell by himself. */
+  /** Asks how the commands have ended that the gateway does not report by itself. */
   async #findEnds(call: Call): Promise<void> {
     const orphans = this.#orphans;
     try {
@@ -107,7 +107,7 @@ export class Resumption {
     if (this.#orphans === orphans) this.#giveUp();
   }
 
-  /** Asks twice: what is told of the command comes right behind the first answer, and so before the second. */
+  /** Asks twice: the notification of the command comes right behind the first response, before the second. */
   async #findEnd(call: Call, commandId: string): Promise<void> {
     for (let turn = 0; turn < 2; turn++) {
       if (!this.#completions.awaits(commandId)) return;
@@ -115,7 +115,7 @@ export class Resumption {
         await call("rois.command.get_command_result", { command_id: commandId });
       } catch (error) {
         if (!(error instanceof RoISError || error instanceof RpcError)) throw error;
-        // It failed, or did not end before the gateway did: that is told, too.
+        // It failed, or did not end before the gateway did: a notification says so, too.
         if (error instanceof RoISError && error.returnCode === "ERROR") continue;
         break;
       }
@@ -123,7 +123,7 @@ export class Resumption {
     this.#completions.lost([commandId]);
   }
 
-  /** Nobody tells of the commands of the lost session any more. */
+  /** Fails the unfinished commands of the lost session. */
   #giveUp(): void {
     clearTimeout(this.#deadline);
     this.#deadline = undefined;

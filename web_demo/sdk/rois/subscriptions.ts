@@ -1,11 +1,11 @@
-/** Subscriptions that outlive the session in which they were made. */
+/** Subscriptions that outlive the session in which they were made; events for listeners, and as async iterables. */
 
-import { tell } from "../jsonrpc/events.ts";
+import { notifyListener } from "../jsonrpc/events.ts";
 import type { Renewal, SubscriptionClaim } from "./claims.ts";
 import { RoISError } from "./errors.ts";
 import type { Call, RoISEvent } from "./link.ts";
 
-/** What `subscribe` gives back. */
+/** A subscription, as `subscribe` returns it. */
 export interface Subscription {
   /** Ends the subscription, also on the gateway while it can be reached. */
   cancel(): Promise<void>;
@@ -23,7 +23,7 @@ interface Entry {
   readonly onEnd: () => void;
   /** Null where there is none now; the session or the engine that knew it is gone. */
   subscribeId: string | null;
-  /** That it could not be made again was told. */
+  /** Whether `lost` was emitted for it. */
   lost: boolean;
   /** While it is made again: the events that came by the old one, and may come by the new one too. */
   overlap: Set<string> | null;
@@ -37,7 +37,7 @@ interface Entry {
  */
 export class Subscriptions {
   readonly #entries = new Set<Entry>();
-  /** Two messages may come in one breath: the answer with the id, and the first event under it. */
+  /** Events before the response with their subscription id, which may come together. */
   #early: RoISEvent[] = [];
   #asking = 0;
   #session = 0;
@@ -68,32 +68,32 @@ export class Subscriptions {
       if (entry.subscribeId !== event.subscribe_id) continue;
       known = true;
       entry.overlap?.add(event.event_id);
-      tell(event.event_type, entry.listener, event);
+      notifyListener(event.event_type, entry.listener, event);
     }
     if (known || this.#asking === 0) return;
     if (this.#early.length === MAX_EARLY) this.#early.shift();
     this.#early.push(event);
   }
 
-  /** The session that knew the ids is gone. */
+  /** Drops the ids, since their session is gone. */
   lost(): void {
     this.#session += 1;
     for (const entry of this.#entries) entry.subscribeId = null;
   }
 
-  /** Something is wanted that the gateway does not know of. */
+  /** Whether a subscription is missing at the gateway. */
   get incomplete(): boolean {
     return [...this.#entries].some(({ subscribeId }) => subscribeId === null);
   }
 
-  /** Subscribes again, to all or only to what is missing. Never rejects. */
+  /** Subscribes again, to all events or only the missing ones. Never rejects. */
   async renew(call: Call, renewal: Renewal, all: boolean): Promise<void> {
     const entries = [...this.#entries].filter(({ subscribeId }) => all || subscribeId === null);
     await Promise.all(entries.map((entry) => this.#renew(call, entry, renewal)));
   }
 
-  /** Nothing will be heard any more. */
-  end(): void {
+  /** Ends all subscriptions. */
+  endAll(): void {
     const entries = [...this.#entries];
     this.#entries.clear();
     for (const entry of entries) entry.onEnd();
@@ -128,7 +128,7 @@ export class Subscriptions {
       const { subscribe_id } = await call("rois.event.subscribe", { event_type, condition }, (late) =>
         this.#unsubscribe(call, late.subscribe_id ?? null),
       );
-      // The session may have ended in the same breath.
+      // The session may have ended meanwhile.
       entry.subscribeId = session === this.#session ? (subscribe_id ?? "") : null;
       succeeded();
       if (this.#entries.has(entry)) this.#catchUp(entry);
@@ -143,7 +143,7 @@ export class Subscriptions {
     const mine = this.#early.filter((event) => event.subscribe_id === entry.subscribeId);
     this.#early = this.#early.filter((event) => !mine.includes(event));
     for (const event of mine)
-      if (!entry.overlap?.has(event.event_id)) tell(event.event_type, entry.listener, event);
+      if (!entry.overlap?.has(event.event_id)) notifyListener(event.event_type, entry.listener, event);
   }
 
   async #cancel(call: Call, entry: Entry): Promise<void> {
@@ -155,5 +155,38 @@ export class Subscriptions {
   async #unsubscribe(call: Call, subscribeId: string | null): Promise<void> {
     if (subscribeId === null) return;
     await call("rois.event.unsubscribe", { subscribe_id: subscribeId }).catch(() => undefined);
+  }
+}
+
+/** Most events that wait for a slow reader; the oldest is dropped. */
+const MAX_WAITING = 256;
+
+type Subscribe = (listener: Listener, onEnd: () => void) => Promise<Subscription>;
+
+/** Subscribes when the iteration begins; its end, or that of the client, ends the subscription. */
+export async function* iterate(subscribe: Subscribe): AsyncGenerator<RoISEvent, void, void> {
+  const waiting: RoISEvent[] = [];
+  let ended = false;
+  let wake = (): void => undefined;
+  const subscription = await subscribe(
+    (event) => {
+      if (waiting.length === MAX_WAITING) waiting.shift();
+      waiting.push(event);
+      wake();
+    },
+    () => {
+      ended = true;
+      wake();
+    },
+  );
+  try {
+    for (;;) {
+      const event = waiting.shift();
+      if (event !== undefined) yield event;
+      else if (ended) return;
+      else await new Promise<void>((resolve) => (wake = resolve));
+    }
+  } finally {
+    await subscription.cancel();
   }
 }

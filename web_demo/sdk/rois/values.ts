@@ -67,7 +67,7 @@ export function encodeValue(dataTypeRef: string, value: Writable): string {
 function plainly(value: Writable): Value {
   if (Array.isArray(value)) return value.map(plainly);
   if (!(value instanceof Date)) return value as Value;
-  if (Number.isNaN(value.getTime())) throw new ValueError("an invalid Date is no DateTime");
+  if (Number.isNaN(value.getTime())) throw new ValueError("a DateTime cannot be an invalid Date");
   return value.toISOString();
 }
 
@@ -105,7 +105,7 @@ function decodeList(code: string, text: string): Value {
 
 function checkItems(code: string, parsed: unknown, depth: number): void {
   if (!Array.isArray(parsed) || depth >= MAX_DEPTH) {
-    throw new ValueError(`a value of type ${code} is a JSON array, nested at most ${MAX_DEPTH} deep`);
+    throw new ValueError(`a value of type ${code} must be a JSON array, nested at most ${MAX_DEPTH} deep`);
   }
   const itemCode = itemOf(code);
   for (const item of parsed) {

@@ -3,9 +3,16 @@ import { bodyOf, findAvatars } from "../../app/model/avatars.ts";
 import { formatBitrate, formatLatency, formatTime, secondsUntil } from "../../app/model/format.ts";
 import { describeCompleted, describeFailure } from "../../app/model/outcome.ts";
 import { plainReason } from "../../app/model/plain_words.ts";
-import { bestColumns, reactionLook } from "../../app/model/reaction_names.ts";
+import { bestColumns, reactionLook } from "../../app/model/reaction_looks.ts";
 import { History } from "../../app/dom/sparkline.ts";
-import { ConnectionLost, RoISError } from "../../sdk/index.ts";
+import {
+  CommandFailed,
+  ConnectionLost,
+  InvalidMessage,
+  RequestTimeout,
+  RoISError,
+  RpcError,
+} from "../../sdk/index.ts";
 import type { Profile } from "../../sdk/index.ts";
 
 describe("reactionLook", () => {
@@ -14,8 +21,8 @@ describe("reactionLook", () => {
     ["urn:x-rois:def:reaction:OMG::9", "9", "Bow"],
     ["urn:x-rois:def:reaction:OMG::37", "37", "Reaction 37"],
     ["urn:x-rois:def:reaction:OpenRoIS::look_around", "look_around", "Look around"],
-    ["urn:x-rois:def:reaction:Somebody::do-a-flip", "do-a-flip", "Do a flip"],
-    ["urn:x-rois:def:reaction:Somebody::constructor", "constructor", "Constructor"],
+    ["urn:x-rois:def:reaction:Example::do-a-flip", "do-a-flip", "Do a flip"],
+    ["urn:x-rois:def:reaction:Example::constructor", "constructor", "Constructor"],
     ["plain", "plain", "Plain"],
     ["odd::", "", "Odd::"],
   ])("%s", (reactionRef, code, name) => {
@@ -50,10 +57,34 @@ describe("outcomes in words", () => {
     [describeFailure(new RoISError("ERROR", "m"), "busy"), "failed", "the avatar refused it"],
     [describeFailure(new RoISError("ERROR", "m", "", "no"), "busy"), "failed", "the avatar refused it: no"],
     [describeCompleted("ERROR", 5, "no voice"), "failed", "the avatar could not do it: no voice"],
+    [
+      describeFailure(new CommandFailed("enrol of a/b", "command-1", "ERROR", "no face"), "busy"),
+      "failed",
+      "no face",
+    ],
+    [
+      describeFailure(new CommandFailed("enrol of a/b", "command-1", "ERROR"), "busy"),
+      "failed",
+      "the avatar could not do it",
+    ],
+    [
+      describeFailure(new InvalidMessage("rois.command.bind: result must be an object"), "busy"),
+      "failed",
+      "the gateway's answer cannot be read; run an OpenRoIS gateway of this version",
+    ],
     [describeFailure(new Error("x"), "busy"), "failed", "x"],
     [describeFailure("y", "busy"), "failed", "y"],
   ])("%o", (outcome, state, text) => {
     expect(outcome).toEqual({ state, text });
+  });
+
+  it.each([
+    new RequestTimeout("rois.command.bind: no answer within 10000 ms"),
+    new RpcError({ code: -32601, message: "Method not found" }, "rois.command.bind"),
+    new InvalidMessage("rois.command.bind: result must be an object"),
+    new ConnectionLost("command-1: the connection ended before the command did"),
+  ])("names no method, id or code: %o", (error) => {
+    expect(describeFailure(error).text).not.toMatch(/rois\.|command-|\d/);
   });
 
   it("tells a lost connection from a refusal", () => {
@@ -65,8 +96,14 @@ describe("reasons in plain words", () => {
   it.each([
     ["everything was stopped by local", "everything was stopped"],
     ["everything was stopped by anna", "everything was stopped by anna"],
-    ["avatar/teleoperation is local's now: its holder has handed it over", "Another visitor has control now"],
-    ["avatar/teleoperation is ben's now: an administrator has taken it", "ben has control now"],
+    [
+      "avatar/teleoperation is now held by local: its holder has handed it over",
+      "Another visitor has control now",
+    ],
+    ["avatar/teleoperation is now held by ben: an administrator has taken it", "ben has control now"],
+    ["avatar/teleoperation is now held by ben: an administrator has taken it", "ben has control now"],
+    ["avatar/teleoperation is controlled by local now: it was free", "Another visitor has control now"],
+    [`command-${"0a1b".repeat(6)}: the connection ended`, "the connection ended"],
     ["avatar/Arm did not confirm that it has stopped.", "Arm did not confirm that it has stopped"],
     [
       "start of avatar/speech_synthesizer did not end in time",

@@ -33,7 +33,7 @@ export class PreviewAvatar {
   /** Answers of `component_status` by component. */
   readonly status = new Map<string, string>();
   readonly drawn = new DrawnAvatar();
-  /** Somebody else holds the actuators. */
+  /** Whether another application holds the actuators. */
   taken = false;
   /** Offers are made, but no packet gets through. */
   blocked = false;
@@ -63,7 +63,7 @@ export class PreviewAvatar {
       .on("rois.stream.suspend_stream", (params) => this.#gate(params, "STREAMING_SUSPENDED"))
       .on("rois.stream.resume_stream", (params) => this.#gate(params, "STREAMING_RESUMED"))
       .on("rois.stream.disconnect_stream", (params) => this.#disconnect(params))
-      .on("signaling.answer", (params) => this.#answer(params))
+      .on("signaling.answer", (params) => this.#applyAnswer(params))
       .on("signaling.candidate", (params) => this.#candidate(params))
       .on("signaling.restart", (params) => this.#restart(params));
   }
@@ -86,13 +86,6 @@ export class PreviewAvatar {
 
   get peerId(): string {
     return this.#peer?.peerId ?? "";
-  }
-
-  /** The session of the application has ended. */
-  forget(): void {
-    this.#streams.clear();
-    this.#peer?.connection.close();
-    this.#peer = null;
   }
 
   #notify(method: string, params: JsonObject): void {
@@ -168,7 +161,7 @@ export class PreviewAvatar {
     this.drawn.nod = 0;
   }
 
-  /** As loud as if somebody spoke, while a microphone is connected. */
+  /** Sends speech levels while a microphone is connected. */
   #tellLevel(): void {
     const heard = [...this.#streams.values()].some(
       ({ kind, direction }) => kind === "audio" && direction === "sendonly",
@@ -235,8 +228,8 @@ export class PreviewAvatar {
     await this.#peer.offer([...this.#streams.values()], this.#tracks, replaces);
   }
 
-  async #answer({ sdp }: JsonObject): Promise<JsonObject> {
-    await this.#peer?.answer(this.blocked ? withoutCandidates(sdp) : String(sdp));
+  async #applyAnswer({ sdp }: JsonObject): Promise<JsonObject> {
+    await this.#peer?.applyAnswer(this.blocked ? withoutCandidates(sdp) : String(sdp));
     if (this.blocked) return {};
     setTimeout(() => {
       for (const stream of this.#streams.values()) {

@@ -5,7 +5,7 @@ import type { JsonObject } from "../../sdk/jsonrpc/peer.ts";
 const WIDTH = 640;
 const HEIGHT = 360;
 
-/** Draws somebody to look at thirty times a second. */
+/** Draws a figure thirty times a second. */
 export class DrawnAvatar {
   readonly #context: CanvasRenderingContext2D;
   readonly #canvas = document.createElement("canvas");
@@ -154,7 +154,7 @@ export class OfferingPeer {
     });
   }
 
-  async answer(sdp: string): Promise<void> {
+  async applyAnswer(sdp: string): Promise<void> {
     await this.connection.setRemoteDescription({ type: "answer", sdp });
     this.#busy = false;
     this.#next?.();

@@ -11,7 +11,7 @@ beforeEach(() => {
 });
 
 describe("a device", () => {
-  it("is asked for when it is opened, once, and let go when it is closed", async () => {
+  it("is requested once when opened, and released when closed", async () => {
     expect(fake.asked).toEqual([]);
     expect(await microphone.open()).toBe(true);
     expect(await microphone.open()).toBe(true);
@@ -24,7 +24,7 @@ describe("a device", () => {
     expect(microphone.track).toBeNull();
   });
 
-  it("is let go at once when consent comes too late", async () => {
+  it("is released at once when consent comes too late", async () => {
     const opening = microphone.open();
     microphone.close();
     expect(await opening).toBe(false);
@@ -51,7 +51,7 @@ describe("a device", () => {
     expect(fake.tracks.map(({ stopped }) => stopped)).toEqual([true, false]);
   });
 
-  it("that is unplugged is told, and can be opened again", async () => {
+  it("that is unplugged is reported, and can be opened again", async () => {
     await microphone.open();
     const changed = vi.fn();
     microphone.onChange(changed);

@@ -3,7 +3,15 @@ import { Client } from "../../sdk/rois/client.ts";
 import { ConnectionLost, RequestTimeout, RpcError } from "../../sdk/jsonrpc/session.ts";
 import { InvalidMessage, RoISError } from "../../sdk/rois/errors.ts";
 import type { ClientOptions } from "../../sdk/rois/link.ts";
+import type { JsonObject } from "../../sdk/jsonrpc/peer.ts";
 import { FakeGateway } from "../support/fake_gateway.ts";
+
+declare module "../../sdk/rois/extension_methods.ts" {
+  interface ExtensionMethods {
+    strange: object;
+    "another.extension": { params: { readonly of: string }; result: JsonObject };
+  }
+}
 
 let gateway: FakeGateway;
 
@@ -65,13 +73,13 @@ describe("connecting", () => {
     expect(gateway.socket.url).toBe("ws://test/");
   });
 
-  it("says what is no token, and does not repeat it", async () => {
+  it("rejects a malformed token without repeating it", async () => {
     const client = clientOf({ token: "canary canary" });
     const states: unknown[] = [];
     client.on("state", (state) => states.push(state));
     void client.connect().catch(() => undefined);
     await vi.waitFor(() => expect(client.state.name).toBe("waiting"));
-    expect(JSON.stringify(states)).toContain("what was given as a token is none");
+    expect(JSON.stringify(states)).toContain("the token must be one line");
     expect(JSON.stringify(states)).not.toContain("canary");
     await client.close();
   });
@@ -101,7 +109,7 @@ describe("connecting", () => {
     expect(gateway.called("openrois.auth.refresh")).toEqual([]);
   });
 
-  it("says goodbye and stays away", async () => {
+  it("disconnects and stays closed", async () => {
     const client = clientOf();
     await client.connect();
     await client.close();
@@ -112,7 +120,7 @@ describe("connecting", () => {
     await expect(client.search()).rejects.toBeInstanceOf(ConnectionLost);
   });
 
-  it("says at once what cannot work: an address that is none, no WebSocket at all", () => {
+  it("throws at once for a malformed address and without a WebSocket", () => {
     expect(() => new Client("not an address", { webSocket: gateway.webSocket })).toThrow(TypeError);
     vi.stubGlobal("WebSocket", undefined);
     Reflect.deleteProperty(globalThis, "WebSocket");
@@ -191,6 +199,7 @@ describe("operations", () => {
       /^rois.query.query\(mood, x{194}\): UNS/,
     );
     await expect(client.call("strange", { command_unit_list: 7 })).rejects.toThrow(/^strange: UNSUPPORTED$/);
+    // @ts-expect-error: it is declared nowhere
     await expect(client.call("unheard.of")).rejects.toMatchObject({ name: "RpcError", code: -32601 });
     const wrong = client.search();
     await expect(wrong).rejects.toBeInstanceOf(InvalidMessage);
@@ -201,7 +210,7 @@ describe("operations", () => {
     );
   });
 
-  it("say why, where the gateway does", async () => {
+  it("pass on the gateway's reason", async () => {
     gateway.on("rois.command.bind", ({ component_ref }, request_id) => {
       // What fits no request, or no command, is passed over; the last one of a request counts.
       for (const params of [{}, { reason: 5 }, { reason: "no" }, { reason: "no", request_id: "x" }])
@@ -214,8 +223,8 @@ describe("operations", () => {
     const client = clientOf();
     await client.connect();
     const refs = Array.from({ length: 60 }, (_, number) => `a/${number}`);
-    const told = await Promise.all(refs.map((ref) => client.bind(ref).catch((error: unknown) => error)));
-    for (const [index, error] of told.entries())
+    const errors = await Promise.all(refs.map((ref) => client.bind(ref).catch((error: unknown) => error)));
+    for (const [index, error] of errors.entries())
       expect(error).toMatchObject({
         reason: `a/${index} is theirs`,
         message: `rois.command.bind(a/${index}): OUT_OF_RESOURCES (a/${index} is theirs)`,
@@ -255,15 +264,17 @@ describe("operations", () => {
 
   it("are typed by their names", async () => {
     gateway.on("rois.command.search", () => ({ component_ref_list: ["a/b"] }));
-    gateway.on("someone.else", () => ({ anything: 1 }));
+    gateway.on("another.extension", () => ({ anything: 1 }));
     const client = clientOf();
     await client.connect();
     const { component_ref_list: refs } = await client.call("rois.command.search", { condition: "" });
     const typed: readonly string[] | undefined = refs;
     expect(typed).toEqual(["a/b"]);
     await client.call("rois.command.search");
-    const { anything } = await client.call("someone.else", { of: "mine" });
-    expect(anything).toBe(1);
+    expect(await client.call("another.extension", { of: "mine" })).toEqual({
+      return_code: "OK",
+      anything: 1,
+    });
     // @ts-expect-error: bind needs a component
     await expect(client.call("rois.command.bind")).rejects.toBeInstanceOf(RpcError);
     // @ts-expect-error: a condition is text
@@ -303,7 +314,7 @@ describe("commands", () => {
     await expect(later).resolves.toMatchObject({ status: "ABORT" });
   });
 
-  it("may complete in the same breath in which they are accepted", async () => {
+  it("may complete together with their acceptance", async () => {
     gateway.on("rois.command.execute", () => {
       queueMicrotask(() => gateway.notify("rois.command.completed", { command_id: "quick", status: "OK" }));
       return {};
@@ -314,7 +325,7 @@ describe("commands", () => {
     await expect(client.completed("quick")).resolves.toMatchObject({ status: "OK" });
   });
 
-  it("are not waited for without end", async () => {
+  it("are waited for with a time limit", async () => {
     gateway.on("rois.command.execute", () => ({}));
     const client = clientOf({ idleProbe: 1e6 });
     await client.connect();
@@ -324,7 +335,7 @@ describe("commands", () => {
     await waiting;
   });
 
-  it("are lost with the connection, and forgotten when refused", async () => {
+  it("fail with the connection, and are dropped when refused", async () => {
     gateway.on("rois.command.execute", () => ({}));
     const client = clientOf();
     await client.connect();
@@ -382,7 +393,7 @@ describe("events", () => {
     await client.connect();
     const heard = vi.fn();
     await client.subscribe("t", "c", heard);
-    gateway.socket.end(1006);
+    gateway.socket.endSocket(1006);
     await vi.advanceTimersByTimeAsync(1000);
     gateway.notify("rois.event.notify_event", event("s/1"));
     expect(heard).not.toHaveBeenCalled();
@@ -426,7 +437,7 @@ describe("events", () => {
     failing.mockRestore();
   });
 
-  it("and all that is not as it should be is told and passed over", async () => {
+  it("and invalid messages are reported and ignored", async () => {
     const client = clientOf();
     await client.connect();
     const heard = vi.fn();

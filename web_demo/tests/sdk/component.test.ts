@@ -80,18 +80,18 @@ describe("finding", () => {
     expect(gateway.called("rois.system.get_profile")).toEqual([{ condition: "component_ref LIKE '%'" }]);
   });
 
-  it("throws where there is none", async () => {
+  it("throws where no component matches", async () => {
     gateway.on("rois.system.get_profile", () => ({ component_profiles: {} }));
     await expect(client.find(Navigation)).rejects.toMatchObject({
       returnCode: "UNSUPPORTED",
-      reason: "there is none",
+      reason: "there is no such component",
     });
     await expect(client.findAll(Navigation)).resolves.toEqual([]);
   });
 });
 
 describe("commands", () => {
-  it("resolve when they have ended", async () => {
+  it("resolve when they end OK", async () => {
     const navigation = new Navigation(client, "robot/navigation");
     const ended = vi.fn();
     const start = navigation.start().then(ended);
@@ -107,7 +107,7 @@ describe("commands", () => {
     expect(ended).toHaveBeenCalledOnce();
   });
 
-  it("throw when they have not ended well", async () => {
+  it("throw when they do not end OK", async () => {
     completeAtOnce("ABORT");
     const failed = new Navigation(client, "robot/navigation").suspend();
     await expect(failed).rejects.toBeInstanceOf(CommandFailed);
@@ -117,7 +117,7 @@ describe("commands", () => {
     });
   });
 
-  it("say why they have not ended well, where somebody does", async () => {
+  it("pass on the reason for their failure", async () => {
     gateway.on("rois.command.execute", ({ command_unit_list }) => {
       const [{ command_id }] = command_unit_list as unknown as [{ command_id: string }];
       queueMicrotask(() => {
@@ -200,7 +200,7 @@ describe("parameters", () => {
     );
     // @ts-expect-error: TypeScript knows that there is no such parameter
     await expect(navigation.setParameter({ colour: "red" })).rejects.toThrow(
-      /there is no value colour; there are: target_positions, /,
+      /there is no value called colour: use one of target_positions, /,
     );
     expect(gateway.called("rois.command.set_parameter")).toEqual([]);
   });
@@ -246,7 +246,7 @@ describe("events", () => {
     persons = new PersonDetection(client, "robot/persons");
   });
 
-  it("are heard as what they tell", async () => {
+  it("arrive with typed payloads", async () => {
     const heard = vi.fn();
     const subscription = await persons.personDetected.subscribe(heard);
     expect(gateway.called("rois.event.subscribe")).toEqual([
@@ -260,7 +260,7 @@ describe("events", () => {
     expect(gateway.called("rois.event.unsubscribe")).toEqual([{ subscribe_id: "robot/s1" }]);
   });
 
-  it("are asked for where an engine does not send along what they tell, and stay in order", async () => {
+  it("are asked for where an engine sends no results, and stay in order", async () => {
     gateway.on("rois.event.get_event_detail", () => ({ results: detected("1") }));
     const heard: number[] = [];
     await persons.personDetected.subscribe(({ number }) => heard.push(number));
@@ -281,7 +281,7 @@ describe("events", () => {
     await vi.waitFor(() => expect(heard).toEqual([1, 2]));
   });
 
-  it("that cannot be read are told and passed over", async () => {
+  it("that cannot be read are reported and ignored", async () => {
     const invalid = vi.fn();
     client.on("invalid", invalid);
     const heard = vi.fn();
@@ -341,7 +341,7 @@ describe("events", () => {
     await expect(reading).resolves.toEqual([1]);
   });
 
-  it("that a reader is too slow for are dropped, the oldest first", async () => {
+  it("are dropped for a slow reader, the oldest first", async () => {
     const iterator = persons.personDetected[Symbol.asyncIterator]();
     const first = iterator.next();
     await vi.waitFor(() => expect(gateway.called("rois.event.subscribe")).toHaveLength(1));
@@ -352,7 +352,7 @@ describe("events", () => {
     await iterator.return();
   });
 
-  it("cannot be heard where the engine refuses", async () => {
+  it("throw where the engine refuses the subscription", async () => {
     gateway.on("rois.event.subscribe", () => ({ return_code: "UNSUPPORTED" }));
     await expect(persons.personDetected[Symbol.asyncIterator]().next()).rejects.toBeInstanceOf(RoISError);
   });
@@ -384,7 +384,7 @@ describe("perform", () => {
     expect(speech.inUse).toBe(false);
   });
 
-  it("reports the first command that did not end well", async () => {
+  it("reports the first command that did not end OK", async () => {
     const started = vi.fn();
     const performance = new Reaction(client, "a/reaction").perform({ reaction_ref: "nod" }, started);
     await vi.waitFor(() => expect(started).toHaveBeenCalled());
@@ -425,7 +425,7 @@ describe("perform", () => {
     await speech.perform({ speech_text: "Again" });
   });
 
-  it("throws when somebody else holds the component, and can be used again", async () => {
+  it("throws when another application holds the component, and can be used again", async () => {
     gateway.on("rois.command.bind", () => ({ return_code: "OUT_OF_RESOURCES" }));
     const speech = new SpeechSynthesis(client, "a/speech");
     await expect(speech.perform({})).rejects.toBeInstanceOf(RoISError);

@@ -50,7 +50,7 @@ describe("reconnecting", () => {
   it("comes back by itself, and says why it was away", async () => {
     const client = start();
     await vi.advanceTimersByTimeAsync(0);
-    gateway.socket.end(1006);
+    gateway.socket.endSocket(1006);
     expect(client.state).toMatchObject({ name: "waiting", attempt: 1, reason: "closed (1006)" });
     await vi.advanceTimersByTimeAsync(500);
     expect(states.map((state) => state.name)).toEqual([
@@ -66,20 +66,20 @@ describe("reconnecting", () => {
   it("counts anew after a connection that lasted", async () => {
     const client = start();
     await vi.advanceTimersByTimeAsync(0);
-    gateway.socket.end(1006);
+    gateway.socket.endSocket(1006);
     await vi.advanceTimersByTimeAsync(500);
-    gateway.socket.end(1006);
+    gateway.socket.endSocket(1006);
     expect(client.state).toMatchObject({ attempt: 2 });
     await vi.advanceTimersByTimeAsync(750);
     await vi.advanceTimersByTimeAsync(10_000);
-    gateway.socket.end(1006);
+    gateway.socket.endSocket(1006);
     expect(client.state).toMatchObject({ attempt: 1 });
   });
 
   it("obeys a gateway that says when it will be back", async () => {
     const client = start();
     await vi.advanceTimersByTimeAsync(0);
-    gateway.socket.end(1012, "retry_after=7");
+    gateway.socket.endSocket(1012, "retry_after=7");
     if (client.state.name !== "waiting") throw new Error(client.state.name);
     expect(client.state.retryAt - Date.now()).toBeGreaterThan(7000);
     expect(client.state.retryAt - Date.now()).toBeLessThanOrEqual(7500);
@@ -89,7 +89,7 @@ describe("reconnecting", () => {
     const client = start();
     client.retryNow();
     await vi.advanceTimersByTimeAsync(0);
-    gateway.socket.end(1012, "retry_after=60");
+    gateway.socket.endSocket(1012, "retry_after=60");
     client.retryNow();
     await vi.advanceTimersByTimeAsync(0);
     expect(client.state).toEqual({ name: "connected" });
@@ -101,7 +101,7 @@ describe("reconnecting", () => {
     await vi.advanceTimersByTimeAsync(0);
     client.hold();
     expect(client.state).toEqual({ name: "connected" });
-    gateway.socket.end(4401, "the token has ended");
+    gateway.socket.endSocket(4401, "the token has ended");
     client.hold();
     expect(client.state).toMatchObject({ name: "waiting", retryAt: Infinity });
     await vi.advanceTimersByTimeAsync(600_000);
@@ -138,7 +138,7 @@ describe("reconnecting", () => {
       },
     });
     sockets[0]?.fail("connect ECONNREFUSED 127.0.0.1:8765");
-    sockets[0]?.end(1006);
+    sockets[0]?.endSocket(1006);
     expect(client.state).toMatchObject({
       name: "waiting",
       attempt: 1,
@@ -220,7 +220,7 @@ describe("gatewayUrl", () => {
     "says that %j is none",
     (url) => {
       expect(() => gatewayUrl(url, undefined)).toThrow(
-        new TypeError(`"${url}" is no address of a gateway, such as ws://127.0.0.1:8765/`),
+        new TypeError(`"${url}" is not the address of a gateway: give one such as ws://127.0.0.1:8765/`),
       );
     },
   );

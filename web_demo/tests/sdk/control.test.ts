@@ -29,7 +29,7 @@ afterEach(() => {
 });
 
 async function cut(): Promise<void> {
-  gateway.socket.end(1006);
+  gateway.socket.endSocket(1006);
   await vi.advanceTimersByTimeAsync(2000);
 }
 
@@ -41,7 +41,7 @@ const resumed = (more: JsonObject = {}): JsonObject => ({
   ...more,
 });
 
-it("a release lets a work that goes on keep the component", async () => {
+it("a release keeps the component bound for a running work", async () => {
   let finish = (): void => undefined;
   const work = client.bound(ARM, () => new Promise<void>((resolve) => (finish = resolve)));
   await client.bind(ARM);
@@ -53,7 +53,7 @@ it("a release lets a work that goes on keep the component", async () => {
 });
 
 describe("a lost connection", () => {
-  it("is resumed, and its commands are told of", async () => {
+  it("is resumed, and the ends of its commands are reported", async () => {
     await client.bind(ARM);
     const [id = ""] = await client.execute([unit]);
     gateway.on("openrois.lease.resume", () => resumed());
@@ -67,7 +67,7 @@ describe("a lost connection", () => {
     expect(gateway.called("openrois.lease.resume")[1]).toMatchObject({ token: "next" });
   });
 
-  it("of commands that the gateway does not know nobody tells", async () => {
+  it("fails commands that the gateway does not know", async () => {
     const [id = ""] = await client.execute([unit]);
     gateway.on("openrois.lease.resume", () => resumed({ forgotten: [id] }));
     await cut();
@@ -75,7 +75,7 @@ describe("a lost connection", () => {
     expect(gateway.called("rois.command.release")).toEqual([{ component_ref: ARM }]);
   });
 
-  it("that cannot be resumed is as lost as any", async () => {
+  it("that cannot be resumed fails its commands", async () => {
     const [id = ""] = await client.execute([unit]);
     gateway.on("openrois.lease.resume", () => ({ return_code: "UNSUPPORTED" }));
     await cut();
@@ -83,7 +83,7 @@ describe("a lost connection", () => {
     expect(tokens).toBe(2);
   });
 
-  it("is not waited for longer than a gateway needs to be there again", async () => {
+  it("fails its commands after the time that a gateway needs to restart", async () => {
     const [id = ""] = await client.execute([unit]);
     const settled = vi.fn();
     client.completed(id).catch(settled);
@@ -100,7 +100,7 @@ describe("a lost connection", () => {
     gateway.on("openrois.lease.resume", () => resumed());
     gateway.on("rois.command.bind", () => {
       gateway.on("rois.command.bind", () => ({}));
-      gateway.socket.end(1006);
+      gateway.socket.endSocket(1006);
       return {};
     });
     await cut();
@@ -111,10 +111,10 @@ describe("a lost connection", () => {
     ]);
   });
 
-  it("that another one has resumed is that one's", async () => {
+  it("that another connection has resumed is not resumed again", async () => {
     const [id = ""] = await client.execute([unit]);
     const lost = expect(client.completed(id)).rejects.toBeInstanceOf(ConnectionLost);
-    gateway.socket.end(4409, "another connection has resumed this session");
+    gateway.socket.endSocket(4409, "another connection has resumed this session");
     await vi.advanceTimersByTimeAsync(2000);
     await lost;
     expect(gateway.called("openrois.lease.resume")).toEqual([]);
@@ -155,7 +155,7 @@ describe("a gateway that was restarted", () => {
     ["OK", "OK"],
     ["OK", "ABORT"],
     ["ERROR", "ERROR"],
-  ])("tells how each command ended: %s, %s", async (code, status) => {
+  ])("reports how each command ended: %s, %s", async (code, status) => {
     const ids = await client.execute([unit, unit]);
     const ended = Promise.all(ids.map((id) => client.completed(id)));
     journal(code, status);
@@ -178,7 +178,7 @@ describe("a gateway that was restarted", () => {
     const ended = client.completed(id);
     gateway.on("rois.command.get_command_result", () => {
       journal("ERROR", "ERROR");
-      gateway.socket.end(1006);
+      gateway.socket.endSocket(1006);
       return {};
     });
     await cut();
@@ -199,7 +199,7 @@ describe("control", () => {
 
   const inLine = { ...status("HELD"), waiting: 1, position: 1 };
 
-  it("of a free component is had at once", async () => {
+  it("of a free component is granted at once", async () => {
     gateway.on("openrois.lease.request", () => ({ lease: status("MINE"), request_id: "" }));
     await client.control.request(ARM);
     gateway.on("openrois.lease.resume", () => ({ return_code: "UNSUPPORTED" }));
@@ -207,7 +207,7 @@ describe("control", () => {
     expect(gateway.called("rois.command.bind")).toEqual([{ component_ref: ARM }]);
   });
 
-  it("is granted, and lost again when another one has it", async () => {
+  it("is granted, and lost again when another application has it", async () => {
     gateway.on("openrois.lease.request", () => ({ lease: status("HELD"), request_id: "q" }));
     const asking = client.control.request(ARM);
     await vi.advanceTimersByTimeAsync(0);
@@ -230,7 +230,7 @@ describe("control", () => {
     expect(gateway.called("rois.command.release")).toHaveLength(1);
   });
 
-  it("is asked for no more when the gateway does not answer in time, whenever it comes to it", async () => {
+  it("is withdrawn when the gateway does not answer in time", async () => {
     let answer = (_: JsonObject): void => undefined;
     gateway.on("openrois.lease.request", () => new Promise<JsonObject>((resolve) => (answer = resolve)));
     gateway.on("openrois.lease.leave", () => ({}));
@@ -260,14 +260,14 @@ describe("control", () => {
     expect(gateway.called("rois.command.release")).toEqual([]);
   });
 
-  it("is left to itself where the request is refused", async () => {
+  it("is not withdrawn where the request is refused", async () => {
     gateway.on("openrois.lease.request", () => ({ return_code: "UNSUPPORTED" }));
     gateway.on("openrois.lease.leave", () => ({}));
     await expect(client.control.request(ARM)).rejects.toBeInstanceOf(RoISError);
     expect(gateway.called("openrois.lease.leave")).toEqual([]);
   });
 
-  it("is waited for when the holder says no, and had when it is given back", async () => {
+  it("is waited for when the holder declines, and granted when it is released", async () => {
     gateway.on("openrois.lease.request", () => ({ lease: inLine, request_id: "q" }));
     gateway.on("openrois.lease.query", () => ({ lease: inLine }));
     const asking = client.control.request(ARM, { wait: true });
@@ -278,7 +278,7 @@ describe("control", () => {
     await asking;
   });
 
-  it("is waited for no more by who leaves the line", async () => {
+  it("is not waited for after leaving the line", async () => {
     gateway.on("openrois.lease.request", () => ({ lease: inLine, request_id: "q" }));
     gateway.on("openrois.lease.query", () => ({ lease: inLine }));
     gateway.on("openrois.lease.leave", ({ component_ref }) => {
@@ -308,7 +308,7 @@ describe("control", () => {
       (): JsonObject => ({ lease: status("FREE") }),
     ],
     ["rois.system.profile_changed", {}, "is not shown", (): JsonObject => ({ return_code: "UNSUPPORTED" })],
-  ])("is waited for no more after %s %o: it %s", async (method, params, _, answer) => {
+  ])("is not waited for after %s %o: it %s", async (method, params, _, answer) => {
     gateway.on("openrois.lease.request", () => ({ lease: inLine, request_id: "q" }));
     gateway.on("openrois.lease.query", answer);
     const refused = expect(client.control.request(ARM, { wait: true })).rejects.toBeInstanceOf(RoISError);
@@ -317,7 +317,7 @@ describe("control", () => {
     await refused;
   });
 
-  it("is not kept at the gateway, place nor lease, by a request that fails", async () => {
+  it("keeps neither place nor lease at the gateway after a failed request", async () => {
     gateway.on("openrois.lease.request", () => ({ lease: inLine, request_id: "q" }));
     gateway.on("openrois.lease.query", () => {
       throw new Refusal(-32000, "too many requests");
@@ -342,14 +342,14 @@ describe("control", () => {
     expect(gateway.called("rois.command.release")).toEqual([]);
   });
 
-  it("is asked for by somebody, granted, declined and taken", async () => {
+  it("is requested, granted, declined and taken", async () => {
     for (const name of ["grant", "decline", "take"]) gateway.on(`openrois.lease.${name}`, () => ({}));
     gateway.on("openrois.lease.query", () => ({ lease: status("HELD") }));
     const asked = vi.fn();
     client.control.on("openrois.lease.requested", asked);
-    const told = { component_ref: ARM, request_id: "q", subject: "bob", answer_ms: 30_000 };
-    gateway.notify("openrois.lease.requested", told);
-    expect(asked).toHaveBeenCalledExactlyOnceWith(told);
+    const request = { component_ref: ARM, request_id: "q", subject: "bob", answer_ms: 30_000 };
+    gateway.notify("openrois.lease.requested", request);
+    expect(asked).toHaveBeenCalledExactlyOnceWith(request);
     await client.control.grant("q");
     await client.control.decline("q");
     await client.control.take(ARM);

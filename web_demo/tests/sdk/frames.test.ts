@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
 import { FrameWatch, LastingPicture } from "../../sdk/media/frames.ts";
 
-type Told = Partial<VideoFrameCallbackMetadata>;
+type FrameMetadata = Partial<VideoFrameCallbackMetadata>;
 
 /** A video element whose frames the test presents. */
 class FakeVideo {
@@ -9,10 +9,10 @@ class FakeVideo {
   videoHeight = 360;
   readyState = 2;
   srcObject: object | null = null;
-  #callback: ((now: number, told: Told) => void) | null = null;
+  #callback: ((now: number, metadata: FrameMetadata) => void) | null = null;
   readonly #listeners: (() => void)[] = [];
 
-  requestVideoFrameCallback(callback: (now: number, told: Told) => void): void {
+  requestVideoFrameCallback(callback: (now: number, metadata: FrameMetadata) => void): void {
     this.#callback = callback;
   }
 
@@ -28,8 +28,8 @@ class FakeVideo {
     for (const listener of this.#listeners) listener();
   }
 
-  present(told: Told): void {
-    this.#callback?.(0, { expectedDisplayTime: 0, presentedFrames: 1, ...told });
+  present(metadata: FrameMetadata): void {
+    this.#callback?.(0, { expectedDisplayTime: 0, presentedFrames: 1, ...metadata });
   }
 }
 
@@ -83,7 +83,7 @@ it("keeps the last picture until a frame of the next track is on the screen", ()
   expect(canvas.hidden).toBe(true);
 });
 
-it("takes no frame for a picture that the browser made itself", () => {
+it("ignores frames that the browser made itself", () => {
   const counted = vi.fn();
   frames.onFrame(counted);
   picture.freeze();
@@ -105,7 +105,7 @@ it("does not take away a picture that is kept anew meanwhile", () => {
   expect(canvas.hidden).toBe(false);
 });
 
-it("believes a browser that never tells where frames come from", () => {
+it("counts all frames of a browser without RTP timestamps", () => {
   const other = new FakeVideo();
   const counted = vi.fn();
   new FrameWatch(other as unknown as HTMLVideoElement).onFrame(counted);
@@ -113,7 +113,7 @@ it("believes a browser that never tells where frames come from", () => {
   expect(counted).toHaveBeenCalledOnce();
 });
 
-it("tells the RTP timestamp of each frame, where the browser does", () => {
+it("gives the RTP timestamp of each frame, where the browser does", () => {
   const seen: (number | null)[] = [];
   frames.onFrame(({ rtpTimestamp }) => seen.push(rtpTimestamp));
   video.present({ rtpTimestamp: 0 });

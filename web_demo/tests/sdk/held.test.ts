@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { Held } from "../../sdk/input/held.ts";
-import { message, readTold } from "../../sdk/input/messages.ts";
+import { message, readEngineMessage } from "../../sdk/input/messages.ts";
 
 const pad = (axes: number[], ...down: number[]): { axes: number[]; buttons: { value: number }[] } => ({
   axes,
@@ -8,7 +8,7 @@ const pad = (axes: number[], ...down: number[]): { axes: number[]; buttons: { va
 });
 
 describe("Held", () => {
-  it("holds keys until they go up, and tells each change once", () => {
+  it("holds keys until they go up, and returns each change once", () => {
     const held = new Held();
     expect(held.key("KeyW", true)).toEqual({ event: "key", code: "KeyW", down: true });
     expect(held.key("KeyW", true)).toBeNull();
@@ -24,7 +24,7 @@ describe("Held", () => {
     expect(new Held().key(code, true)).toBeNull();
   });
 
-  it("never holds more than a message can tell", () => {
+  it("never holds more than fits a message", () => {
     const held = new Held();
     for (let index = 0; index < 30; index += 1) {
       held.key(`F${index}`, true);
@@ -54,7 +54,7 @@ describe("Held", () => {
     expect([held.state.pointer, held.active]).toEqual([[0.1, 0.2, 1], true]);
   });
 
-  it("tells fingers that come and go, not those that move", () => {
+  it("returns changes for fingers that come and go, not for moves", () => {
     const held = new Held();
     expect(held.touch(7, true, 0.1, 0.1)).toMatchObject({ event: "touch", id: 7, down: true });
     expect(held.touch(7, true, 0.2, 0.2)).toBeNull();
@@ -63,7 +63,7 @@ describe("Held", () => {
     expect(held.touch(7, false, 0.2, 0.2)).toBeNull();
   });
 
-  it("tells the buttons of a gamepad, and does not take a resting stick for a hand", () => {
+  it("returns changes of gamepad buttons, and ignores a stick at rest", () => {
     const held = new Held();
     expect(held.pad(pad([0.04, -0.04, 0, 0]))).toEqual([]);
     expect(held.active).toBe(false);
@@ -78,7 +78,7 @@ describe("Held", () => {
     expect(held.active).toBe(true);
   });
 
-  it("lets go of everything", () => {
+  it("releases everything", () => {
     const held = new Held();
     held.key("KeyW", true);
     held.move(0.5, 0.5, 1);
@@ -113,7 +113,7 @@ describe("a stick on the screen", () => {
 });
 
 describe("messages", () => {
-  it("count up, whoever sends them", () => {
+  it("have increasing numbers over all senders", () => {
     const [first, second] = [message({}), message({ event: "release", why: "bye" })].map(
       (text) => JSON.parse(text) as { seq: number; t: number; why?: string },
     );
@@ -129,7 +129,7 @@ describe("messages", () => {
     ['{"event":"stopped"}', null],
     ["null", null],
     ["{", null],
-  ])("of the engine: %s", (text, told) => {
-    expect(readTold(text)).toEqual(told);
+  ])("of the engine: %s", (text, message) => {
+    expect(readEngineMessage(text)).toEqual(message);
   });
 });

@@ -86,7 +86,7 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-describe("a stream of one's own", () => {
+describe("a local stream", () => {
   it("asks for the device, then the engine, and sends where the engine offers it", async () => {
     await microphone.connect();
     expect(fake.asked).toHaveLength(1);
@@ -116,7 +116,7 @@ describe("a stream of one's own", () => {
     expect(microphone).toMatchObject({ desire: "disconnected", captureProblem: { kind: "refused" } });
   });
 
-  it("sends no more than it is told to", async () => {
+  it("keeps to its limits", async () => {
     const limits = { max_bitrate: 300_000, width: 320, fps: 15 };
     const camera = receiver.sending("avatar/video", "video", { limits });
     expect(receiver.sending("avatar/video", "video")).toBe(camera);
@@ -149,7 +149,7 @@ describe("a stream of one's own", () => {
 });
 
 describe("suspending and disconnecting", () => {
-  it("stop the sending at once, whatever the engine says", async () => {
+  it("stop sending at once, without the engine's answer", async () => {
     await sending();
     gateway.on("rois.stream.suspend_stream", () => ({ return_code: "ERROR" }));
     void microphone.suspend();
@@ -194,7 +194,7 @@ describe("devices", () => {
     expect(await microphone.devices()).toHaveLength(2);
   });
 
-  it("that are lost are told, and the stream goes on with the next one", async () => {
+  it("that are lost are reported, and the stream goes on with the next one", async () => {
     await sending();
     fake.last.onended?.();
     await pass(1);
@@ -230,7 +230,7 @@ describe("recovery", () => {
     expect(FakePeerConnection.all[0]?.connectionState).toBe("closed");
   });
 
-  it("lets go of the device when all is closed", async () => {
+  it("releases the device when all is closed", async () => {
     await sending();
     await receiver.close();
     expect(fake.last.stopped).toBe(true);

@@ -70,14 +70,14 @@ describe("offers", () => {
       expect(negotiation.offer(offer(`p${index}`, 1))).not.toEqual([]);
     }
     expect(negotiation.offer(offer("one too many", 1))).toEqual([]);
-    negotiation.end("p0", "done");
+    negotiation.endPeer("p0", "done");
     expect(negotiation.offer(offer("one in its place", 1))).not.toEqual([]);
   });
 });
 
 describe("answers", () => {
   it.each([
-    ["of a peer that nobody knows", "x", 1],
+    ["of an unknown peer", "x", 1],
     ["of another generation", "p", 2],
   ])("%s go nowhere", (_, peerId, generation) => {
     const negotiation = new Negotiation();
@@ -147,8 +147,8 @@ it("keeps a bounded number of candidates", () => {
 describe("the end of a peer", () => {
   it("closes it once, for good", () => {
     const negotiation = answered();
-    expect(negotiation.end("p", "bye")).toEqual([{ kind: "close", peerId: "p", reason: "bye" }]);
-    expect(negotiation.end("p", "bye")).toEqual([]);
+    expect(negotiation.endPeer("p", "bye")).toEqual([{ kind: "close", peerId: "p", reason: "bye" }]);
+    expect(negotiation.endPeer("p", "bye")).toEqual([]);
     expect(negotiation.offer(offer("p", 2))).toEqual([]);
     expect(negotiation.gathered("p", candidate("a"))).toEqual([]);
   });
@@ -156,19 +156,19 @@ describe("the end of a peer", () => {
   it("while an answer is being made leaves that answer unsent", () => {
     const negotiation = new Negotiation();
     negotiation.offer(offer("p", 1));
-    negotiation.end("p", "bye");
+    negotiation.endPeer("p", "bye");
     expect(negotiation.answered("p", 1, "late")).toEqual([]);
   });
 
   it("may come before its first offer", () => {
     const negotiation = new Negotiation();
-    expect(negotiation.end("p", "bye")).toEqual([]);
+    expect(negotiation.endPeer("p", "bye")).toEqual([]);
     expect(negotiation.offer(offer("p", 1))).toEqual([]);
   });
 
   it("is remembered in a bounded number", () => {
     const negotiation = new Negotiation();
-    for (let index = 0; index <= 64; index++) negotiation.end(`p${index}`, "bye");
+    for (let index = 0; index <= 64; index++) negotiation.endPeer(`p${index}`, "bye");
     expect(negotiation.offer(offer("p64", 1))).toEqual([]);
     expect(negotiation.offer(offer("p0", 1))).not.toEqual([]);
   });

@@ -1,4 +1,4 @@
-/** The package as somebody gets it: packed, installed in an empty folder, imported, compiled against, bundled. */
+/** The package as a user gets it: packed, installed in an empty folder, imported, compiled against, bundled. */
 
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -41,9 +41,9 @@ async function bundle(source: string): Promise<string> {
 
 beforeAll(() => {
   execFileSync("node", ["build.mjs", "--package", `${folder}/built`], { cwd: ROOT, encoding: "utf8" });
-  run("npm", "pack", "./built", "--silent");
+  const packed = run("npm", "pack", "./built", "--silent").trim();
   writeFileSync(`${folder}/package.json`, '{ "private": true, "type": "module" }');
-  run("npm", "install", "--offline", "--no-audit", "--no-fund", "--silent", "./openrois-0.1.0.tgz");
+  run("npm", "install", "--offline", "--no-audit", "--no-fund", "--silent", `./${packed}`);
 }, 60_000);
 
 afterAll(() => {
@@ -73,7 +73,7 @@ describe("the installed package", { timeout: 60_000 }, () => {
     expect(run("node", "user.js").trim()).toBe("closed reached_target function false");
   });
 
-  it("says what an older Node lacks", () => {
+  it("says what to do in an older Node without a WebSocket", () => {
     const program = `
       delete globalThis.WebSocket;
       const { Client } = await import("openrois");
@@ -90,6 +90,12 @@ describe("the installed package", { timeout: 60_000 }, () => {
       import { Client, CommandFailed, Navigation, PersonDetection, RoISCommon, VideoStreaming, onlyComponent, where } from "openrois";
       import type { ComponentStatus, ReachedTarget, Result } from "openrois";
       import { MediaReceiver } from "openrois/media";
+
+      declare module "openrois" {
+        interface ExtensionMethods {
+          "example.dance": { params: { readonly beats: number }; result: { readonly steps: number } };
+        }
+      }
 
       class Lamp extends RoISCommon<{ readonly brightness?: number }> {
         static readonly componentType = "urn:x-rois:def:component:Example::Lamp";
@@ -138,6 +144,12 @@ describe("the installed package", { timeout: 60_000 }, () => {
         await client.call("rois.command.bind", { component: "robot/navigation" });
         // @ts-expect-error so is its result
         (await client.call("rois.command.search")).results;
+        // @ts-expect-error there is no such method
+        await client.call("rois.command.serach", { condition: "" });
+        const { steps } = await client.call("example.dance", { beats: 3 });
+        // @ts-expect-error an extension's params are what was declared
+        await client.call("example.dance", { beats: "three" });
+        console.log(steps + 1);
         // @ts-expect-error a lamp's event tells on
         await lamp.switched.subscribe(({ off }) => off);
         await client.close();
@@ -147,7 +159,7 @@ describe("the installed package", { timeout: 60_000 }, () => {
     compile("user.ts");
   });
 
-  it("is what its README says", () => {
+  it("compiles all examples of its README", () => {
     const readme = readFileSync(new URL("../../sdk/README.md", import.meta.url), "utf8");
     const examples = [...readme.matchAll(/```ts\n(.*?)```/gs)].map(([, text = ""]) => text);
     expect(examples.length).toBeGreaterThan(4);

@@ -66,9 +66,9 @@ describe("Peer", () => {
 
   it.each([
     ["a notification with params in a list", text({ method: "m", params: [] })],
-    ["an answer that nobody asked for", text({ id: 7, result: 1 })],
+    ["a response to an id that is not outstanding", text({ id: 7, result: 1 })],
     ["an answer whose id only looks like ours", text({ id: "1", result: 1 })],
-    ["an error for nobody", text({ id: null, error: { code: -32700, message: "" } })],
+    ["an error without an id", text({ id: null, error: { code: -32700, message: "" } })],
   ])("does not answer %s", (_, message) => {
     const peer = new Peer();
     peer.request("m", {});
@@ -82,7 +82,7 @@ describe("Peer", () => {
     expect(peer.receive(text({ id, result: 1 })).kind).toBe("response");
     expect(peer.receive(text({ id, result: 1 })).kind).toBe("violation");
     const late = peer.request("m", {}).id;
-    peer.forget(late);
+    peer.abandonRequest(late);
     expect(peer.receive(text({ id: late, result: 1 })).kind).toBe("violation");
   });
 

@@ -14,35 +14,35 @@ beforeEach(() => {
 });
 
 const look = (delay: number | null, now: number, streamId: string | null = "avatar/1"): Promise<void> => {
-  reports.look({ streamId, delay }, now);
+  reports.observeDelay({ streamId, delay }, now);
   return Promise.resolve();
 };
-const told = (): unknown[] => call.mock.calls.map(([, params]) => params);
+const sent = (): unknown[] => call.mock.calls.map(([, params]) => params);
 
-it("tells the first delay and each later one at once, an earlier one when it has lasted", async () => {
+it("reports the first delay and each greater one at once, a smaller one when it has lasted", async () => {
   await look(null, 0);
-  expect(told()).toEqual([]);
+  expect(sent()).toEqual([]);
   await look(120.4, 1000);
   expect(call.mock.calls).toEqual([[METHOD, { stream_id: "avatar/1", milliseconds: 120 }]]);
   await look(180, 2000);
   for (let now = 3000; now < 5000; now += 1000) await look(150, now);
-  expect(told().slice(1)).toEqual([{ stream_id: "avatar/1", milliseconds: 180 }]);
+  expect(sent().slice(1)).toEqual([{ stream_id: "avatar/1", milliseconds: 180 }]);
   await look(140, 5000);
-  expect(told().slice(2)).toEqual([{ stream_id: "avatar/1", milliseconds: 150 }]);
+  expect(sent().slice(2)).toEqual([{ stream_id: "avatar/1", milliseconds: 150 }]);
 });
 
-it("says nothing while little changes, or nothing plays", async () => {
+it("reports nothing while little changes, or nothing plays", async () => {
   for (let now = 0; now < 10_000; now += 1000) await look(now % 2000 ? 129 : 120, now);
   await look(null, 12_000);
   await look(300, 14_000, null);
-  expect(told()).toEqual([{ stream_id: "avatar/1", milliseconds: 120 }]);
+  expect(sent()).toEqual([{ stream_id: "avatar/1", milliseconds: 120 }]);
 });
 
-it("begins anew with another connection of the stream, and keeps to what can be said", async () => {
+it("begins anew with another connection of the stream, and bounds the delay", async () => {
   await look(120, 0);
   await look(120, 100, "avatar/2");
   await look(1e9, 200, "avatar/3");
-  expect(told().slice(1)).toEqual([
+  expect(sent().slice(1)).toEqual([
     { stream_id: "avatar/2", milliseconds: 120 },
     { stream_id: "avatar/3", milliseconds: 60_000 },
   ]);
@@ -51,12 +51,12 @@ it("begins anew with another connection of the stream, and keeps to what can be 
 it.each([
   ["does not know it", new RpcError({ code: -32601, message: "Method not found" }, METHOD), 1],
   ["has no such stream", new RoISError("UNSUPPORTED", METHOD), 1],
-  ["was told too often", new RoISError("OUT_OF_RESOURCES", METHOD), 2],
+  ["gets too many reports", new RoISError("OUT_OF_RESOURCES", METHOD), 2],
   ["was not reached", new Error("the connection is lost"), 2],
 ])("of an engine that %s", async (_, error, times) => {
   call.mockRejectedValueOnce(error);
   await look(120, 0);
   await new Promise((resolve) => setTimeout(resolve));
   await look(120, 2000);
-  expect(told()).toHaveLength(times);
+  expect(sent()).toHaveLength(times);
 });

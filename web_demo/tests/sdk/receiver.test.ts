@@ -191,7 +191,7 @@ describe("connecting", () => {
     expect(video).toMatchObject({ streamId: "avatar/s9", problem: null });
   });
 
-  it("says what the engine says of its refusal", async () => {
+  it("passes on the engine's reason for a refusal", async () => {
     gateway.on("rois.stream.connect_stream", (_, id) => {
       gateway.notify("openrois.reason", { request_id: id, reason: "too many" });
       return { return_code: "OUT_OF_RESOURCES" };
@@ -332,7 +332,7 @@ describe("recovery", () => {
     const [old] = FakePeerConnection.all;
     const tracks: unknown[] = [];
     video.on("track", (track) => tracks.push(track));
-    gateway.socket.end(1006);
+    gateway.socket.endSocket(1006);
     expect(video).toMatchObject({ streamId: null, status: null });
     expect(video.track).not.toBeNull();
     await flow(1000, old);
@@ -368,7 +368,7 @@ describe("recovery", () => {
     expect(video.capturedAt(90)).toBe(9001);
     await flow(500);
     expect(video.capturedAt(90)).toBe(1001);
-    gateway.socket.end(1006);
+    gateway.socket.endSocket(1006);
     expect(video.capturedAt(90)).toBe(1001);
   });
 
@@ -467,7 +467,7 @@ describe("recovery", () => {
     silent.mockRestore();
   });
 
-  it("tells a lack of offers also while the last picture of an earlier connection is shown", async () => {
+  it("reports a lack of offers also while an earlier picture is shown", async () => {
     await running();
     status(video, "STREAMING_NOT_CONNECTED");
     await pass(11_500);

@@ -12,7 +12,7 @@ const NAVIGATION = "robot/navigation";
 
 let gateway: FakeGateway;
 let client: Client;
-let told: [string, Claim][];
+let claims: [string, Claim][];
 let subscribed: number;
 
 const pass = (ms = 0): Promise<unknown> => vi.advanceTimersByTimeAsync(ms);
@@ -22,7 +22,7 @@ const binding = { kind: "binding", componentRef: NAVIGATION };
 const subscription = { kind: "subscription", eventType: "t", condition: "c" };
 
 async function reconnect(): Promise<void> {
-  gateway.socket.end(1006);
+  gateway.socket.endSocket(1006);
   await pass(500);
 }
 
@@ -41,9 +41,9 @@ beforeEach(async () => {
     .on("rois.event.subscribe", () => ({ subscribe_id: `s/${++subscribed}` }))
     .on("rois.event.unsubscribe", () => ({}));
   client = new Client("ws://test/", { webSocket: gateway.webSocket, backoff: { random: () => 1 } });
-  told = [];
-  client.on("lost", (claim: LostClaim) => told.push(["lost", claim]));
-  client.on("restored", (claim) => told.push(["restored", claim]));
+  claims = [];
+  client.on("lost", (claim: LostClaim) => claims.push(["lost", claim]));
+  client.on("restored", (claim) => claims.push(["restored", claim]));
   await client.connect();
 });
 
@@ -52,7 +52,7 @@ afterEach(() => {
 });
 
 describe("bindings", () => {
-  it("come back before the connection is said to be there", async () => {
+  it("are restored before `connected` is emitted", async () => {
     await client.bind(NAVIGATION);
     const seen: unknown[] = [];
     client.on("state", ({ name }) => {
@@ -60,39 +60,39 @@ describe("bindings", () => {
     });
     client.on("restored", ({ kind }) => seen.push(kind, client.state.name));
     await reconnect();
-    // Whoever is told that it is there can use it.
+    // A listener of `restored` can use it.
     expect(seen).toEqual(["connected", 2, "binding", "connected"]);
-    expect(told).toEqual([["restored", binding]]);
+    expect(claims).toEqual([["restored", binding]]);
   });
 
-  it("that were released stay away", async () => {
+  it("that were released are not restored", async () => {
     await client.bind(NAVIGATION);
     await client.release(NAVIGATION);
     await reconnect();
     await engineChanged();
     expect(count("rois.command.bind")).toBe(1);
-    expect(told).toEqual([]);
+    expect(claims).toEqual([]);
   });
 
-  it("of bindAny come back too", async () => {
+  it("of bindAny are restored too", async () => {
     gateway.on("rois.command.bind_any", () => ({ component_ref: NAVIGATION }));
     await client.bindAny();
     await reconnect();
     expect(gateway.called("rois.command.bind")).toEqual([{ component_ref: NAVIGATION }]);
   });
 
-  it("that another application has by now are told once, and come back when it lets go", async () => {
+  it("that another application holds are reported once, and restored when it releases them", async () => {
     await client.bind(NAVIGATION);
     answer("rois.command.bind", "OUT_OF_RESOURCES");
     await reconnect();
     await engineChanged();
     expect(client.state.name).toBe("connected");
-    expect(told).toMatchObject([["lost", { ...binding, error: { returnCode: "OUT_OF_RESOURCES" } }]]);
+    expect(claims).toMatchObject([["lost", { ...binding, error: { returnCode: "OUT_OF_RESOURCES" } }]]);
     expect(vi.getTimerCount()).toBeGreaterThan(0);
     answer("rois.command.bind", "OK");
-    // Nobody tells that it has let go.
+    // No notification reports that it was released.
     await pass(500);
-    expect(told.at(-1)).toEqual(["restored", binding]);
+    expect(claims.at(-1)).toEqual(["restored", binding]);
     const bound = count("rois.command.bind");
     await pass(60_000);
     expect(count("rois.command.bind")).toBe(bound);
@@ -114,12 +114,12 @@ describe("bindings", () => {
     await client.bind(NAVIGATION);
     answer("rois.command.bind", "UNSUPPORTED");
     await engineChanged();
-    expect(told).toMatchObject([["lost", { ...binding, error: { returnCode: "UNSUPPORTED" } }]]);
+    expect(claims).toMatchObject([["lost", { ...binding, error: { returnCode: "UNSUPPORTED" } }]]);
     answer("rois.command.bind", "OK");
     await engineChanged();
-    expect(told).toHaveLength(2);
+    expect(claims).toHaveLength(2);
     await engineChanged();
-    expect(told).toHaveLength(2);
+    expect(claims).toHaveLength(2);
   });
 
   it("are not taken back by a release that came too early", async () => {
@@ -131,7 +131,7 @@ describe("bindings", () => {
     letIn();
     await pass();
     expect(count("rois.command.release")).toBe(2);
-    expect(told).toEqual([]);
+    expect(claims).toEqual([]);
   });
 
   it("leave no timer behind when the session ends while they are missing", async () => {
@@ -154,11 +154,11 @@ describe("bindings", () => {
     await client.bind(NAVIGATION);
     gateway.on("rois.command.bind", () => new Promise(() => undefined));
     await reconnect();
-    gateway.socket.end(1006);
+    gateway.socket.endSocket(1006);
     answer("rois.command.bind", "OK");
     await pass(1000);
     expect(client.state.name).toBe("connected");
-    expect(told).toEqual([["restored", binding]]);
+    expect(claims).toEqual([["restored", binding]]);
   });
 });
 
@@ -177,19 +177,19 @@ describe("subscriptions", () => {
     gateway.notify("rois.event.notify_event", event("s/1"));
     gateway.notify("rois.event.notify_event", event("s/2"));
     expect(heard).toHaveBeenCalledOnce();
-    expect(told).toEqual([["restored", subscription]]);
+    expect(claims).toEqual([["restored", subscription]]);
   });
 
-  it("whose engine is away are told once, and come back with it", async () => {
+  it("whose engine is away are reported once, and restored with it", async () => {
     answer("rois.event.subscribe", "UNSUPPORTED");
     await engineChanged();
     await engineChanged();
-    expect(told).toMatchObject([["lost", { ...subscription, error: { returnCode: "UNSUPPORTED" } }]]);
+    expect(claims).toMatchObject([["lost", { ...subscription, error: { returnCode: "UNSUPPORTED" } }]]);
     gateway.on("rois.event.subscribe", () => ({ subscribe_id: "s/9" }));
     await engineChanged();
     gateway.notify("rois.event.notify_event", event("s/9"));
     expect(heard).toHaveBeenCalledOnce();
-    expect(told.at(-1)).toEqual(["restored", subscription]);
+    expect(claims.at(-1)).toEqual(["restored", subscription]);
   });
 
   it("of a component that takes no new ones now are kept", async () => {
@@ -197,12 +197,12 @@ describe("subscriptions", () => {
     await engineChanged();
     gateway.notify("rois.event.notify_event", event("s/1"));
     expect(heard).toHaveBeenCalledOnce();
-    expect(told).toEqual([]);
+    expect(claims).toEqual([]);
   });
 
   it("hear the event that comes in one breath with the answer", async () => {
     gateway.on("rois.event.subscribe", () => ({ subscribe_id: "s/7" }));
-    // Sockets of Node hand out all messages that came in together before anybody's promise goes on.
+    // Sockets of Node hand out all messages that came in together before any promise goes on.
     const socket = gateway.socket;
     const deliver = socket.deliver.bind(socket);
     socket.deliver = (data: unknown) => {
@@ -263,7 +263,7 @@ describe("subscriptions", () => {
     ).toHaveLength(1);
     for (const answerIt of waiting) answerIt();
     await subscribing;
-    expect(told).toEqual([]);
+    expect(claims).toEqual([]);
   });
 
   it("whose session ends in one breath with the answer come back", async () => {
@@ -271,7 +271,7 @@ describe("subscriptions", () => {
     const deliver = socket.deliver.bind(socket);
     socket.deliver = (data: unknown) => {
       deliver(data);
-      if (String(data).includes("s/2")) socket.end(1006);
+      if (String(data).includes("s/2")) socket.endSocket(1006);
     };
     await client.subscribe("u", "c", heard);
     await pass(500);
@@ -321,7 +321,7 @@ describe("subscriptions", () => {
     expect(gateway.called(undo).slice(before)).toEqual([params]);
   });
 
-  it("with an async listener that fails harm nobody either", async () => {
+  it("with an async listener that fails affect no other listener", async () => {
     const failing = vi.spyOn(console, "error").mockImplementation(() => undefined);
     gateway.on("rois.event.subscribe", () => ({ subscribe_id: "s/9" }));
     await client.subscribe("t", "c", () => Promise.reject(new Error("mine")) as unknown as undefined);
@@ -331,7 +331,7 @@ describe("subscriptions", () => {
     failing.mockRestore();
   });
 
-  it("with a listener that throws harm nobody", async () => {
+  it("with a listener that throws affect no other listener", async () => {
     const failing = vi.spyOn(console, "error").mockImplementation(() => undefined);
     heard.mockImplementation(() => {
       throw new Error("mine");
@@ -368,7 +368,7 @@ describe("subscriptions", () => {
     ]);
   });
 
-  it("that hang hold up nobody", async () => {
+  it("that hang delay no other claim", async () => {
     gateway.on("rois.event.subscribe", () => new Promise(() => undefined));
     await reconnect();
     expect(client.state.name).toBe("connected");

@@ -30,7 +30,7 @@ describe("JsonRpcSession", () => {
     await expect(good).resolves.toBe(5);
     await expect(bad).rejects.toMatchObject({ name: "RpcError", code: -32602, method: "b", data: [] });
     await expect(bad).rejects.toBeInstanceOf(RpcError);
-    const told: [Json | undefined, string][] = [
+    const cases: [Json | undefined, string][] = [
       [
         [
           { path: "name", message: "is missing" },
@@ -42,7 +42,7 @@ describe("JsonRpcSession", () => {
       ["text", ""],
       [undefined, ""],
     ];
-    for (const [data, end] of told) {
+    for (const [data, end] of cases) {
       const error = { code: -32602, message: "Invalid params", ...(data !== undefined && { data }) };
       expect(new RpcError(error, "b").message).toBe(`b: Invalid params (-32602)${end}`);
     }
@@ -69,7 +69,7 @@ describe("JsonRpcSession", () => {
     expect(seen[1]?.elapsed).toBe(7);
   });
 
-  it("refuses requests of the other side and what is no message", () => {
+  it("refuses requests of the other side and malformed messages", () => {
     new JsonRpcSession(socket);
     answer({ id: "x", method: "please" });
     socket.deliver("junk");
@@ -79,7 +79,7 @@ describe("JsonRpcSession", () => {
     ]);
   });
 
-  it("hands on notifications in order", () => {
+  it("passes notifications on in order", () => {
     const methods: string[] = [];
     new JsonRpcSession(socket, { onNotification: ({ method }) => methods.push(method) });
     answer({ method: "one" });
@@ -87,7 +87,7 @@ describe("JsonRpcSession", () => {
     expect(methods).toEqual(["one", "two"]);
   });
 
-  it("gives up on an unanswered request, and on a socket that says nothing at all", async () => {
+  it("gives up an unanswered request, and closes a silent socket", async () => {
     const onClose = vi.fn();
     const session = new JsonRpcSession(socket, { requestTimeout: 1000, onClose });
     const slow = expect(session.request("slow")).rejects.toBeInstanceOf(RequestTimeout);
@@ -103,7 +103,7 @@ describe("JsonRpcSession", () => {
     expect(socket.readyState).toBe(3);
   });
 
-  it("gives an answer that comes too late to whoever undoes it, once", async () => {
+  it("passes a late result to onLate once", async () => {
     const late = vi.fn();
     const session = new JsonRpcSession(socket, { requestTimeout: 1000 });
     const slow = expect(session.request("slow", {}, late)).rejects.toBeInstanceOf(RequestTimeout);
@@ -123,7 +123,7 @@ describe("JsonRpcSession", () => {
     const onClose = vi.fn();
     const session = new JsonRpcSession(socket, { onClose });
     const waiting = expect(session.request("a")).rejects.toBeInstanceOf(ConnectionLost);
-    socket.end(1012, "retry_after=2");
+    socket.endSocket(1012, "retry_after=2");
     await waiting;
     await expect(session.request("b")).rejects.toBeInstanceOf(ConnectionLost);
     session.close(1000, "again");
@@ -131,7 +131,7 @@ describe("JsonRpcSession", () => {
     expect(vi.getTimerCount()).toBe(0);
   });
 
-  it("bounds what is unanswered and what is unsent", async () => {
+  it("bounds unanswered requests and unsent bytes", async () => {
     const session = new JsonRpcSession(socket, { maxOutstanding: 1 });
     const first = session.request("a");
     await expect(session.request("b")).rejects.toBeInstanceOf(RequestTimeout);

@@ -17,7 +17,7 @@ let page: FakeDocument;
 let element: FakeElement;
 let pads: FakeGamepad[];
 let connection: FakePeerConnection;
-let told: string[];
+let events: string[];
 
 const pass = (ms: number): Promise<unknown> => vi.advanceTimersByTimeAsync(ms);
 const sent = (label: string): Message[] =>
@@ -61,9 +61,9 @@ beforeEach(async () => {
   await pass(1);
   connection = FakePeerConnection.all[0] as FakePeerConnection;
   teleoperation = new Teleoperation(client, media, REF);
-  told = [];
+  events = [];
   for (const name of ["refused", "stopped", "ended"] as const)
-    teleoperation.on(name, (reason) => told.push(`${name}: ${reason}`));
+    teleoperation.on(name, (reason) => events.push(`${name}: ${reason}`));
   teleoperation.attach(element as unknown as HTMLElement);
   await teleoperation.start();
 });
@@ -97,7 +97,7 @@ describe("Teleoperation", () => {
     expect(teleoperation.operating).toBe(true);
   });
 
-  it("tells a key at once, and what is held again and again until it is let go", async () => {
+  it("sends a key at once, and the held state again and again until its release", async () => {
     const event = press("KeyW");
     expect(event.defaultPrevented).toBe(true);
     expect(last("control")).toMatchObject({ event: "key", code: "KeyW", down: true });
@@ -195,7 +195,7 @@ describe("Teleoperation", () => {
     ["hidden", () => happen(window, "pagehide")],
     ["hidden", () => (page.visibilityState = "hidden") && happen(page, "visibilitychange")],
     ["bye", () => teleoperation.detach()],
-  ])("lets go of everything: %s", async (why, leave) => {
+  ])("releases everything: %s", async (why, leave) => {
     press("KeyW");
     leave();
     expect(last("control")).toMatchObject({ event: "release", why });
@@ -217,20 +217,20 @@ describe("Teleoperation", () => {
     expect(last("input")).toMatchObject({ keys: ["KeyW", "KeyA"] });
   });
 
-  it("hears why it is refused or stopped", () => {
+  it("passes on why it is refused or stopped", () => {
     press("KeyW");
     connection.channel("control").onmessage?.({ data: '{"event":"stopped","reason":"no input"}' });
     connection.channel("control").onmessage?.({ data: "nonsense" });
-    expect(told).toEqual(["stopped: no input"]);
+    expect(events).toEqual(["stopped: no input"]);
   });
 
-  it("sends nothing when it does not operate any more, and tells why", async () => {
+  it("sends nothing when its operation has ended, and passes on why", async () => {
     const { command_unit_list: units } = asked("rois.command.execute")[0] as {
       command_unit_list: { command_id: string }[];
     };
     gateway.notify("rois.command.completed", { command_id: units[0]?.command_id ?? "", status: "ABORT" });
     await pass(1);
-    expect([teleoperation.operating, told]).toEqual([false, ["ended: ABORT"]]);
+    expect([teleoperation.operating, events]).toEqual([false, ["ended: ABORT"]]);
     expect(asked("rois.command.release")).toEqual([{ component_ref: REF }]);
     press("KeyW");
     await pass(500);
@@ -243,6 +243,6 @@ describe("Teleoperation", () => {
     await teleoperation.stop();
     expect(last("control")).toMatchObject({ event: "release", why: "bye" });
     expect(asked("rois.command.release")).toEqual([{ component_ref: REF }]);
-    expect([teleoperation.operating, told]).toEqual([false, []]);
+    expect([teleoperation.operating, events]).toEqual([false, []]);
   });
 });

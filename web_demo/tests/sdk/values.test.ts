@@ -186,6 +186,6 @@ describe("a payload", () => {
       'persons: "two" is not of type int',
     );
     expect(() => encode(MEETING, { persons: 0.5 })).toThrow('persons: "0.5" is not of type int');
-    expect(() => encode(MEETING, { colour: "red" } as never)).toThrow("there is no value colour");
+    expect(() => encode(MEETING, { colour: "red" } as never)).toThrow("there is no value called colour");
   });
 });

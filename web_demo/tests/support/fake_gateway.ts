@@ -44,7 +44,7 @@ export class FakeSocket implements SocketLike {
 
   /** What the application calls. */
   close(code = 1005, reason = ""): void {
-    this.end(code, reason);
+    this.endSocket(code, reason);
   }
 
   open(): void {
@@ -63,7 +63,7 @@ export class FakeSocket implements SocketLike {
   }
 
   /** Ends the socket as the network or the gateway would. */
-  end(code: number, reason = ""): void {
+  endSocket(code: number, reason = ""): void {
     if (this.readyState === 3) return;
     this.readyState = 3;
     this.#emit("close", { code, reason });
@@ -107,7 +107,7 @@ export class FakeGateway {
 
   get socket(): FakeSocket {
     const socket = this.sockets.at(-1);
-    if (!socket) throw new Error("nobody has connected");
+    if (!socket) throw new Error("no client has connected: connect one first");
     return socket;
   }
 
@@ -122,7 +122,7 @@ export class FakeGateway {
     this.headers = headers;
     const socket = new FakeSocket(url, protocols, (from, text) => void this.#receive(from, text));
     this.sockets.push(socket);
-    queueMicrotask(() => (this.running ? socket.open() : socket.end(1006)));
+    queueMicrotask(() => (this.running ? socket.open() : socket.endSocket(1006)));
     return socket;
   };
 
@@ -132,7 +132,7 @@ export class FakeGateway {
 
   stop(code = 1006, reason = ""): void {
     this.running = false;
-    this.sockets.at(-1)?.end(code, reason);
+    this.sockets.at(-1)?.endSocket(code, reason);
   }
 
   async #receive(socket: FakeSocket, text: string): Promise<void> {

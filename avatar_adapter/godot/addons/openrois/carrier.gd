@@ -25,7 +25,7 @@ var _mutex := Mutex.new()  # for everything below
 var _wake := Semaphore.new()
 var _open := false
 var _reason := ""  # why it is over
-var _give_up_at := 0  # msec; 0 while nobody wants it to end
+var _give_up_at := 0  # msec; 0 while it is not to end
 var _events := []
 var _sounds := []
 var _picture := []  # head and pixels of the newest one
@@ -140,7 +140,7 @@ func _greet() -> bool:
 	while _status() == StreamPeerTCP.STATUS_CONNECTING and OS.get_ticks_msec() < deadline and not _ends():
 		OS.delay_msec(1)
 	if _status() != StreamPeerTCP.STATUS_CONNECTED:
-		fail("nobody answers")
+		fail("no adapter answers; start it, or check the address")
 		return false
 	_peer.set_no_delay(true)
 	if not _write(_hello, deadline):
@@ -185,7 +185,7 @@ func _next() -> Array:
 	return parts
 
 
-# Whether the thread shall end: the connection is over, or somebody closes it and there is nothing left to say.
+# Whether the thread has to end: the connection has ended, or is being closed with nothing left to send.
 func _ends() -> bool:
 	_mutex.lock()
 	var answer := _reason != "" or (_give_up_at != 0 and _events.empty())

@@ -2,7 +2,7 @@
 #
 # Keys are called as in KeyboardEvent.code ("KeyW", "Space"), the gamepad's buttons, in the W3C's standard mapping,
 # "Pad0" to "Pad16", the pointer's "Mouse0" to "Mouse4". When the operator is gone or may not operate any more
-# everything is let go, also where nobody tells: nothing stays pressed.
+# everything is released, also without a message: nothing stays pressed.
 extends Node
 
 # Something has gone down, or up again.

@@ -2,7 +2,7 @@
 #
 # Add it to the scene, connect its signals to your character, and tell it what becomes of them. It connects by itself,
 # again whenever the adapter went away, and nothing here makes the game wait. Moments are microseconds of now_usec().
-# Places are metres and radians as in docs/engine-link.md: x right, y away from the viewer; to_world() has them in Godot's.
+# Places are metres and radians as in docs/reference/engine-link.md: x right, y away from the viewer; to_world() has them in Godot's.
 extends Node
 
 const Wire := preload("wire.gd")
@@ -32,7 +32,7 @@ signal drive(ahead, left, turn)
 signal halt()
 # The operator's voice, if `hears`: 48 kHz, mono, signed 16 bit.
 signal heard(samples)
-# What the operator does, if `takes_input`: a message of docs/wire.md, "Input". OpenRoISHands keeps what is held.
+# What the operator does, if `takes_input`: a message of docs/reference/wire.md, "Input". OpenRoISHands keeps what is held.
 signal input(message)
 # The adapter wants the game to end; if `quits`, it does.
 signal quit()

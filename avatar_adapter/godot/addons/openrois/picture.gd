@@ -1,4 +1,4 @@
-# Pictures of a viewport as the link wants them: I420, converted by a shader, read back when somebody asks for one.
+# Pictures of a viewport for the link: I420, converted by a shader, read back on request.
 extends Viewport
 
 var width: int

@@ -1,4 +1,4 @@
-# The frames of the engine link: bytes out and bytes in, nothing else. docs/engine-link.md describes every byte.
+# The frames of the engine link: bytes out and bytes in, nothing else. docs/reference/engine-link.md describes every byte.
 extends Reference
 
 enum {HELLO = 1, WELCOME, VIDEO, AUDIO, COMMAND, EVENT, BYE}

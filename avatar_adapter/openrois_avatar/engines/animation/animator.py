@@ -8,13 +8,13 @@ from typing import Final, Literal
 from openrois_avatar.engines.animation import idle
 from openrois_avatar.engines.animation.curves import settling, settling_speed, smooth
 from openrois_avatar.engines.animation.gaze import Gaze
-from openrois_avatar.engines.animation.heard import HeardVoice
 from openrois_avatar.engines.animation.pose import Pose, channels, from_channels
 from openrois_avatar.engines.animation.reactions import REACTIONS, Reaction
 from openrois_avatar.engines.animation.visemes import Track, blended
+from openrois_avatar.engines.animation.voice_mouth import VoiceMouth
 
 MAX_TRACKS: Final = 64
-"""Most speech tracks that wait or play at once; of more, the earliest is given up."""
+"""Most speech tracks that wait or play at once; of more, the earliest is dropped."""
 _REST: Final = channels(Pose())
 _SETTLE: Final = 9.0
 """Stiffness (1/s) of the spring that takes an interrupted reaction back to rest: about 0.5 s."""
@@ -45,7 +45,7 @@ class _Playing:
 
 @dataclass(frozen=True, slots=True)
 class _Residue:
-    """What interrupted reactions leave, coming to rest: offset and speed of each channel at a time."""
+    """Offset and speed of each channel after an interrupted reaction, coming to rest."""
 
     time: float
     moving: dict[str, tuple[float, float]]
@@ -66,22 +66,22 @@ class Animator:
         self._seed = seed
         self._gaze = Gaze()
         self._tracks: list[Track] = []
-        self._heard = HeardVoice()
+        self._heard = VoiceMouth()
         self._playing: _Playing | None = None
         self._residue = _Residue(0.0, {})
         self._outcomes: list[Outcome] = []
 
-    def look(self, time: float, x: float, y: float) -> None:
-        """Look at x (-1: the picture's left .. 1) and y (-1: down .. 1)."""
-        self._gaze.look(time, x, y)
+    def turn_eyes(self, time: float, x: float, y: float) -> None:
+        """Turn the eyes to x (-1: the picture's left .. 1) and y (-1: down .. 1)."""
+        self._gaze.turn_to(time, x, y)
 
     def speak(self, time: float, track: Track) -> None:
         """Move the mouth along a track from its own start on."""
         self._tracks = [*(known for known in self._tracks if not known.over(time)), track][-MAX_TRACKS:]
 
-    def hear(self, time: float, loudness: float) -> None:
-        """Somebody speaks through the avatar, so loud (0..1): its mouth follows where it does not speak itself."""
-        self._heard.hear(time, loudness)
+    def follow_voice(self, time: float, loudness: float) -> None:
+        """Follow the operator's voice of this loudness (0..1) with the mouth where the avatar does not speak itself."""
+        self._heard.set_loudness(time, loudness)
 
     def silence(self, time: float) -> None:
         """Close the mouth now; tracks that have not begun are dropped."""
@@ -99,12 +99,12 @@ class Animator:
         self._playing = _Playing(id, reaction, time)
 
     def stop(self, time: float, id: str | None = None) -> None:
-        """Stop the reaction with this id, or whichever plays."""
+        """Stop the reaction with this id, or any if it is None."""
         if self._playing is not None and id in (None, self._playing.id):
             self._interrupt(time)
 
     def outcomes(self, time: float) -> list[Outcome]:
-        """The reactions that are over since the last call."""
+        """Return the reactions that have ended since the last call."""
         if self._playing is not None and time >= self._playing.start + self._playing.reaction.duration:
             self._outcomes.append(Outcome(self._playing.id, "OK"))
             self._playing = None
@@ -112,11 +112,11 @@ class Animator:
         return done
 
     def is_expressive(self, time: float) -> bool:
-        """Whether it speaks or reacts: whether there is something in its face or hands to be seen."""
+        """Return whether the figure speaks or plays a reaction, so that its face or hands matter."""
         return self._playing is not None or any(track.is_spoken(time) for track in self._tracks)
 
     def pose(self, time: float, walking: Mapping[str, float] = MappingProxyType({})) -> Pose:
-        """The body at a time; `walking` is what its steps add by channel."""
+        """Return the pose at a time; `walking` has the offsets of its steps by channel."""
         values = dict(_REST)
         reacting, residue = self._reacting(time), self._residue.at(time)
         for layer in (
@@ -190,7 +190,7 @@ class Animator:
         return {} if self._playing is None else self._playing.reaction.at(time - self._playing.start)
 
     def _interrupt(self, time: float) -> None:
-        """Hand what plays over to the residue, with its speed, so that nothing jumps."""
+        """End the reaction, and let its offsets and speeds come to rest, so that nothing jumps."""
         if self._playing is None:
             return
         now, next_ = self._reacting(time), self._reacting(time + _INSTANT)
@@ -204,7 +204,7 @@ class Animator:
 
 
 def _with_busy_arms(walking: Mapping[str, float], *gestures: Mapping[str, float]) -> dict[str, float]:
-    """Steps without the swing of an arm that has something else to do; empty while it stands."""
+    """Return the offsets of steps without the swing of an arm that a gesture uses; empty while it stands."""
     if not walking:
         return {}
     free = {}

@@ -1,4 +1,4 @@
-"""Curves over time: eased key frames, soft steps, and the way a spring comes to rest."""
+"""Curves over time: eased key frames, soft steps, and critically damped springs."""
 
 from bisect import bisect_right
 from itertools import pairwise
@@ -6,7 +6,7 @@ from math import exp
 
 
 def smooth(value: float) -> float:
-    """A step from 0 to 1 over 0..1 that starts and ends without speed."""
+    """Return a step from 0 to 1 over 0..1 that starts and ends without speed."""
     clipped = min(max(value, 0.0), 1.0)
     return clipped * clipped * (3.0 - 2.0 * clipped)
 
@@ -34,7 +34,7 @@ class Curve:
         return self._times[-1]
 
     def __call__(self, time: float) -> float:
-        """The value at a time."""
+        """Return the value at a time."""
         if time <= self._times[0]:
             return self._values[0]
         if time >= self._times[-1]:
@@ -48,22 +48,22 @@ class Curve:
 
 
 def _hermite(part: float, leave: float, arrive: float) -> float:
-    """What the speeds at both ends add to a soft step."""
+    """Return the offset from a soft step by the speeds at both ends."""
     return leave * part * (1 - part) ** 2 - arrive * part * part * (1 - part)
 
 
 def _slope(before: float, after: float) -> float:
-    """The speed at a key between two rises: none at a turning point, else gentle enough not to overshoot."""
+    """Return the speed at a key between two rises: none at a turning point, else small enough not to overshoot."""
     if before * after <= 0.0:
         return 0.0
     return 2.0 * before * after / (before + after)
 
 
 def settling(offset: float, velocity: float, stiffness: float, elapsed: float) -> float:
-    """How far a critically damped spring is from rest, `elapsed` seconds after it had this offset and velocity."""
+    """Return the offset of a critically damped spring, `elapsed` seconds after it had this offset and velocity."""
     return (offset + (velocity + stiffness * offset) * elapsed) * exp(-stiffness * elapsed)
 
 
 def settling_speed(offset: float, velocity: float, stiffness: float, elapsed: float) -> float:
-    """The velocity of that spring then."""
+    """Return the velocity of such a spring."""
     return (velocity - stiffness * (velocity + stiffness * offset) * elapsed) * exp(-stiffness * elapsed)

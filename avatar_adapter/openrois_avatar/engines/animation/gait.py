@@ -1,41 +1,41 @@
-"""Walking as the body does it: legs that step, arms that swing against them, and a trunk that goes along."""
+"""The gait: motion of legs, arms and trunk while walking. Pure."""
 
 from collections.abc import Mapping
 from math import cos, exp, hypot, pi, sin
 from typing import Final
 
 _SHORTEST, _LONGER = 0.55, 0.50
-"""A stride, two steps, in metres: when one hardly moves, and how much longer for every m/s."""
+"""Length of a stride, two steps, in metres: at hardly any speed, and per m/s."""
 _LEG: Final = 0.75
 """Length of a leg in metres."""
 _TURNING: Final = 0.16
 """A turn of 1 rad/s takes as many steps as so many m/s."""
 _ASIDE: Final = 0.45
-"""How much of a step to the side is seen as one ahead."""
+"""Share of a step to the side that looks like one ahead."""
 _RISE: Final = 9.0
-"""How quickly steps become larger and smaller, in 1/s."""
+"""Rate at which steps become larger and smaller, in 1/s."""
 _MOST: Final = 0.62
 """Farthest that a leg swings, in radians."""
 
 
 class Steps:
-    """One figure's steps: they follow how it moves, so that its feet do not slide."""
+    """The steps of one figure, which follow its motion so that its feet do not slide."""
 
     def __init__(self) -> None:
         self._phase = 0.0
         """Of the right leg, in strides: at 0 it is in front, and it is lifted from 0.5 to 1."""
         self._swing = 0.0
-        """How far legs swing to either side, in radians."""
+        """Swing of the legs to either side, in radians."""
         self._effort = 0.0
-        """How much it walks at all, 0 to 1."""
+        """Intensity of walking, 0 to 1."""
 
     @property
     def effort(self) -> float:
-        """How much it walks, 0 (stands) to 1."""
+        """Intensity of walking, 0 (stands) to 1."""
         return self._effort
 
-    def take(self, ahead: float, left: float, turn: float, seconds: float) -> None:
-        """Go on for some time with m/s ahead and to the left, and rad/s to the left."""
+    def advance(self, ahead: float, left: float, turn: float, seconds: float) -> None:
+        """Advance by some seconds with m/s ahead and to the left, and rad/s to the left."""
         speed = hypot(ahead, left) + _TURNING * abs(turn)
         stride = _SHORTEST + _LONGER * speed
         way = -1.0 if ahead < 0.0 else 1.0
@@ -49,7 +49,7 @@ class Steps:
             self._swing = self._effort = 0.0
 
     def channels(self) -> Mapping[str, float]:
-        """What walking adds to the body at rest; empty while it stands."""
+        """Return the offsets of walking from the body at rest; empty while it stands."""
         if not self._effort:
             return {}
         swing, effort = self._swing, self._effort
@@ -74,7 +74,7 @@ _STILL: Final = 0.01
 
 
 def _leg(turn: float, swing: float, effort: float) -> dict[str, float]:
-    """One leg: its angles are as in `Leg`."""
+    """Return the angles of one leg, as in `Leg`."""
     lifted = max(0.0, -sin(turn - 0.25))
     pushing = max(0.0, -cos(turn + 0.35)) ** 3 * max(0.0, sin(turn + 0.9))
     return {
@@ -85,7 +85,7 @@ def _leg(turn: float, swing: float, effort: float) -> dict[str, float]:
 
 
 def _arm(ahead: float, swing: float) -> dict[str, float]:
-    """One arm, `ahead` from -1 (behind) to 1."""
+    """Return the offsets of one arm, `ahead` from -1 (behind) to 1."""
     return {
         "y": -1.9 * swing * ahead - 0.35 * swing,
         "z": swing * (0.30 + 0.55 * max(0.0, ahead)),

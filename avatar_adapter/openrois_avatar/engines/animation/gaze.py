@@ -1,4 +1,4 @@
-"""Looking somewhere: the eyes jump, the head follows, and the eyes turn back in it."""
+"""Gaze: the eyes jump to a target, the head follows, and the eyes turn back in it."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -16,7 +16,7 @@ _BLINK_FROM: Final = 0.30
 
 @dataclass(frozen=True, slots=True)
 class _Turn:
-    """A move from somewhere, with some speed, towards a target that began at a time."""
+    """A motion towards a target, from an offset with a speed, since a time."""
 
     start: float = 0.0
     target: float = 0.0
@@ -32,7 +32,7 @@ class _Turn:
 
 
 @dataclass(frozen=True, slots=True)
-class Looking:
+class HeadAndEyes:
     """Head and eyes (relative to the head) in radians, and how closed the lids are for the change."""
 
     head_yaw: float
@@ -43,15 +43,15 @@ class Looking:
 
 
 class Gaze:
-    """Follows `look` commands."""
+    """The gaze, which follows `look` commands."""
 
     def __init__(self) -> None:
         self._eyes = (_Turn(), _Turn())
         self._head = (_Turn(), _Turn())
         self._blink = float("-inf")
 
-    def look(self, time: float, x: float, y: float) -> None:
-        """Look from this time on at x (-1: the picture's left .. 1) and y (-1: down .. 1)."""
+    def turn_to(self, time: float, x: float, y: float) -> None:
+        """Turn the gaze from this time on to x (-1: the picture's left .. 1) and y (-1: down .. 1)."""
         targets = (x * _YAW, y * _PITCH)
         far = any(abs(target - turn.target) >= _BLINK_FROM for target, turn in zip(targets, self._eyes, strict=True))
         if far and time >= self._blink + BLINK:
@@ -66,8 +66,10 @@ class Gaze:
             self._head[1].redirected(time, pitch * _HEAD_SHARE, _HEAD_STIFFNESS),
         )
 
-    def at(self, time: float) -> Looking:
-        """Where head and eyes are at a time, not before that of the last `look`."""
+    def at(self, time: float) -> HeadAndEyes:
+        """Return the angles of head and eyes at a time, not before that of the last `turn_to`."""
         head_yaw, head_pitch = (turn.at(time, _HEAD_STIFFNESS) for turn in self._head)
         eye_yaw, eye_pitch = (turn.at(time, _EYE_STIFFNESS) for turn in self._eyes)
-        return Looking(head_yaw, head_pitch, eye_yaw - head_yaw, eye_pitch - head_pitch, blink_at(time - self._blink))
+        return HeadAndEyes(
+            head_yaw, head_pitch, eye_yaw - head_yaw, eye_pitch - head_pitch, blink_at(time - self._blink)
+        )

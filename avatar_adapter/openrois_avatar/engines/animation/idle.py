@@ -1,4 +1,4 @@
-"""What a body does when it does nothing: breathing, blinking, small movements of eyes and head.
+"""Idle motion of the body: breathing, blinking, small movements of eyes and head.
 
 Everything is a function of time and a seed. Random choices are made per slot of time, so no history is kept.
 """
@@ -15,7 +15,7 @@ from openrois_avatar.engines.animation.curves import smooth
 _BREATH: Final = 4.3
 """Seconds per breath."""
 _BLINK_SLOT: Final = 3.6
-"""One blink falls somewhere into each slot."""
+"""Seconds of a slot, each with one blink at random."""
 _CLOSING, _CLOSED, _OPENING = 0.075, 0.045, 0.170
 BLINK: Final = _CLOSING + _CLOSED + _OPENING
 """Seconds a blink takes."""
@@ -35,32 +35,32 @@ class Drift:
 
 
 def breath(time: float) -> float:
-    """How full the chest is, 0..1; breathing in is quicker than out."""
+    """Return how full the chest is, 0..1; breathing in is quicker than out."""
     phase = (time / _BREATH) % 1.0
     return smooth(phase / 0.42) if phase < 0.42 else 1 - smooth((phase - 0.42) / 0.58)
 
 
 def blink_at(since: float) -> float:
-    """How closed the lids are, 0..1, `since` seconds after a blink began."""
+    """Return how closed the lids are, 0..1, `since` seconds after a blink began."""
     return smooth(since / _CLOSING) - smooth((since - _CLOSING - _CLOSED) / _OPENING)
 
 
 def blink(time: float, seed: int) -> float:
-    """How closed the lids are, 0..1: irregular blinks, now and then a double one."""
+    """Return how closed the lids are, 0..1: irregular blinks, now and then a double one."""
     slot = int(time // _BLINK_SLOT)
     return max(blink_at(time - slot * _BLINK_SLOT - start) for start in _blinks(slot, seed))
 
 
 @lru_cache(maxsize=64)
 def _blinks(slot: int, seed: int) -> tuple[float, ...]:
-    """When the blinks of a slot start; the last of them ends within it."""
+    """Return when the blinks of a slot start; the last of them ends within it."""
     random = _chance(1, seed, slot)
     start = random.uniform(0.2, _BLINK_SLOT - BLINK * 2.4)
     return (start, start + BLINK * 1.15) if random.random() < 0.12 else (start,)
 
 
 def glance(time: float, seed: int) -> tuple[float, float]:
-    """Small movements of the eyes around what they look at: yaw and pitch in radians."""
+    """Return small movements of the eyes around their target: yaw and pitch in radians."""
     slot = int(time // _GAZE_SLOT)
     start, yaw, pitch = _fixation(slot, seed)
     _, before_yaw, before_pitch = _fixation(slot - 1, seed)
@@ -79,7 +79,7 @@ def _fixation(slot: int, seed: int) -> tuple[float, float, float]:
 
 
 def drift(time: float, seed: int) -> Drift:
-    """Slow sway of head and body; the periods never line up."""
+    """Return the slow sway of head and body; the periods never line up."""
     shift = _shift(seed)
 
     def wave(period: float, phase: float) -> float:

@@ -1,4 +1,4 @@
-"""What the avatar's body does at one moment: plain numbers, the same for every renderer.
+"""The pose of the avatar's body at one moment: plain numbers, the same for every renderer.
 
 Angles are radians. Positions are decimetres in body space: x to the right of the picture (the avatar's left), y away
 from the viewer, z up; the origin is in the middle of the head when the avatar is at rest. `left` and `right` are the
@@ -26,7 +26,7 @@ class Mouth:
 
 @dataclass(frozen=True, slots=True)
 class Arm:
-    """Where a wrist is and how the hand continues it.
+    """The place of a wrist, and the posture of its hand.
 
     `out` is the distance from the middle of the body to the side. `swivel` turns the elbow outwards around the line
     from shoulder to wrist, `twist` turns the hand around the forearm (0: the palm to the viewer), `bend` closes the
@@ -47,7 +47,7 @@ class Arm:
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """How far a leg swings ahead at its hip, how far the knee is bent, and how far the toes are up."""
+    """The angles of a leg: swing ahead at the hip, bend of the knee, and lift of the toes."""
 
     hip: float = 0.0
     knee: float = 0.0
@@ -56,7 +56,7 @@ class Leg:
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """One moment.
+    """The pose at one moment.
 
     Positive angles: yaw to the right of the picture, pitch up, roll towards the picture's right, lean forward.
     Gaze is relative to the head. Lids: 0 open .. 1 closed. Brows: -1 low .. 1 high. Breath and shoulders: 0 .. 1.
@@ -95,7 +95,7 @@ _LEG = tuple(part.name for part in fields(Leg))
 
 
 def channels(pose: Pose) -> dict[str, float]:
-    """A pose's numbers by channel."""
+    """Return a pose's numbers by channel."""
     flat = {name: getattr(pose, name) for name in _OWN}
     groups = {"mouth": _MOUTH, "left": _ARM, "right": _ARM, "left_leg": _LEG, "right_leg": _LEG}
     for group, names in groups.items():
@@ -105,7 +105,7 @@ def channels(pose: Pose) -> dict[str, float]:
 
 
 def from_channels(values: Mapping[str, float]) -> Pose:
-    """The pose with these numbers.
+    """Return the pose with these numbers.
 
     Raises:
         KeyError: a channel is missing.

@@ -1,4 +1,4 @@
-"""The reactions: what each one adds to the body at rest, as key frames.
+"""The reactions: offsets from the body at rest, as key frames.
 
 Times are seconds. Every channel starts and ends at rest, so that any reaction may follow any other.
 """
@@ -21,12 +21,12 @@ class Reaction:
     curves: Mapping[str, Curve]
 
     def at(self, elapsed: float) -> dict[str, float]:
-        """The offsets so many seconds after the start."""
+        """Return the offsets so many seconds after the start."""
         return {channel: curve(elapsed) for channel, curve in self.curves.items()}
 
 
 def _reaction(duration: float, keys: Mapping[str, Keys], **arms: tuple[tuple[float, Arm], ...]) -> Reaction:
-    """A reaction of the keys between rest at both ends; `left` and `right` are whole arms."""
+    """Return a reaction of the keys between rest at both ends; `left` and `right` are whole arms."""
     curves = {channel: Curve((0.0, 0.0), *inner, (duration, 0.0)) for channel, inner in keys.items()}
     for side, inner_arms in arms.items():
         for part in fields(Arm):

@@ -1,4 +1,4 @@
-"""Mouth shapes for speech: the fifteen of the Oculus set, and a track of them that flows as lips do."""
+"""Mouth shapes for speech: the fifteen of the Oculus set, and tracks of them with coarticulation."""
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Mapping, Sequence
@@ -25,12 +25,12 @@ SHAPES: Final[Mapping[str, Mouth]] = {
     "oh": Mouth(jaw=0.66, round=0.70, lower=0.25),
     "ou": Mouth(jaw=0.30, round=1.0, lower=0.20),
 }
-"""What the mouth does for each viseme at full weight."""
+"""The mouth shape of each viseme at full weight."""
 
 _SPREAD: Final = 0.11
-"""Seconds over which one shape turns into the next: lips start early and leave late."""
+"""Seconds of the transition from one shape to the next: lips start early and leave late."""
 EARLY: Final = 0.02
-"""Seconds by which lips are ahead of the sound: closed ones insist, and without this open up too late to be heard."""
+"""Seconds by which lips are ahead of the sound: closed lips dominate, and would open too late without this."""
 _FIRMNESS: Final[Mapping[str, float]] = {
     "PP": 4.0,
     "FF": 3.0,
@@ -42,13 +42,13 @@ _FIRMNESS: Final[Mapping[str, float]] = {
     "nn": 0.8,
     "sil": 0.8,
 }
-"""How much a shape insists against its neighbours, 1 unless listed: closed lips must close, the tongue's back hides."""
+"""Dominance of a shape over its neighbours, 1 unless listed: closed lips must close, the tongue's back is hidden."""
 _VOWELS: Final = frozenset(("aa", "E", "ih", "oh", "ou"))
 _ACCENT_GAP: Final = 0.50
 """Seconds between two accents, at least."""
 _ACCENT_LENGTH: Final = 0.42
 CUT: Final = 0.08
-"""Seconds in which a mouth that is told to be silent closes."""
+"""Seconds in which the mouth closes on `Silence`."""
 _PARTS: Final = tuple(part.name for part in fields(Mouth))
 
 
@@ -64,7 +64,7 @@ class Voiced:
 
 @dataclass(frozen=True, slots=True)
 class Share:
-    """What a track says about the mouth at a moment: its shape times firmness, the firmness, and how present it is."""
+    """A track's contribution to the mouth at a moment: shape times firmness, firmness, and presence."""
 
     shape: tuple[float, ...]
     firmness: float
@@ -99,16 +99,16 @@ class Track:
             self._cut = time
 
     def is_spoken(self, time: float) -> bool:
-        """Whether it is being said at a time: it has begun, and is neither at its end nor cut."""
+        """Return whether the track is being spoken at a time: it has begun, and is neither at its end nor cut."""
         return self.start <= time < (self.end if self._cut is None else self._cut)
 
     def over(self, time: float) -> bool:
-        """Whether the track moves nothing any more."""
+        """Return whether the track has no effect any more."""
         last = self.end + _ACCENT_LENGTH if self._cut is None else self._cut + CUT
         return time > last + _SPREAD
 
     def share(self, time: float) -> Share:
-        """What the track does to the mouth at a time."""
+        """Return the track's contribution to the mouth at a time."""
         at, loudness = time - self.start + EARLY, self._loudness(time)
         first, last = bisect_left(self._ends, at - _SPREAD / 2), bisect_right(self._starts, at + _SPREAD / 2)
         total, firmness, presence = [0.0] * len(_PARTS), 0.0, 0.0
@@ -123,7 +123,7 @@ class Track:
         return Share(tuple(total), firmness, presence)
 
     def accent(self, time: float) -> float:
-        """How strongly head and brows stress what is said, 0..1."""
+        """Return how strongly head and brows stress the speech, 0..1."""
         at = time - self.start
         index = bisect_right(self._accents, at) - 1
         if index < 0:
@@ -136,19 +136,19 @@ class Track:
 
 
 def blended(shares: Sequence[Share]) -> Mouth:
-    """One mouth out of what several tracks say; where they say nothing it is at rest."""
+    """Return the mouth shape of several tracks; without any it is at rest."""
     rest = max(0.0, 1 - sum(share.presence for share in shares))
     firmness = rest + sum(share.firmness for share in shares)
     return Mouth(*(sum(share.shape[index] for share in shares) / firmness for index in range(len(_PARTS))))
 
 
 def _risen(since: float) -> float:
-    """How far a shape that begins at 0 has come in."""
+    """Return the share of a shape that begins at 0."""
     return smooth(since / _SPREAD + 0.5)
 
 
 def _accents(voiced: Sequence[Voiced]) -> list[float]:
-    """When to stress: at clear vowels, not too often. The accent starts a little ahead, as people's do."""
+    """Return the times of accents: at clear vowels, not too often, each a little ahead of its vowel."""
     times: list[float] = []
     for item in voiced:
         start = item.start - 0.06

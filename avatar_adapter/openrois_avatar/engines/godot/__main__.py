@@ -12,25 +12,25 @@ _SIZE = (640, 360)
 
 
 def main(arguments: Sequence[str]) -> None:
-    """Take the place of this process with Godot: a signal to the one is a signal to the other.
+    """Replace this process by Godot, so that a signal to the one is a signal to the other.
 
     Args:
         arguments: the folder of a project, or nothing for the demo.
 
     Raises:
-        SystemExit: it does not run here; the text says what to install.
+        SystemExit: Godot does not run here; the text says what to install.
     """
     works, hint = available()
     runner = program()
     if not works or runner is None:
         raise SystemExit(hint)
-    environment = {**os.environ, "LANG": "en"}  # it complains of a locale C
+    environment = {**os.environ, "LANG": "en"}  # Godot warns about a locale C
     if "DISPLAY" not in environment:
         try:
             environment.update(virtual_screen(*_SIZE))
         except NoScreen as error:
             raise SystemExit(str(error)) from error
-    # What is heard goes over the link: Godot itself needs no sound card.
+    # Sound goes over the link: Godot itself needs no sound card.
     game = arguments[0] if arguments else str(project())
     os.execve(runner, [runner, "--path", game, "--audio-driver", "Dummy"], environment)  # noqa: S606 - a program of this machine
 

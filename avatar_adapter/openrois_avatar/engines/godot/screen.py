@@ -1,4 +1,4 @@
-"""A display of its own for a program that draws: Xvfb, which ends when this process does."""
+"""A virtual display for a program that draws: Xvfb, which ends when this process does."""
 
 import ctypes
 import os
@@ -14,36 +14,36 @@ __all__ = ["SERVER", "NoScreen", "virtual_screen"]
 
 SERVER: Final = "Xvfb"
 START_TIMEOUT: Final = 10.0
-"""Seconds that the server has to say which display it is."""
+"""Seconds that the server has to report its display."""
 _FIRST: Final = 1000
 _NUMBERS: Final = 50_000
 _TRIES: Final = 3
-"""The numbers of displays to choose from, and how often."""
+"""The range of display numbers, and the number of attempts."""
 _COOKIE: Final = b"MIT-MAGIC-COOKIE-1"
 _FAMILY_WILD: Final = 0xFFFF
 _PR_SET_PDEATHSIG: Final = 1
 
 
 class NoScreen(Exception):
-    """The server did not start; the text has what it said."""
+    """The display server did not start; the text has its output."""
 
 
 def virtual_screen(width: int, height: int) -> Mapping[str, str]:
-    """Start a display server for this process and whatever program takes its place (`os.exec*`).
+    """Start a display server for this process and the program that replaces it (`os.exec*`).
 
-    The server listens on no network and lets in only who has the key, which is in memory that the same program
-    inherits; no file is left behind. The kernel ends it together with this process, so it has to be called from the
+    The server listens on no network and accepts only clients with its key, which is in memory that the program
+    inherits; no file is left behind. The kernel ends it together with this process, so this has to be called from the
     main thread. Linux only.
 
     Returns:
-        The variables with which a program finds the display.
+        The environment variables of the display.
 
     Raises:
-        NoScreen: it did not start.
+        NoScreen: the server did not start.
     """
     key, said = _memory("key", _authority()), _memory("said")
     for _ in range(_TRIES):
-        # Not the first free number, as servers choose: the one that had it before may still be removing its socket.
+        # Not the first free number, as servers choose: its last owner may still be removing its socket.
         number = _FIRST + secrets.randbelow(_NUMBERS)
         if _starts(number, f"{width}x{height}x24", key, said):
             os.set_inheritable(key, True)
@@ -52,7 +52,7 @@ def virtual_screen(width: int, height: int) -> Mapping[str, str]:
 
 
 def _starts(number: int, screen: str, key: int, said: int) -> bool:
-    """Start the server as this display, and wait until it can be used or has ended."""
+    """Start the server as this display, and return whether it is ready, or has ended."""
     ready, telling = os.pipe()
     parent, libc = os.getpid(), ctypes.CDLL(None)
 
@@ -84,7 +84,7 @@ def _starts(number: int, screen: str, key: int, said: int) -> bool:
 
 
 def _line(pipe: int) -> bytes:
-    """What comes through a pipe, to the end of the line: empty if that does not come in time."""
+    """Read a line of a pipe: empty if it does not come in time."""
     line = b""
     while not line.endswith(b"\n"):
         readable, _, _ = select.select([pipe], [], [], START_TIMEOUT)
@@ -96,13 +96,13 @@ def _line(pipe: int) -> bytes:
 
 
 def _authority() -> bytes:
-    """A key that opens every display, in the form of an Xauthority file."""
+    """Return a key for every display, in the form of an Xauthority file."""
     parts = (b"", b"", _COOKIE, secrets.token_bytes(16))  # address, number, name, key
     return struct.pack(">H", _FAMILY_WILD) + b"".join(struct.pack(">H", len(part)) + part for part in parts)
 
 
 def _memory(name: str, content: bytes = b"") -> int:
-    """A file in memory, by its descriptor."""
+    """Return the descriptor of a file in memory."""
     descriptor = os.memfd_create(name)
     os.write(descriptor, content)
     return descriptor
@@ -110,4 +110,4 @@ def _memory(name: str, content: bytes = b"") -> int:
 
 def _last_line(descriptor: int) -> str:
     lines = os.pread(descriptor, 10_000, 0).decode(errors="replace").split("\n")
-    return next((line for line in reversed(lines) if line.strip()), "it said nothing")
+    return next((line for line in reversed(lines) if line.strip()), "it printed nothing")

@@ -11,7 +11,7 @@ _LIBRARY = "libX11.so.6"
 
 
 def available() -> tuple[bool, str]:
-    """Whether this engine runs here, and if not, what to do about it. Opens no window."""
+    """Return whether this engine runs here, and if not, what to install. Opens no window."""
     if importlib.util.find_spec("panda3d") is None:
         return False, "Panda3D is not installed: pip install 'openrois[panda3d]'"
     if sys.platform == "linux":

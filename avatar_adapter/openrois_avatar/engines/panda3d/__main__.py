@@ -2,6 +2,7 @@
 
 import sys
 
+from openrois_avatar.engines.figure.baked import BakedError
 from openrois_avatar.engines.panda3d import available
 from openrois_avatar.engines.room.shot import VIEWPOINTS
 from openrois_avatar.engines.runner import main
@@ -15,4 +16,7 @@ def _renderer(picture: Picture) -> Renderer:
 
 
 if __name__ == "__main__":
-    sys.exit(main("panda3d", available, _renderer, VIEWPOINTS, sys.argv[1:]))
+    try:
+        sys.exit(main("panda3d", available, _renderer, VIEWPOINTS, sys.argv[1:]))
+    except BakedError as error:
+        sys.exit(str(error))

@@ -1,4 +1,4 @@
-"""The figure in Panda3D: its parts as one mesh for each space, apart from those that change their shape."""
+"""The figure in Panda3D: its parts as one mesh for each space, apart from those with a variable shape."""
 
 from collections.abc import Mapping, Sequence
 from itertools import groupby
@@ -7,12 +7,12 @@ import numpy as np
 from panda3d.core import NodePath
 
 from openrois_avatar.engines.animation.pose import Pose
+from openrois_avatar.engines.figure.figure import SPACES
+from openrois_avatar.engines.figure.mesh import Array
+from openrois_avatar.engines.figure.part import Part, State
+from openrois_avatar.engines.figure.rig import Frame, Space
+from openrois_avatar.engines.figure.shading import Floats, Lighting
 from openrois_avatar.engines.panda3d.geometry import Solid, matrix, show
-from openrois_avatar.engines.sculpt.distance import Array
-from openrois_avatar.engines.sculpt.figure import SPACES
-from openrois_avatar.engines.sculpt.part import Part, State
-from openrois_avatar.engines.sculpt.rig import Frame, Space
-from openrois_avatar.engines.sculpt.shading import Floats, Lighting
 
 
 class Figure:
@@ -27,7 +27,7 @@ class Figure:
         ]
 
     def update(self, pose: Pose, frames: Mapping[Space, Frame], visible: Mapping[Space, bool], relight: float) -> None:
-        """Bring up to date what is visible; it is lit anew once it has turned by about `relight` radians."""
+        """Update the visible parts; they are lit again once they have turned by about `relight` radians."""
         for group in self._groups:
             group.show(visible[group.space])
             if visible[group.space]:
@@ -43,7 +43,7 @@ def _moves(part: Part) -> bool:
 
 
 class _Group:
-    """Parts of one space as one mesh: what of it changed is made anew, the rest is kept."""
+    """Parts of one space as one mesh: only changed parts are updated."""
 
     def __init__(self, parts: Sequence[Part], scene: NodePath) -> None:
         self.space = parts[0].space
@@ -60,7 +60,7 @@ class _Group:
         self._solid = Solid(self.space, self._node, faces, ends[-1])
 
     def update(self, pose: Pose, frame: Frame, relight: float) -> None:
-        """Bring everything that depends on the pose up to date.
+        """Update everything that depends on the pose.
 
         `frame` is where the space is; it is lit anew once it has turned by about `relight` radians.
         """
@@ -83,7 +83,7 @@ class _Group:
         self._solid.show(visible)
 
     def _reshape(self, entry: "_Entry", pose: Pose) -> bool:
-        """Whether the part must be lit anew."""
+        """Return whether the part must be lit again."""
         shape = entry.part.shape(pose)
         self._vertices[entry.place] = shape.vertices
         if shape.openness is not None:
@@ -96,7 +96,7 @@ class _Group:
 
 
 class _Entry:
-    """A part's place in its group, and what it looked like last."""
+    """A part's place in its group, and its last appearance."""
 
     def __init__(self, part: Part, place: slice) -> None:
         self.part, self.place = part, place
@@ -104,6 +104,6 @@ class _Entry:
         self.source: Array | None = None
 
     def becomes(self, state: State) -> bool:
-        """Note what it is to look like; whether that is something else than before."""
+        """Note the appearance; return whether it has changed."""
         changed, self.state = state != self.state, state
         return changed

@@ -14,9 +14,9 @@ from panda3d.core import (
     OmniBoundingVolume,
 )
 
-from openrois_avatar.engines.sculpt.mesh import Faces
-from openrois_avatar.engines.sculpt.rig import Frame
-from openrois_avatar.engines.sculpt.shading import Bytes, Floats
+from openrois_avatar.engines.figure.mesh import Faces
+from openrois_avatar.engines.figure.rig import Frame
+from openrois_avatar.engines.figure.shading import Bytes, Floats
 
 _VERTICES, _COLOURS = 0, 1
 

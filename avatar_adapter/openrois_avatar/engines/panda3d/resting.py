@@ -1,4 +1,4 @@
-"""The figure at rest: its head is drawn for every picture, its body once that has moved as far as can be seen."""
+"""The figure at rest: its head is drawn for every picture, its body once it has moved visibly."""
 
 from collections.abc import Mapping, Sequence
 from typing import Final
@@ -6,22 +6,21 @@ from typing import Final
 from panda3d.core import NodePath
 
 from openrois_avatar.engines.animation.pose import Pose
+from openrois_avatar.engines.figure import figure
+from openrois_avatar.engines.figure.part import Part
+from openrois_avatar.engines.figure.rig import Frame, Space
 from openrois_avatar.engines.panda3d import sight
-from openrois_avatar.engines.panda3d.backdrop import Backdrop
 from openrois_avatar.engines.panda3d.figure import Figure
-from openrois_avatar.engines.panda3d.view import Screen, View, middle
+from openrois_avatar.engines.panda3d.view import Backdrop, Screen, View, middle
 from openrois_avatar.engines.room.shot import HOME_SHOT
-from openrois_avatar.engines.sculpt import figure
-from openrois_avatar.engines.sculpt.part import Part
-from openrois_avatar.engines.sculpt.rig import Frame, Space
 from openrois_avatar.engines.settings import Picture, Pixels
 
 _CHIN: Final = 0.60
 """The level below everything of the head of a figure at rest, in heights of the picture from its top."""
 _CROWN: Final = 0.04
-"""And the level above it."""
+"""The level above it."""
 _HEAD_WIDTH, _BODY_WIDTH = 0.54, 0.72
-"""How wide what moves is above the former level, and below it, in heights of the picture."""
+"""Width of the moving part above the former level, and below it, in heights of the picture."""
 # What moves something of the body by about 0.001 dm in the picture: a sixth of a pixel where that is 720 high.
 _HEIGHT: Final = 720
 _SWAY: Final = 0.0002
@@ -34,7 +33,7 @@ _Stance = tuple[float, ...]
 
 
 class Resting:
-    """Draws a figure that stands where it begins, and moves no more than `sight.AT_REST`."""
+    """Draws a figure that stands at its first place, and moves no more than `sight.AT_REST`."""
 
     def __init__(self, parts: Sequence[Part], picture: Picture, screen: Screen) -> None:
         self._screen = screen
@@ -42,34 +41,34 @@ class Resting:
         self._open_views(picture)
         body = [part for part in parts if part.space == "body"]
         self._head = Figure("head", _front(parts, self._heads, self._head_view, screen), self._heads)
-        """With what is seen of the body beside it."""
+        """The head, with the visible part of the body beside it."""
         self._body = Figure("body", _front(body, self._bodies, self._body_view, screen), self._bodies)
         self._backdrops: dict[View, Backdrop] = {}
         self._drawn: _Stance | None = None
-        """The body's when it was drawn last; None where it is not in the picture."""
+        """The body's stance when it was drawn last; None where it is not in the picture."""
 
     def resize(self, picture: Picture) -> None:
-        """Draw into pictures of another size from now on; `set_room` says anew what is behind."""
+        """Draw into pictures of another size from now on; `set_room` has to follow."""
         self._screen.close(self._head_view, self._body_view)
         self._open_views(picture)
 
     def _open_views(self, picture: Picture) -> None:
         self._seen = _HEIGHT / picture.height
-        """How far the body moves before that is a sixth of a pixel, in the steps of a stance."""
+        """The steps of a stance that make a sixth of a pixel."""
         self._head_view = View(self._heads, picture, middle(picture, _HEAD_WIDTH, _CROWN, _CHIN))
         self._body_view = View(self._bodies, picture, middle(picture, _BODY_WIDTH, _CHIN))
 
     def set_room(self, room: Pixels) -> None:
-        """Say what is behind it: a picture without the figure."""
+        """Set the background: a picture without the figure."""
         self._backdrops = {view: Backdrop(room, view.area) for view in (self._head_view, self._body_view)}
         self._drawn = None
 
-    def forget(self) -> None:
-        """Say that something else has been drawn into the picture."""
+    def picture_changed(self) -> None:
+        """Note that something else has been drawn into the picture."""
         self._drawn = None
 
     def draw(self, pose: Pose, frames: Mapping[Space, Frame], relight: float, picture: Pixels) -> None:
-        """Draw it into a picture that shows nothing of it but what this drew before."""
+        """Draw the figure into a picture that has only its earlier drawing."""
         visible = figure.visible(pose)
         stance = _stance(pose)
         views = [self._head_view]
@@ -84,7 +83,7 @@ class Resting:
 
 
 def _front(parts: Sequence[Part], scene: NodePath, view: View, screen: Screen) -> list[Part]:
-    """What is seen of some parts."""
+    """Return the visible faces of some parts."""
 
     def draw() -> Pixels:
         screen.draw(HOME_SHOT, view)
@@ -94,7 +93,7 @@ def _front(parts: Sequence[Part], scene: NodePath, view: View, screen: Screen) -
 
 
 def _stance(pose: Pose) -> _Stance:
-    """What the body looks like, in steps of about 0.001 dm in the picture."""
+    """Return the body's stance, in steps of about 0.001 dm in the picture."""
     turns = pose.head_yaw / _TURN, pose.head_pitch / _TURN, pose.head_roll / _TURN
     sways = pose.twist / _SWAY, pose.side / _SWAY, pose.lean / _SWAY
     shrugs = pose.shoulder_left / _SHRUG, pose.shoulder_right / _SHRUG
@@ -103,5 +102,5 @@ def _stance(pose: Pose) -> _Stance:
 
 
 def _moved(before: _Stance, now: _Stance) -> float:
-    """By how many steps the body has moved."""
+    """Return by how many steps the body has moved."""
     return max([abs(one - other) for one, other in zip(before, now, strict=True)])

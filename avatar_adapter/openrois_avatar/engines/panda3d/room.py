@@ -1,4 +1,4 @@
-"""The room in Panda3D: wall, floor, furniture, the visitor, and a soft shadow under whoever stands on the floor."""
+"""The room in Panda3D: wall, floor, furniture, the visitor, and a soft shadow under each figure."""
 
 from typing import Final
 
@@ -6,13 +6,13 @@ import numpy as np
 from panda3d.core import NodePath, TransparencyAttrib
 
 from openrois_avatar.engines import palette
+from openrois_avatar.engines.figure import visitor
+from openrois_avatar.engines.figure.baked import read
+from openrois_avatar.engines.figure.mesh import Array, Mesh, grid_faces
+from openrois_avatar.engines.figure.shading import CLOTH, PLAIN, Bytes, Floats, Lighting, Surface, linear
 from openrois_avatar.engines.panda3d.geometry import Solid, matrix, show
-from openrois_avatar.engines.room.scene import Scene, Somebody
+from openrois_avatar.engines.room.scene import OtherFigure, Scene
 from openrois_avatar.engines.room.shot import EYE_LEVEL, GROUND, HOME_SHOT, METRE
-from openrois_avatar.engines.sculpt import furniture, visitor
-from openrois_avatar.engines.sculpt.distance import Array
-from openrois_avatar.engines.sculpt.mesh import Mesh, grid_faces
-from openrois_avatar.engines.sculpt.shading import CLOTH, PLAIN, Bytes, Floats, Lighting, Surface, linear
 
 _WALL: Final = 30.0
 """How far behind the figure's home the wall is, in dm."""
@@ -21,20 +21,21 @@ _ASIDE, _BEFORE, _TOP = 24.0, -20.0, 34.0
 _UNDER: Final = 0.15
 """How far the ground is under the floor, and shadows over it, in dm: from far away the renderer's depth is no finer."""
 _RELIGHT: Final = 0.05
-"""The visitor is lit anew once it has turned by about so many radians."""
+"""The visitor is lit again once it has turned by about so many radians."""
 _SHADOW: Final = 75
 """How dark a shadow is in its middle, 0 to 255."""
 
 
 class Room:
-    """Everything in the scene but the figure. What is nearest is drawn first."""
+    """Everything in the scene but the figure. The nearest is drawn first."""
 
     def __init__(self, scene: NodePath) -> None:
         self._all: NodePath = scene.attach_new_node("room")
         scene = self._all
         self._visitor = _Visitor(scene)
-        self._furniture = _still("furniture", scene, furniture.furniture())
-        self._below = [_still("floor", scene, furniture.floor()), _ground(scene)]
+        meshes = {piece.name: piece.mesh() for piece in read("room")}
+        self._furniture = _still("furniture", scene, meshes["furniture"])
+        self._below = [_still("floor", scene, meshes["floor"]), _ground(scene)]
         _wall(scene)
         self._around = _walls_around(scene)
         self._shadows = [_shadow(scene), _shadow(scene)]
@@ -44,7 +45,7 @@ class Room:
         show(self._all, visible)
 
     def update(self, scene: Scene) -> None:
-        """Bring up to date who is where. Close views see no floor, that of home no furniture."""
+        """Update places and visibility. Close views see no floor, the one at home no furniture."""
         self._furniture.show(scene.shot != HOME_SHOT)
         self._around.show(scene.shot.own)
         for solid in self._below:
@@ -69,13 +70,13 @@ class _Visitor:
             self._limbs.append((name, solid, mesh.normals.astype(np.float32), lighting))
         self._rotation: Floats | None = None
 
-    def update(self, somebody: Somebody | None) -> None:
-        """Show it where it is, if it is there."""
+    def update(self, other: OtherFigure | None) -> None:
+        """Show the visitor at its place, if there is one."""
         for _, solid, _, _ in self._limbs:
-            solid.show(somebody is not None)
-        if somebody is None:
+            solid.show(other is not None)
+        if other is None:
             return
-        frames = visitor.frames(somebody)
+        frames = visitor.frames(other)
         for name, solid, _, _ in self._limbs:
             solid.path.set_mat(matrix(frames[name]))
         rotation = frames["hips"].rotation
@@ -114,7 +115,7 @@ def _shadow(scene: NodePath) -> Solid:
 
 
 def _ground(scene: NodePath) -> Solid:
-    """What is around the floor; it gets dark towards the sides, as the wall does."""
+    """Return the ground around the floor; it gets dark towards the sides, as the wall does."""
     columns, rows = np.linspace(-75, 75, 31), np.linspace(-45, _WALL, 16)
     y, x = np.meshgrid(rows, columns, indexing="ij")
     points = np.stack([x, y, np.full_like(x, GROUND - _UNDER)], axis=-1).reshape(-1, 3)

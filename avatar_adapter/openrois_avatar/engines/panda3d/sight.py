@@ -1,4 +1,4 @@
-"""Which faces of the figure can be seen while it stands where it begins: the others need not be drawn there.
+"""The faces of the figure that are visible while it stands at its first place: only these are drawn there.
 
 Of 35,000 triangles a viewer sees 9,000: the rest is behind, under the hair, or inside. What is seen is found by drawing
 each triangle in a colour of its own, in poses at the edges of what the figure does and between them.
@@ -14,10 +14,10 @@ import numpy.typing as npt
 from panda3d.core import NodePath
 
 from openrois_avatar.engines.animation.pose import Arm, Mouth, Pose
+from openrois_avatar.engines.figure import figure
+from openrois_avatar.engines.figure.mesh import Faces
+from openrois_avatar.engines.figure.part import Part, cut
 from openrois_avatar.engines.panda3d.geometry import Solid, matrix
-from openrois_avatar.engines.sculpt import figure
-from openrois_avatar.engines.sculpt.mesh import Faces
-from openrois_avatar.engines.sculpt.part import Part, cut
 from openrois_avatar.engines.settings import Pixels
 
 _STIFF: Final = frozenset({"hair", "skull", "ear", "pearl", "neck", "jumper", "sleeve", "band", "collar"})
@@ -32,7 +32,7 @@ _HANGING: Final = Arm()
 _GLANCE: Final = 0.25
 """How far its eyes turn in its head, in radians, while it is calm."""
 _LOOK: Final = 0.65
-"""And when it looks somewhere, before its head follows."""
+"""The same for a look at a target, before the head follows."""
 _SHAPES: Final = (Mouth(jaw=1.0), Mouth(wide=1.0, jaw=0.5), Mouth(round=1.0, jaw=0.4), Mouth(upper=1.0, lower=1.0))
 
 Kept = npt.NDArray[np.bool_]
@@ -40,7 +40,7 @@ Kept = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True)
 class Extent:
-    """How far the figure moves while it does something: its head and body in radians, and its shoulders.
+    """The extent of the figure's motion in an activity: head and body in radians, and shoulders.
 
     `calm` is whether its mouth and brows keep still besides; eyes and lids move in any case.
     """
@@ -53,7 +53,7 @@ class Extent:
     calm: bool
 
     def holds(self, pose: Pose) -> bool:
-        """Whether a pose, seen from the front, is within it."""
+        """Return whether a pose, seen from the front, is within the extent."""
         turns = abs(pose.head_yaw) <= self.yaw and abs(pose.head_pitch) <= self.pitch
         sways = max(abs(pose.twist), abs(pose.side), abs(pose.lean)) <= self.sway and abs(pose.head_roll) <= self.roll
         shrugs = max(pose.shoulder_left, pose.shoulder_right) <= self.shrug
@@ -61,7 +61,7 @@ class Extent:
         return turns and sways and shrugs and hangs and (not self.calm or _is_calm(pose))
 
     def poses(self) -> list[Pose]:
-        """Poses at its edges and between them."""
+        """Return poses at the edges of the extent and between them."""
         found = []
         edges = product((-self.yaw, -self.yaw / 2, 0.0, self.yaw / 2, self.yaw), (-self.pitch, 0.0, self.pitch))
         for number, (yaw, pitch) in enumerate(edges):
@@ -75,7 +75,7 @@ class Extent:
 
 AT_REST: Final = Extent(yaw=0.07, pitch=0.04, roll=0.04, sway=0.02, shrug=0.05, calm=True)
 ATTENTIVE: Final = Extent(yaw=0.42, pitch=0.28, roll=0.12, sway=0.07, shrug=0.15, calm=False)
-"""It looks somewhere, and speaks."""
+"""The extent of looking at a target and speaking."""
 
 
 def _hangs(arm: Arm) -> bool:
@@ -94,7 +94,7 @@ def _is_calm(pose: Pose) -> bool:
 
 
 def front(parts: Sequence[Part], extent: Extent, scene: NodePath, draw: Callable[[], Pixels]) -> list[Part]:
-    """The parts without the faces that are not seen from the front within an extent.
+    """Return the parts without the faces that are invisible from the front within an extent.
 
     Args:
         parts: the whole figure.
@@ -106,7 +106,7 @@ def front(parts: Sequence[Part], extent: Extent, scene: NodePath, draw: Callable
     drawing = _Drawing(shown, scene)
     for pose in extent.poses():
         drawing.note(pose, draw)
-    drawing.end()
+    drawing.remove_cards()
     return [
         cut(part, _with_neighbours(part.faces, seen)) if extent.calm or part.name in _STIFF else part
         for part, seen in zip(shown, drawing.seen, strict=True)
@@ -132,7 +132,7 @@ class _Drawing:
             self._solids.append(solid)
 
     def note(self, pose: Pose, draw: Callable[[], Pixels]) -> None:
-        """Note what is seen in a pose."""
+        """Note the visible faces in a pose."""
         frames = figure.frames(pose)
         for part, node, solid in zip(self._parts, self._nodes, self._solids, strict=True):
             node.set_mat(matrix(frames[part.space]))
@@ -143,27 +143,27 @@ class _Drawing:
         for seen, first in zip(self.seen, self._firsts, strict=False):
             seen |= numbers[first : first + len(seen)]
 
-    def end(self) -> None:
-        """Take them out of the scene."""
+    def remove_cards(self) -> None:
+        """Remove the cards from the scene."""
         for node in self._nodes:
             node.remove_node()
 
 
 def _colours(numbers: npt.NDArray[np.int_]) -> npt.NDArray[np.uint8]:
-    """Three vertices of a colour for each number below 65,536; neighbours are a few steps apart."""
+    """Return three vertices of a colour for each number below 65,536; neighbours are a few steps apart."""
     red, green, blue = (numbers & 31) * 8 + 4, (numbers >> 5 & 31) * 8 + 4, (numbers >> 10 & 63) * 4 + 2
     colours = np.stack([red, green, blue, np.full_like(red, 255)], axis=1).astype(np.uint8)
     return np.repeat(colours, 3, axis=0)
 
 
 def _numbers(pixels: Pixels) -> npt.NDArray[np.int_]:
-    """The numbers of the faces that are seen in a picture."""
+    """Return the numbers of the visible faces in a picture."""
     blue, green, red = (pixels[..., channel][pixels[..., 3] > 0].astype(np.int_) for channel in range(3))
     return np.unique((red >> 3) | (green >> 3) << 5 | (blue >> 2) << 10)
 
 
 def _with_neighbours(faces: Faces, seen: Kept) -> Kept:
-    """Those that have an edge in common with one that is seen, too: between two of the poses they may be seen."""
+    """Add the faces that share an edge with a visible one: between two poses they may be visible."""
     edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 3, 2).astype(np.int64), axis=2)
     keys = edges[..., 0] * (int(faces.max()) + 1) + edges[..., 1]
     return np.asarray(np.isin(keys, keys[seen]).any(axis=1))

@@ -8,22 +8,21 @@ import numpy as np
 from panda3d.core import NodePath
 
 from openrois_avatar.engines.animation.pose import Pose
+from openrois_avatar.engines.figure import figure
+from openrois_avatar.engines.figure.rig import standing
 from openrois_avatar.engines.panda3d import sight
-from openrois_avatar.engines.panda3d.backdrop import Backdrop
 from openrois_avatar.engines.panda3d.figure import Figure
 from openrois_avatar.engines.panda3d.resting import Resting
 from openrois_avatar.engines.panda3d.room import Room
-from openrois_avatar.engines.panda3d.view import Screen, View, middle
+from openrois_avatar.engines.panda3d.view import Backdrop, Screen, View, middle
 from openrois_avatar.engines.room.plan import HOME
 from openrois_avatar.engines.room.scene import AT_HOME, Scene
 from openrois_avatar.engines.room.shot import HOME_SHOT, METRE, Shot
-from openrois_avatar.engines.sculpt import figure
-from openrois_avatar.engines.sculpt.rig import standing
 from openrois_avatar.engines.settings import Picture, Pixels
 
 _RELIGHT: Final = 0.006
 _RELIGHT_FAR: Final = 0.05
-"""A part is lit anew once it has turned by about so many radians, seen closely and from farther away."""
+"""A part is lit again once it has turned by about so many radians, in the close view and in others."""
 _SLIM, _NARROW = 0.78, 0.90
 """Width, in heights of the picture, of what the figure fills within these extents, and with its hands down."""
 
@@ -52,7 +51,7 @@ class Stage:
         self._draw_backdrops()
 
     def resize(self, picture: Picture) -> None:
-        """Draw pictures of another size from now on, which is not above that of the first."""
+        """Draw pictures of another size from now on, which is not larger than the first one."""
         self._screen.close(self._wide, self._narrow, self._slim)
         self._open_views(picture)
         self._resting.resize(picture)
@@ -65,7 +64,7 @@ class Stage:
         )
         self._pixels = np.empty((picture.height, picture.width, 4), np.uint8)
         self._last: View | Resting | None = None
-        """What has drawn over the backdrop last; beside it the picture shows nothing else."""
+        """The last drawing over the backdrop; the picture shows nothing else beside it."""
 
     def _draw_backdrops(self) -> None:
         self._room.show(True)
@@ -76,7 +75,7 @@ class Stage:
         self._resting.set_room(room)
 
     def draw(self, pose: Pose, scene: Scene = AT_HOME) -> Pixels:
-        """The figure in this pose as BGRA, (height, width, 4), top row first; the next call reuses the array."""
+        """Return the figure in this pose as BGRA, (height, width, 4), top row first; the next call reuses the array."""
         place, shot = scene.place, scene.shot
         company = scene.visitor is not None and shot.sees(scene.visitor.place, self._aspect)
         at_home = shot == HOME_SHOT and not company
@@ -109,12 +108,12 @@ class Stage:
             each.show(each is shown)
 
     def _drawn(self, view: View, shot: Shot) -> Pixels:
-        """What the scene shows; another picture reuses the array."""
+        """Return the picture of the scene; the next one reuses the array."""
         self._screen.draw(shot, view)
         return view.read()
 
     def _drawn_large(self) -> Pixels:
-        """What the scene shows from the front, as large as it is drawn."""
+        """Return the picture of the scene from the front, in the size of the drawing."""
         self._screen.draw(HOME_SHOT, self._narrow)
         return self._narrow.read_large()
 
@@ -124,8 +123,8 @@ class Stage:
         self._backdrops[view].lay_under(self._drawn(view, HOME_SHOT), self._pixels)
 
     def _begin(self, drawing: "View | Resting") -> None:
-        """Leave nothing in the picture that something else has drawn."""
+        """Remove other drawings from the picture."""
         if drawing is not self._last:
             self._backdrops[self._wide].fill(self._pixels)
-            self._resting.forget()
+            self._resting.picture_changed()
         self._last = drawing

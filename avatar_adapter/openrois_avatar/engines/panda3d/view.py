@@ -1,4 +1,4 @@
-"""Off-screen buffers of Panda3D's software renderer, and how pictures leave them."""
+"""Off-screen buffers of the software renderer, how pictures leave them, and the still picture laid under them."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -91,16 +91,16 @@ class View:
         self._small = np.empty((area.height, area.width, 4), np.uint8)
 
     def turn(self, on: bool) -> None:
-        """Let Panda3D draw this view with every frame from now on, or not."""
+        """Set whether Panda3D draws this view with every frame from now on."""
         self._buffer.set_active(on)
 
     def close(self) -> None:
-        """Draw nothing any more."""
+        """Stop drawing."""
         GraphicsEngine.get_global_ptr().remove_window(self._buffer)
         self._camera.remove_node()
 
     def aim(self, shot: Shot) -> None:
-        """Look from there."""
+        """Set the camera to a shot."""
         if shot == self._shot:
             return
         self._shot = shot
@@ -109,20 +109,20 @@ class View:
         self._camera.set_pos_hpr(shot.x, shot.y, shot.z, *np.degrees((shot.heading, -shot.tilt)).tolist(), 0.0)
 
     def read(self) -> Pixels:
-        """What was drawn last as BGRA, (height, width, 4), top row first; a view of an array that is used again."""
+        """Return the last drawing as BGRA, (height, width, 4), top row first; a view of an array that is used again."""
         size = (self._small.shape[1], self._small.shape[0])
         cv2.resize(self.read_large(), size, dst=self._small, interpolation=cv2.INTER_LINEAR)
         # Panda3D's rows run from the bottom up.
         return self._small[::-1]
 
     def read_large(self) -> Pixels:
-        """What was drawn last in all its pixels, bottom row first; the next picture changes them."""
+        """Return all pixels of the last drawing, bottom row first; the next picture changes them."""
         width, height = self._buffer.get_x_size(), self._buffer.get_y_size()
         return np.frombuffer(self._texture.get_ram_image(), np.uint8).reshape(height, width, 4)
 
 
 class Screen:
-    """What draws the views of a process: those that are asked for, and no others."""
+    """Draws the requested views of a process, and no others."""
 
     def __init__(self) -> None:
         self._engine = GraphicsEngine.get_global_ptr()
@@ -143,6 +143,31 @@ class Screen:
         self._on = tuple(view for view in self._on if view not in views)
         for view in views:
             view.close()
+
+
+class Backdrop:
+    """An area of a picture of the room without the figure, BGRA."""
+
+    def __init__(self, room: Pixels, area: Area) -> None:
+        self._area = area.pixels
+        # Arrays of their own: OpenCV is several times slower with a part of a wider one.
+        self._room = np.ascontiguousarray(room[self._area])
+        self._shown = np.empty_like(self._room)
+        self._uncovered = np.empty(self._room.shape[:2], np.uint8)
+
+    def lay_under(self, figure: Pixels, picture: Pixels) -> None:
+        """Fill this area of `picture` with the room and, before it, a figure that was drawn on nothing.
+
+        `figure` is BGRA, and where it covers a share of a pixel all four are that share of it.
+        """
+        cv2.bitwise_not(cv2.extractChannel(figure, 3, dst=self._uncovered), dst=self._uncovered)
+        cv2.cvtColor(self._uncovered, cv2.COLOR_GRAY2BGRA, dst=self._shown)
+        cv2.multiply(self._room, self._shown, dst=self._shown, scale=1 / 255)
+        cv2.add(figure, self._shown, dst=picture[self._area])
+
+    def fill(self, picture: Pixels) -> None:
+        """Let this area show nothing else."""
+        np.copyto(picture[self._area], self._room)
 
 
 def _enlarged(pixels: int) -> int:

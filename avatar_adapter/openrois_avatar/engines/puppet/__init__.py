@@ -7,7 +7,7 @@ import importlib.util
 
 
 def available() -> tuple[bool, str]:
-    """Whether this engine runs here, and if not, what to do about it."""
+    """Return whether this engine runs here, and if not, what to install."""
     if importlib.util.find_spec("pygame") is None:
         return False, "pygame-ce is not installed: pip install 'openrois[puppet]'"
     return True, ""

@@ -6,12 +6,11 @@ import numpy as np
 
 from openrois_avatar.engines import palette
 from openrois_avatar.engines.animation.pose import Arm, Pose
+from openrois_avatar.engines.figure.arms import Chain, chain, raised
 from openrois_avatar.engines.puppet.canvas import Canvas, colour, hull, mixed
 from openrois_avatar.engines.puppet.curves import Array, ellipse
 from openrois_avatar.engines.puppet.hands import draw_hand
 from openrois_avatar.engines.puppet.view import View
-from openrois_avatar.engines.sculpt.arms import Chain, chain
-from openrois_avatar.engines.sculpt.hands import raised
 
 _RADII: Final = (0.30, 0.245, 0.20)
 """Of the sleeve at shoulder, elbow and cuff, in dm."""

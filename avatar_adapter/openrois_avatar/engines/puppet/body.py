@@ -5,10 +5,10 @@ import numpy as np
 from openrois_avatar.engines import palette
 from openrois_avatar.engines.animation.curves import smooth
 from openrois_avatar.engines.animation.pose import Pose
+from openrois_avatar.engines.figure.rig import shoulder_lift
 from openrois_avatar.engines.puppet.canvas import Canvas, colour, mixed, spot
 from openrois_avatar.engines.puppet.curves import Array, Points, ellipse, even, mirrored, ribbon, spline
 from openrois_avatar.engines.puppet.view import View
-from openrois_avatar.engines.sculpt.body import shoulder_lift
 
 _SKIN_SHADE = mixed(palette.SKIN, palette.LID_SHADE, 0.55)
 _CLOTH = colour(palette.JUMPER)

@@ -1,4 +1,4 @@
-"""What the figure is drawn on: polygons, soft light and shade, and drawing within an outline."""
+"""The canvas of the figure: polygons, soft light and shade, and drawing within an outline."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

@@ -128,7 +128,7 @@ class Hair:
         self._locks = (tucked, swept)
 
     def draw_behind(self, canvas: Canvas, view: View) -> None:
-        """What is behind the neck."""
+        """Draw the hair behind the neck."""
         canvas.fill(view.round(_BEHIND), _DEEP)
 
     def draw_back(self, canvas: Canvas, view: View) -> None:
@@ -137,6 +137,6 @@ class Hair:
         canvas.shade(outline, outline.mean(axis=0), _EDGE, _LIGHT, steps=6, reach=0.5)
 
     def draw_before(self, canvas: Canvas, view: View) -> None:
-        """What falls over the face and its sides."""
+        """Draw the locks before the face and at its sides."""
         for lock in self._locks:
             lock.draw(canvas, view)

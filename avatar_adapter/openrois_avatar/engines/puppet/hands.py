@@ -7,10 +7,10 @@ import numpy as np
 
 from openrois_avatar.engines import palette
 from openrois_avatar.engines.animation.pose import Arm
+from openrois_avatar.engines.figure.arms import Chain
 from openrois_avatar.engines.puppet.canvas import Canvas, colour, hull, mixed
 from openrois_avatar.engines.puppet.curves import Array, ribbon, ring, spline
 from openrois_avatar.engines.puppet.view import Space
-from openrois_avatar.engines.sculpt.arms import Chain
 
 _FINGERS: Final = (
     # across, length, radius, knuckle (dm): from the little finger to the index finger

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from openrois_avatar.engines import palette
+from openrois_avatar.engines.figure.rig import ANKLE, HIP, KNEE, Leg
 from openrois_avatar.engines.puppet.canvas import Canvas, Colour, colour, mixed
 from openrois_avatar.engines.puppet.curves import Array
 from openrois_avatar.engines.puppet.view import Space, View
-from openrois_avatar.engines.sculpt.rig import ANKLE, HIP, KNEE, Leg
 
 _LEGS: Sequence[tuple[int, tuple[Leg, Leg, Leg]]] = (
     (1, ("thigh_left", "shin_left", "foot_left")),

@@ -6,6 +6,7 @@ from typing import Final
 
 import cv2
 import numpy as np
+from openrois_body.messages.motion import Point
 
 from openrois_avatar.engines import palette
 from openrois_avatar.engines.puppet.canvas import Canvas, Colour, colour, mixed
@@ -15,7 +16,6 @@ from openrois_avatar.engines.room.plan import PILLAR, PLANT, RADIO, ROOM, STOOL,
 from openrois_avatar.engines.room.shot import GROUND, METRE
 from openrois_avatar.engines.settings import Pixels
 from openrois_avatar.link.messages import Place
-from openrois_avatar.link.messages.motion import Point
 
 Drawn = tuple[float, Callable[[Canvas, Lens], None]]
 """How far away something is (dm from the home of the figure), and how to draw it."""
@@ -72,7 +72,7 @@ def draw_floor(canvas: Canvas, lens: Lens) -> None:
 
 
 def draw_shadow(canvas: Canvas, lens: Lens, place: Place) -> None:
-    """A soft shadow under somebody."""
+    """A soft shadow under a figure."""
     around = ellipse((0.0, 0.0, 0.0), (1.0, 0.8))[:, [0, 2, 1]]
     for radius in (2.0, 1.4):
         spot = around * radius + (place.x * METRE, place.y * METRE, GROUND)
@@ -80,7 +80,7 @@ def draw_shadow(canvas: Canvas, lens: Lens, place: Place) -> None:
 
 
 def furniture(lens: Lens) -> Iterator[Drawn]:
-    """What stands on the floor before the camera."""
+    """Yield the furniture before the camera: its depth, and how it is drawn."""
     pieces = {TABLE: _draw_table, PILLAR: _draw_pillar, PLANT: _draw_plant, STOOL: _draw_stool}
     for piece, draw in pieces.items():
         if (piece.y - piece.reach) * METRE > lens.shot.y + _BEFORE:
@@ -122,7 +122,7 @@ def _draw_stool(canvas: Canvas, lens: Lens) -> None:
 
 
 def _draw_prism(canvas: Canvas, lens: Lens, outline: Sequence[Point], low: float, high: float, paint: str) -> None:
-    """What stands on an outline (metres, counter-clockwise) between two heights over the floor, in metres."""
+    """Draw a prism over an outline (metres, counter-clockwise), between two heights above the floor in metres."""
     corners = np.asarray(outline) * METRE
     bottom, top = (
         lens.seen(np.concatenate([corners, np.full((len(corners), 1), GROUND + height * METRE)], axis=1))

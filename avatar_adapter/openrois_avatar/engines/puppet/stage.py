@@ -54,9 +54,9 @@ class Stage:
             self._wall.draw(self._large, lens)
             items += room.furniture(lens)
         people = [scene.place]
-        if (somebody := scene.visitor) is not None and scene.shot.sees(somebody.place, lens.width / lens.height):
-            items.append((somebody.place.y * METRE, lambda canvas, lens: visitor.draw(canvas, lens, somebody)))
-            people.append(somebody.place)
+        if (other := scene.visitor) is not None and scene.shot.sees(other.place, lens.width / lens.height):
+            items.append((other.place.y * METRE, lambda canvas, lens: visitor.draw(canvas, lens, other)))
+            people.append(other.place)
         if not scene.shot.is_close:
             room.draw_floor(canvas, lens)
             for place in people:

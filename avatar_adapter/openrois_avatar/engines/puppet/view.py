@@ -8,10 +8,10 @@ from typing import Final
 import numpy as np
 
 from openrois_avatar.engines.animation.pose import Pose
+from openrois_avatar.engines.figure.rig import Frame, Leg, body_frame, head_frame, leg_frames, standing
 from openrois_avatar.engines.puppet.curves import Array, Points
 from openrois_avatar.engines.room.plan import HOME
 from openrois_avatar.engines.room.shot import DISTANCE, HOME_SHOT, METRE, SPAN, Shot
-from openrois_avatar.engines.sculpt.rig import Frame, Leg, body_frame, head_frame, leg_frames, standing
 from openrois_avatar.link.messages import Place
 
 _HEAD_ASIDE, _BODY_ASIDE = 0.42, 0.30
@@ -24,7 +24,7 @@ _CALM: Final = 0.78
 
 @dataclass(frozen=True)
 class Lens:
-    """Where a drawing of so many pixels shows the world in a shot."""
+    """The projection of the world to the pixels of a drawing, for a shot."""
 
     width: int
     height: int
@@ -36,7 +36,7 @@ class Lens:
         return self.height / SPAN
 
     def depths(self, world: Array) -> Array:
-        """How far points (n, 3) are along the camera's sight, in dm; what is too near counts as 1."""
+        """Return the depths of points (n, 3) along the camera's sight, in dm and at least 1."""
         tilt, away = self.shot.tilt, world[:, 1] - self.shot.y
         if tilt:
             away = away * cos(tilt) - (world[:, 2] - self.shot.z) * sin(tilt)
@@ -70,7 +70,7 @@ class Space:
         return self.lens.seen(np.asarray(points, float) @ self.frame.rotation.T + self.frame.origin)
 
     def pixels(self, length: float, point: Points = ((0.0, 0.0, 0.0),)) -> float:
-        """How long so many decimetres at a point of the space are."""
+        """Return the pixels of a length in dm at a point of the space."""
         world = np.asarray(point, float) @ self.frame.rotation.T + self.frame.origin
         return float(length * self.lens.unit(world[:1])[0])
 

@@ -6,12 +6,12 @@ import numpy as np
 
 from openrois_avatar.engines import palette
 from openrois_avatar.engines.animation.pose import Pose, channels, from_channels
+from openrois_avatar.engines.figure.arms import chain
 from openrois_avatar.engines.puppet import legs
 from openrois_avatar.engines.puppet.canvas import Canvas, colour, mixed
 from openrois_avatar.engines.puppet.curves import ellipse, mirrored, spline
 from openrois_avatar.engines.puppet.view import Lens, View
-from openrois_avatar.engines.room.scene import Somebody
-from openrois_avatar.engines.sculpt.arms import chain
+from openrois_avatar.engines.room.scene import OtherFigure
 
 _REST: Final = channels(Pose())
 _SIDE = spline(
@@ -33,10 +33,10 @@ _SKIN = colour(palette.VISITOR_SKIN)
 _HAIR = colour(palette.VISITOR_HAIR)
 
 
-def draw(canvas: Canvas, lens: Lens, somebody: Somebody) -> None:
+def draw(canvas: Canvas, lens: Lens, other: OtherFigure) -> None:
     """The visitor where it is."""
-    pose = from_channels({name: value + somebody.steps.get(name, 0.0) for name, value in _REST.items()})
-    view = View.of(pose, lens, somebody.place)
+    pose = from_channels({name: value + other.steps.get(name, 0.0) for name, value in _REST.items()})
+    view = View.of(pose, lens, other.place)
     legs.draw(canvas, view, palette.VISITOR_TROUSERS, palette.WOOD_DARK)
     for side in (1, -1):
         _draw_arm(canvas, view, pose, side)

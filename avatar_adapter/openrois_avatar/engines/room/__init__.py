@@ -1,4 +1,4 @@
-"""The room that the embedded engines' figure is in: its floor, who else is there, and how one goes about in it.
+"""The room of the embedded engines' figure: floor and furniture, the visitor, walking, and the camera.
 
 Pure: times are seconds on one clock, places are metres and radians as on the engine link.
 """

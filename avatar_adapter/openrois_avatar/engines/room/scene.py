@@ -1,4 +1,4 @@
-"""What is to be seen at a moment, beside the figure's own body: where it is, who else is there, and from where."""
+"""The scene at a moment, beside the figure's own pose: its place, the visitor, and the shot."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,8 +10,8 @@ from openrois_avatar.link.messages import Place
 
 
 @dataclass(frozen=True, slots=True)
-class Somebody:
-    """Another figure: where it is, and what its steps do to its body, by channel of a pose."""
+class OtherFigure:
+    """Another figure: its place, and the offsets of its steps, by channel of a pose."""
 
     place: Place
     steps: Mapping[str, float] = field(default_factory=dict)
@@ -22,7 +22,7 @@ class Scene:
     """The figure's place, the visitor if there is one, and the shot."""
 
     place: Place = HOME
-    visitor: Somebody | None = None
+    visitor: OtherFigure | None = None
     shot: Shot = HOME_SHOT
 
 

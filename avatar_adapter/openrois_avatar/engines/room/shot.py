@@ -1,4 +1,4 @@
-"""How the room is seen: close to the figure's face while it stands and talks, from farther away while it walks."""
+"""The camera: close to the figure's face while it stands and talks, farther away while it walks."""
 
 from dataclasses import dataclass
 from math import cos, exp, hypot, pi, sin
@@ -9,9 +9,9 @@ from openrois_avatar.engines.room.walking import Pace, turned
 from openrois_avatar.link.messages import Place
 
 METRE: Final = 7.5
-"""Decimetres of the sculpted figure to a metre of the room: it stands for somebody who is taller."""
+"""Decimetres of the sculpted figure to a metre of the room: it stands for a taller person."""
 GROUND: Final = -11.0
-"""Where the floor is under the middle of the figure's head, in dm."""
+"""Height of the floor, in dm from the middle of the figure's head."""
 EYE_LEVEL: Final = -0.66
 """The camera's height in the close view, in dm over the middle of the head."""
 DISTANCE: Final = 15.0
@@ -21,25 +21,25 @@ _FAR: Final = 64.0
 """From the camera to a figure that walks, in dm."""
 _MIDDLE: Final = -4.6
 _TILT: Final = 0.17
-"""What it then looks at, in dm over the middle of the head, and how far it looks down, in radians."""
+"""Target of the far view, in dm over the middle of the head, and its tilt down, in radians."""
 _TALKING, _AWAY = 0.62, 0.62
-"""How far the camera is on its way to the far view for one who walks and talks, and for one who turns away."""
+"""Shares of the way to the far view for a figure that walks and talks, and for one that turns away."""
 _ROOM_SHARE: Final = 0.75
-"""How much of the figure's way from the middle of the room the far view goes along with."""
+"""Share of the figure's way from the middle of the room that the far view follows."""
 _LINGER: Final = 1.2
 """Seconds that the figure stands before the camera comes close."""
 _BACKING, _NEARING, _PANNING = 3.0, 2.2, 3.6
 """Stiffness of the camera's moves, in 1/s."""
 _CLOSEST: Final = 4.0
-"""Who is nearer to the camera than that, in dm, is not in the picture."""
+"""A figure nearer to the camera than that, in dm, is not in the picture."""
 _BROAD: Final = 2.5
-"""Half of how broad somebody with swinging arms is, in dm."""
+"""Half the width of a figure with swinging arms, in dm."""
 _WHOLE: Final = 1.1
-"""How far the camera is on its way to the far view, and beyond, for a picture of the whole room."""
+"""Share of the way to the far view, and beyond, for a picture of the whole room."""
 _OWN_EYES: Final = (1.3, 0.25, 0.06)
-"""Where the figure's own eyes look from: before and over the middle of its head, in dm; and radians down."""
+"""Place of the figure's own eyes: before and over the middle of its head, in dm; and their tilt down in radians."""
 VIEWPOINTS: Final = ("automatic", "face", "room", "follow", "eyes")
-"""From where a room can be seen: as the figure moves, close to its face, all of it, beside it, and as it sees it."""
+"""The viewpoints: automatic, close to the face, the whole room, beside the figure, and through its eyes."""
 _SETTLED: Final = 5e-4
 _LONGEST: Final = 1.0
 _GOING: Final = 0.05
@@ -47,7 +47,7 @@ _GOING: Final = 0.05
 
 @dataclass(frozen=True, slots=True)
 class Shot:
-    """Where the camera is, in dm from the middle of the head of a figure that stands where it begins.
+    """The place of the camera, in dm from the middle of the head of a figure at `HOME`.
 
     It looks `tilt` radians down and `heading` radians to the left of straight into the room.
     """
@@ -66,7 +66,7 @@ class Shot:
         return self.tilt == 0.0 and not self.own
 
     def sees(self, place: Place, aspect: float) -> bool:
-        """Whether a figure at a place may be in a picture of this width to height."""
+        """Return whether a figure at a place may be in a picture of this aspect ratio."""
         if self.own:
             return True
         across, away = place.x * METRE - self.x, place.y * METRE - self.y
@@ -91,7 +91,7 @@ class _Spring:
 
 
 def shot(x: float, y: float, share: float) -> Shot:
-    """The shot of a place in metres: `share` 0 is the close view, 1 the far one."""
+    """Return the shot of a place in metres: `share` 0 is the close view, 1 the far one."""
     eased = share * share * (3 - 2 * share)
     distance = DISTANCE * (_FAR / DISTANCE) ** share
     tilt = _TILT * eased
@@ -100,7 +100,7 @@ def shot(x: float, y: float, share: float) -> Shot:
 
 
 def own_shot(place: Place) -> Shot:
-    """The shot through the eyes of a figure at a place."""
+    """Return the shot through the eyes of a figure at a place."""
     before, over, tilt = _OWN_EYES
     x, y = place.x * METRE + before * cos(place.th), place.y * METRE + before * sin(place.th)
     return Shot(x, y, over, tilt, turned(place.th - pi / 2), own=True)
@@ -116,13 +116,13 @@ class Camerawork:
         self._time = time
         self._x, self._y, self._share = _Spring(HOME.x), _Spring(HOME.y), _Spring(0.0)
         self._stood = time - _LINGER
-        """Since when the figure stands."""
+        """The time since which the figure stands."""
         self._wanted = 0.0
-        """The share that the camera is on its way to."""
+        """The share that the camera moves to."""
         self.viewpoint = VIEWPOINTS[0]
 
     def follow(self, time: float, place: Place, pace: Pace, expressive: bool) -> Shot:
-        """The shot of a figure that is there, moves so, and is `expressive` while its face or hands say something."""
+        """Return the shot of a figure at a place with a pace; `expressive` while it speaks or reacts."""
         seconds = min(time - self._time, _LONGEST)
         self._time = time
         if hypot(pace.ahead, pace.left) > _GOING:
@@ -137,7 +137,7 @@ class Camerawork:
         return shot(self._x.value, self._y.value, max(0.0, self._share.value))
 
     def _framing(self) -> tuple[float, float]:
-        """How far away to be, and how much of the figure's way to go along with."""
+        """Return the share of the way to the far view, and the share of the figure's way to follow."""
         match self.viewpoint:
             case "face":
                 return 0.0, 1.0
@@ -149,7 +149,7 @@ class Camerawork:
                 return self._wanted, 1 - (1 - _ROOM_SHARE) * self._wanted
 
     def _choose(self, time: float, place: Place, expressive: bool) -> None:
-        """Say how far away to be; who has just stopped is seen as before for a while."""
+        """Choose the share of the way to the far view; after a stop it stays for a while."""
         if self._stood == time:
             self._wanted = _TALKING if expressive else 1.0
         elif time - self._stood >= _LINGER:

@@ -1,15 +1,15 @@
-"""The visitor: somebody who walks slowly from place to place in the room, and stays a while at each."""
+"""The visitor: a figure that walks slowly from place to place in the room, and stays a while at each."""
 
 from collections.abc import Sequence
 from math import hypot
 from typing import Final
 
 import numpy as np
+from openrois_body.messages.motion import Point
 
 from openrois_avatar.engines.room.plan import HOME, Plan, to_edge
 from openrois_avatar.engines.room.walking import APART, RADIUS, STANDING, Pace, Walker
 from openrois_avatar.link.messages import Place, Thing, Walk, Waypoint
-from openrois_avatar.link.messages.motion import Point
 
 PLACES: Final[Sequence[Waypoint]] = (
     Waypoint(2.5, 0.9, 2.6),
@@ -18,22 +18,22 @@ PLACES: Final[Sequence[Waypoint]] = (
     Waypoint(-1.9, 3.4, -1.2),
     Waypoint(-2.4, 1.7, -0.2),
 )
-"""Where it stays, and where it looks there: beside what is seen behind the figure while that stands where it begins."""
+"""Its places and directions there: outside of the background of the close view."""
 _SPEED: Final = 0.6
 _STAY: Final = (5.0, 12.0)
 """Shortest and longest stay, in seconds."""
 _PATIENCE: Final = 2.0
-"""Seconds for which it waits for who is in its way."""
+"""Seconds for which it waits for another figure in its way."""
 _NOTICE: Final = APART + 0.15
-"""Metres at which one who comes is made room for."""
+"""Metres at which it makes room for another figure."""
 _LOOK: Final = 0.1
 """Seconds between two looks around."""
 _HOME_RADIUS: Final = 0.8
-"""So far it keeps from where the figure begins, in metres."""
+"""Metres that it keeps from the figure's first place."""
 
 
 class Visitor:
-    """A visitor on a plan; one seed gives one life, as long as nobody gets in its way."""
+    """A visitor on a plan; one seed gives one sequence of walks, as long as no figure is in its way."""
 
     def __init__(self, plan: Plan, time: float, seed: int = 1) -> None:
         self._plan, self._random = plan, np.random.default_rng(seed)
@@ -46,22 +46,22 @@ class Visitor:
 
     @property
     def place(self) -> Place:
-        """Where it is."""
+        """The present place."""
         return self._walker.place
 
     @property
     def pace(self) -> Pace:
-        """How it moves."""
+        """The present pace."""
         return self._walker.pace
 
     @property
     def thing(self) -> Thing:
-        """The visitor as the engine link has it."""
+        """The visitor as a thing of the engine link."""
         place = self.place
         return Thing("visitor", "person", place.x, place.y, place.th, "visitor")
 
     def advance(self, time: float, other: Place) -> None:
-        """Live until a time, beside somebody else who is there."""
+        """Advance to a time, with another figure at a place."""
         there = (other.x, other.y)
         while self._time + _LOOK <= time:
             self._time += _LOOK
@@ -70,7 +70,7 @@ class Visitor:
         self._walker.advance(time, (there,))
 
     def _think(self, other: Point) -> None:
-        """Go on or stay."""
+        """Decide whether to go on or stay."""
         place, pace = self._walker.place, self._walker.pace
         if self._walker.news():
             self._leave = self._time + self._random.uniform(*_STAY)
@@ -82,14 +82,14 @@ class Visitor:
             self._go_on(other)
 
     def _go_on(self, other: Point) -> None:
-        """Go to another place, if there is one that it can go to."""
+        """Walk to another place, if one can be reached."""
         self._waited, self._leave = 0.0, self._time + _PATIENCE
         places = [place for place in PLACES if self._is_way(place, other)]
         if places:
             self._walker.walk(Walk("visit", (places[self._random.integers(len(places))],), _SPEED))
 
     def _is_way(self, goal: Waypoint, other: Point) -> bool:
-        """Whether the straight way there is free of furniture, of the figure's first place, and of who is close."""
+        """Return whether the straight way is clear of furniture, the figure's first place, and close figures."""
         here = self._walker.place
         start, end = (here.x, here.y), (goal.x, goal.y)
         length = hypot(end[0] - start[0], end[1] - start[1])

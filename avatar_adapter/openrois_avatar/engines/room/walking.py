@@ -1,4 +1,4 @@
-"""How a figure goes about: along paths, driven by hand, and standing still; it turns and changes speed as people do."""
+"""Locomotion of a figure: along paths, driven by hand, and standing, with natural turns and changes of speed."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -6,35 +6,36 @@ from itertools import pairwise
 from math import atan2, ceil, cos, hypot, remainder, sin, sqrt, tau
 from typing import Final, Literal
 
+from openrois_body.messages.motion import Point
+
 from openrois_avatar.engines.room.plan import Plan
 from openrois_avatar.link.messages import Completed, Drive, Place, Reached, Walk, Waypoint
-from openrois_avatar.link.messages.motion import Point
 
 TICK: Final = 0.01
-"""Longest step of the reckoning in seconds, however seldom somebody looks."""
+"""Longest step of the integration in seconds, however seldom `advance` is called."""
 _LONGEST: Final = 1.0
-"""Seconds that are made up for at most: after a longer absence a figure is about where it was."""
+"""Most seconds that are made up for: after a longer gap a figure is about where it was."""
 RADIUS: Final = 0.25
-"""Metres from the middle of a driven body to what it stops at."""
+"""Metres from the middle of a driven body to an obstacle at which it stops."""
 _NARROW: Final = 0.12
-"""The same for one that follows a path: whoever planned it knows how close it may pass."""
+"""The same along a path: its planner knows how close it may pass."""
 APART: Final = 0.55
-"""Metres from middle to middle at which one lets another go first."""
+"""Metres from middle to middle at which a figure lets another one go first."""
 HOLD: Final = 0.45
-"""Seconds for which a `Drive` holds: a picture later it is obeyed, and all together is not to be more than 0.5 s."""
+"""Seconds for which a `Drive` holds: it acts a picture later, and the sum must not exceed 0.5 s."""
 FASTEST: Final = 2.5
 QUICKEST: Final = 3.0
-"""Fastest that it goes (m/s) and turns (rad/s), whatever it is asked for."""
+"""Highest speed in m/s, and of turns in rad/s."""
 _GAINING, _BRAKING = 1.6, 6.0
-"""How its speed changes, in m/s^2: along a path, and at most where it is driven."""
+"""Acceleration in m/s^2: along a path, and at most where it is driven."""
 _TURN_GAINING: Final = 16.0
-"""How its turning changes, in rad/s^2."""
+"""Acceleration of turns, in rad/s^2."""
 _EAGERNESS: Final = 7.0
-"""Turning speed in rad/s for a radian that is still to be turned."""
+"""Turning speed in rad/s per remaining radian."""
 _FACING: Final = 0.01
-"""Radians to which it faces where it is told to."""
+"""Precision of a direction, in radians."""
 _PASSING: Final = 0.15
-"""The same where the path goes on."""
+"""The same at a point where the path goes on."""
 _ASIDE: Final = 0.5
 """Metres before a waypoint with a direction at which it begins to turn that way, and goes on with smaller steps."""
 _SMALL: Final = 0.5
@@ -43,13 +44,13 @@ _THERE: Final = 1e-6
 
 
 def turned(angle: float) -> float:
-    """An angle between -pi and pi."""
+    """Return an angle between -pi and pi."""
     return remainder(angle, tau)
 
 
 @dataclass(frozen=True, slots=True)
 class Pace:
-    """How a figure moves: m/s ahead and to its left, and rad/s to its left."""
+    """The motion of a figure: m/s ahead and to its left, and rad/s to its left."""
 
     ahead: float = 0.0
     left: float = 0.0
@@ -61,7 +62,7 @@ STANDING: Final = Pace()
 
 @dataclass(slots=True)
 class _Way:
-    """A walk that is under way: which waypoint is next, and how fast each may be passed."""
+    """A running walk: the index of the next waypoint, and the speed limit at each."""
 
     walk: Walk
     limits: Sequence[float]
@@ -84,23 +85,23 @@ class Walker:
         self._drive = Drive(0.0, 0.0, 0.0)
         self._until = float("-inf")
         self._bearing: float | None = None
-        """Where it turns to on the spot."""
+        """The direction of a turn on the spot."""
         self._news: list[Reached | Completed] = []
 
     @property
     def place(self) -> Place:
-        """Where it is."""
+        """The present place."""
         return Place(self._x, self._y, self._th)
 
     @property
     def pace(self) -> Pace:
-        """How it moves."""
+        """The present pace."""
         ahead, left = _rotated(self._vx, self._vy, -self._th)
         return Pace(ahead, left, self._turn)
 
     @property
     def is_walking(self) -> bool:
-        """Whether it is on its way along a path."""
+        """Whether it follows a path."""
         return self._way is not None
 
     @property
@@ -109,27 +110,27 @@ class Walker:
         return self._time < self._until
 
     def news(self) -> list[Reached | Completed]:
-        """What it has reached and completed since the last call."""
+        """Return the waypoints reached and walks completed since the last call."""
         news, self._news = self._news, []
         return news
 
     def walk(self, walk: Walk) -> None:
-        """Follow a path from where it is; one that it was following is given up."""
+        """Follow a path from the present place; a running walk is aborted."""
         self._give_up()
         self._until, self._bearing = float("-inf"), None
         self._way = _Way(walk, limits((self._x, self._y), walk))
 
     def drive(self, time: float, drive: Drive) -> None:
-        """Go by hand for `HOLD` seconds at most; a path is given up."""
+        """Go by hand for `HOLD` seconds at most; a running walk is aborted."""
         self._give_up()
         self._drive, self._until, self._bearing = drive, time + HOLD, None
 
     def turn(self, bearing: float) -> None:
-        """Turn on the spot to a bearing, in radians, unless a command comes before."""
+        """Turn on the spot to a direction, in radians, unless a command comes before."""
         self._bearing = bearing
 
     def stay(self) -> None:
-        """Turn on the spot no more; a walk and a drive go on."""
+        """Stop turning on the spot; a walk and a drive go on."""
         self._bearing = None
 
     def halt(self) -> None:
@@ -139,7 +140,7 @@ class Walker:
         self._stand()
 
     def advance(self, time: float, others: Iterable[Point] = ()) -> None:
-        """Go on until a time; `others` are the places of those that it does not run into."""
+        """Advance to a time; `others` are the places of other figures, which are avoided."""
         seconds = min(time - self._time, _LONGEST)
         ticks = ceil(seconds / TICK - 1e-6)
         self._tick = seconds / max(1, ticks)
@@ -159,7 +160,7 @@ class Walker:
             self._stand()
 
     def _turn_to(self, bearing: float) -> None:
-        """One tick of a turn on the spot."""
+        """Advance a turn on the spot by one tick."""
         self._vx = self._vy = 0.0
         self._face(bearing)
         if abs(turned(bearing - self._th)) <= _FACING:
@@ -171,14 +172,14 @@ class Walker:
 
     def _give_up(self) -> None:
         if self._way is not None:
-            self._end(self._way, "ABORT")
+            self._complete_walk(self._way, "ABORT")
 
-    def _end(self, way: _Way, status: Literal["OK", "ABORT", "ERROR"]) -> None:
+    def _complete_walk(self, way: _Way, status: Literal["OK", "ABORT", "ERROR"]) -> None:
         self._news.append(Completed(way.walk.id, status))
         self._way = None
 
     def _follow(self, way: _Way, others: Sequence[Point]) -> None:
-        """One tick along a path."""
+        """Advance along a path by one tick."""
         goal = way.goal
         dx, dy = goal.x - self._x, goal.y - self._y
         distance = hypot(dx, dy)
@@ -196,12 +197,12 @@ class Walker:
             self._pass(way)
 
     def _speed(self, way: _Way, along: Point, distance: float) -> float:
-        """Turn as the way to the next waypoint wants it; how fast to go on, in m/s."""
+        """Turn as the way to the next waypoint requires, and return the speed in m/s."""
         goal, direction = way.goal, atan2(along[1], along[0])
         limit = sqrt(way.limits[way.next] ** 2 + 2 * _GAINING * distance)
         if goal.th is not None and distance < _ASIDE:
             self._face(goal.th)
-            # One that does not face there yet turns before it goes on.
+            # A figure that does not face there yet turns before it goes on.
             passing = way.limits[way.next] if abs(turned(goal.th - self._th)) <= _PASSING else 0.0
             limit = min(sqrt(passing**2 + 2 * _GAINING * distance), max(_SMALL, way.limits[way.next]))
         else:
@@ -211,7 +212,7 @@ class Walker:
         return min(had + _GAINING * self._tick, way.walk.speed, FASTEST, limit)
 
     def _go(self, way: _Way, length: float) -> None:
-        """Go so many metres along a path, as far as it need not stop before."""
+        """Go so many metres along a path, or to the next stop."""
         while length > _THERE:
             goal = way.goal
             dx, dy = goal.x - self._x, goal.y - self._y
@@ -220,7 +221,7 @@ class Walker:
             x, y = (goal.x, goal.y) if share == 1.0 else (self._x + dx * share, self._y + dy * share)
             if not self._plan.fits(x, y, _NARROW):
                 self._stand()
-                self._end(way, "ERROR")
+                self._complete_walk(way, "ERROR")
                 return
             self._x, self._y = x, y
             length -= distance
@@ -229,13 +230,13 @@ class Walker:
                 return
 
     def _pass(self, way: _Way) -> None:
-        """Tell of the waypoints that are reached."""
+        """Report the waypoints that are reached."""
         while self._way is way and self._is_at(way):
             self._news.append(Reached(way.walk.id, way.next))
             if way.next + 1 == len(way.walk.path):
                 self._th = self._th if way.goal.th is None else turned(way.goal.th)
                 self._stand()
-                self._end(way, "OK")
+                self._complete_walk(way, "OK")
             else:
                 way.next += 1
 
@@ -247,14 +248,14 @@ class Walker:
         return goal.th is None or abs(turned(goal.th - self._th)) <= nearly
 
     def _face(self, angle: float) -> None:
-        """Turn towards an angle, the shorter way round."""
+        """Turn towards a direction, the shorter way round."""
         wanted = turned(angle - self._th)
         speed = min(max(_EAGERNESS * wanted, -QUICKEST), QUICKEST)
         self._turn += min(max(speed - self._turn, -_TURN_GAINING * self._tick), _TURN_GAINING * self._tick)
         self._th = turned(self._th + self._turn * self._tick)
 
     def _obey(self, seconds: float, others: Sequence[Point]) -> None:
-        """One tick by hand, with so many seconds left to stand."""
+        """Advance a drive by one tick, with so many seconds left until it must stand."""
         drive = self._drive
         asked = hypot(drive.ahead, drive.left)
         allowed = min(FASTEST, _BRAKING * seconds)
@@ -265,7 +266,7 @@ class Walker:
         turn = min(max(drive.turn, -most), most)
         self._turn += min(max(turn - self._turn, -_TURN_GAINING * self._tick), _TURN_GAINING * self._tick)
         self._th = turned(self._th + self._turn * self._tick)
-        # What is in the way takes only the part of the step that goes into it: one slides along a wall.
+        # An obstacle takes only the part of the step that goes into it: the figure slides along a wall.
         self._vx, self._vy = 0.0, 0.0
         for px, py in ((vx, vy), (vx, 0.0), (0.0, vy)):
             if self._is_free((px, py), others):
@@ -284,7 +285,7 @@ class Walker:
 
 
 def limits(start: Point, walk: Walk) -> list[float]:
-    """How fast each waypoint of a walk may be passed, in m/s: corners slowly, and at the last one it stands."""
+    """Return the speed limit at each waypoint of a walk, in m/s: low at corners, 0 at the last one."""
     points = [start, *((goal.x, goal.y) for goal in walk.path)]
     steps = [(bx - ax, by - ay) for (ax, ay), (bx, by) in pairwise(points)]
     passing = [0.0] * len(steps)
@@ -304,12 +305,12 @@ def _rotated(x: float, y: float, angle: float) -> Point:
 
 
 def _changed(velocity: Point, goal: Point, most: float) -> Point:
-    """The velocity, changed towards another by so much at most."""
+    """Return the velocity, changed towards another one by `most` at most."""
     dx, dy = goal[0] - velocity[0], goal[1] - velocity[1]
     share = min(1.0, most / max(hypot(dx, dy), 1e-9))
     return velocity[0] + dx * share, velocity[1] + dy * share
 
 
 def _is_in_the_way(x: float, y: float, along: Point, others: Sequence[Point]) -> bool:
-    """Whether one of the others is close and ahead."""
+    """Return whether one of the others is close and ahead."""
     return any(hypot(ox - x, oy - y) < APART and (ox - x) * along[0] + (oy - y) * along[1] > 0.0 for ox, oy in others)

@@ -1,1 +1,1 @@
-"""The signaling messages of game engines that do WebRTC themselves, checked on the way in. Pure."""
+"""The signaling messages of game engines that do WebRTC themselves, checked when they are read. Pure."""

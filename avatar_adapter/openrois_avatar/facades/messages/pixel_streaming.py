@@ -38,7 +38,7 @@ Time = Annotated[int | float, Field(ge=-(2**63), le=2**63)]
 
 
 def _as_ours(server: Any) -> Any:
-    """An RTCIceServer as W3C allows it, with one address outside of a list too, without members that are not ours."""
+    """Convert an RTCIceServer of W3C: a single URL becomes a list, and unknown members are left out."""
     if not isinstance(server, dict):
         return server
     known = {name: member for name, member in server.items() if name in IceServer.model_fields}
@@ -62,7 +62,7 @@ class Config(Said):
 
 
 class Identify(Said):
-    """Server to streamer: say who you are."""
+    """Server to streamer: a request for its id."""
 
     type = "identify"
 
@@ -83,7 +83,7 @@ class EndpointIdConfirm(Said):
 
 
 class PlayerConnected(Said):
-    """Server to streamer: somebody wants to see; `send_offer`: the streamer is to offer."""
+    """Server to streamer: a player has connected; `send_offer`: the streamer has to offer."""
 
     type = "playerConnected"
     player_id: Name
@@ -93,7 +93,7 @@ class PlayerConnected(Said):
 
 
 class PlayerDisconnected(Said):
-    """Server to streamer: somebody is gone."""
+    """Server to streamer: a player has disconnected."""
 
     type = "playerDisconnected"
     player_id: Name
@@ -133,7 +133,7 @@ class IceCandidate(Said):
 
 
 class DisconnectPlayer(Said):
-    """Streamer to server: somebody is to go."""
+    """Streamer to server: disconnect a player."""
 
     type = "disconnectPlayer"
     player_id: Name
@@ -150,14 +150,14 @@ class LayerPreference(Said):
 
 
 class Ping(Said):
-    """Are you there? Either side may ask."""
+    """A keep-alive request of either side."""
 
     type = "ping"
     time: Time
 
 
 class Pong(Said):
-    """Yes."""
+    """The answer to a ping."""
 
     type = "pong"
     time: Time
@@ -181,7 +181,7 @@ ForStreamer: TypeAlias = (
 STREAMER_SAYS: Final[Vocabulary[ForServer]] = Vocabulary(
     EndpointId, Offer, Answer, IceCandidate, DisconnectPlayer, Ping, Pong
 )
-"""What a signaling server hears of a streamer."""
+"""The messages of a streamer to its signaling server."""
 
 SERVER_SAYS: Final[Vocabulary[ForStreamer]] = Vocabulary(
     Config,
@@ -196,4 +196,4 @@ SERVER_SAYS: Final[Vocabulary[ForStreamer]] = Vocabulary(
     Ping,
     Pong,
 )
-"""What a streamer hears of its signaling server."""
+"""The messages of a signaling server to a streamer."""

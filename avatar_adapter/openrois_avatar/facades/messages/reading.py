@@ -39,7 +39,7 @@ Reason = Annotated[str, Field(max_length=REASON_LIMIT)]
 
 
 class ProtocolError(Exception):
-    """What a game engine said cannot be understood; the text says what is wrong, without the message."""
+    """A malformed message of a game engine; the text says what is wrong, without parts of the message."""
 
 
 class Part(BaseModel):
@@ -54,13 +54,13 @@ class Said(Part):
     type: ClassVar[str]
 
     def text(self) -> str:
-        """The message as it is sent: JSON without members that are absent."""
+        """Return the message as JSON, without absent members."""
         return json.dumps({"type": self.type, **self.model_dump(mode="json", by_alias=True, exclude_none=True)})
 
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
-    """A message of a type that is not known here, which is no fault: protocols grow."""
+    """A message of an unknown type, which is no fault: protocols grow."""
 
     type: str
 
@@ -74,7 +74,7 @@ MessageT = TypeVar("MessageT", bound=Said)
 
 
 class Vocabulary(Generic[MessageT]):
-    """The messages that one end of a protocol can say, by their type.
+    """The messages of one end of a protocol, by their type.
 
     Args:
         messages: their classes.
@@ -87,10 +87,10 @@ class Vocabulary(Generic[MessageT]):
         """Read one message.
 
         Raises:
-            ProtocolError: it is too long, no JSON object with a type, or a member is not what it must be.
+            ProtocolError: it is too long, no JSON object with a type, or has a wrong member.
         """
         if len(text) > MESSAGE_LIMIT:
-            raise ProtocolError(f"a message of more than {MESSAGE_LIMIT} bytes")
+            raise ProtocolError(f"a message has more than {MESSAGE_LIMIT} characters, which is the limit")
         try:
             name = _Typed.model_validate_json(text).type
         except ValidationError as error:
@@ -105,7 +105,7 @@ class Vocabulary(Generic[MessageT]):
 
 
 def _first(error: ValidationError) -> str:
-    """The first thing that is wrong, without what was sent."""
+    """Return the first error, without the input."""
     found = error.errors(include_input=False, include_url=False, include_context=False)[0]
     place = ".".join(str(part) for part in found["loc"])
     return f"{place}: {found['msg']}" if place else found["msg"]

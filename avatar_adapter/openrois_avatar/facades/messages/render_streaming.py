@@ -34,14 +34,14 @@ MaybeId = Annotated[str, Field(max_length=256)]
 
 
 class Connect(Said):
-    """Sender to server: I am one end of this connection."""
+    """Sender to server: a request for a connection."""
 
     type = "connect"
     connection_id: ConnectionId
 
 
 class Connected(Said):
-    """Server to sender: the connection is there. Where both offer at once, the polite one gives way."""
+    """Server to sender: the connection is established. Where both offer at once, the polite one yields."""
 
     type = "connect"
     connection_id: ConnectionId
@@ -49,14 +49,14 @@ class Connected(Said):
 
 
 class Disconnect(Said):
-    """Either way: the connection is over."""
+    """Either way: the connection has ended."""
 
     type = "disconnect"
     connection_id: ConnectionId
 
 
 class Description(Part):
-    """What an offer or answer describes; `datetime` is epoch milliseconds at the server."""
+    """The description of an offer or answer; `datetime` is epoch milliseconds at the server."""
 
     sdp: Sdp
     connection_id: MaybeId | None = None
@@ -75,7 +75,7 @@ class Found(Part):
 
 
 class _Wrapped(Said):
-    """What the ends of a connection say to each other."""
+    """A message between the ends of a connection."""
 
     data: Description | Found
     from_: Annotated[MaybeId, Field(alias="from")] = ""
@@ -83,7 +83,7 @@ class _Wrapped(Said):
 
     @property
     def connection_id(self) -> str:
-        """Which connection it is about."""
+        """The connection of the message."""
         return self.data.connection_id or self.from_
 
     @model_validator(mode="after")
@@ -115,7 +115,7 @@ class Candidate(_Wrapped):
 
 
 class Failure(Said):
-    """Server to sender: what you asked for is not possible."""
+    """Server to sender: a request was refused."""
 
     type = "error"
     message: Reason
@@ -125,7 +125,7 @@ ForServer: TypeAlias = Connect | Disconnect | Offer | Answer | Candidate
 ForSender: TypeAlias = Connected | Disconnect | Offer | Answer | Candidate | Failure
 
 SENDER_SAYS: Final[Vocabulary[ForServer]] = Vocabulary(Connect, Disconnect, Offer, Answer, Candidate)
-"""What a signaling server hears of a sender."""
+"""The messages of a sender to its signaling server."""
 
 SERVER_SAYS: Final[Vocabulary[ForSender]] = Vocabulary(Connected, Disconnect, Offer, Answer, Candidate, Failure)
-"""What a sender hears of its signaling server."""
+"""The messages of a signaling server to a sender."""

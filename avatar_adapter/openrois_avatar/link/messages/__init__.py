@@ -1,29 +1,43 @@
-"""The JSON messages of the engine link: greeting, commands, events and farewell, checked on the way in.
-
-Every `from_json` takes one decoded JSON object, raises `LinkError` naming the field that is wrong, and ignores members
-it does not know, so that a later revision may add some. Every `to_json` gives the object that goes on the wire.
-"""
+"""The JSON messages of the engine link: those of every body, with greeting, demand, encoding and farewell."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from typing import Any, Final, TypeAlias
 
-from openrois_avatar.link.messages.demand import Demand, Idle
-from openrois_avatar.link.messages.encoding import Bitrate, KeyFrame
-from openrois_avatar.link.messages.events import Completed, Log, Pause, Status
-from openrois_avatar.link.messages.gestures import (
+from openrois_body.messages import (
+    MAX_NAME,
+    MAX_TEXT,
     MAX_VISEMES,
     VISEMES,
+    Completed,
+    Drive,
+    Floor,
+    Halt,
     Input,
+    LinkError,
+    Log,
     Look,
+    Pause,
+    Place,
     Quit,
+    Reached,
     React,
     Silence,
     Speak,
+    Status,
     Stop,
+    Thing,
+    Things,
+    Viewpoint,
     Viseme,
+    Walk,
+    Waypoint,
 )
+from openrois_body.messages import Command as BodyCommand
+from openrois_body.messages import Event as BodyEvent
+from openrois_body.messages.reading import text
+
 from openrois_avatar.link.messages.greeting import (
     FORMATS,
     MAX_CHANNELS,
@@ -37,19 +51,7 @@ from openrois_avatar.link.messages.greeting import (
     VideoShape,
     Welcome,
 )
-from openrois_avatar.link.messages.motion import (
-    Drive,
-    Floor,
-    Halt,
-    Place,
-    Reached,
-    Thing,
-    Things,
-    Walk,
-    Waypoint,
-)
-from openrois_avatar.link.messages.reading import MAX_NAME, MAX_TEXT, LinkError, text
-from openrois_avatar.link.messages.viewpoint import Viewpoint
+from openrois_avatar.link.messages.picture_commands import Bitrate, Demand, Idle, KeyFrame
 
 __all__ = [
     "FORMATS",
@@ -100,10 +102,8 @@ __all__ = [
     "event_from_json",
 ]
 
-Command: TypeAlias = (
-    React | Speak | Silence | Look | Stop | Walk | Drive | Halt | Input | Demand | KeyFrame | Bitrate | Viewpoint | Quit
-)
-Event: TypeAlias = Completed | Log | Pause | Idle | Reached | Place | Floor | Things
+Command: TypeAlias = BodyCommand | Demand | KeyFrame | Bitrate
+Event: TypeAlias = BodyEvent | Idle
 
 _COMMANDS: Final[Mapping[str, Callable[[Mapping[str, Any]], Command]]] = {
     "react": React.from_json,
@@ -134,16 +134,16 @@ _EVENTS: Final[Mapping[str, Callable[[Mapping[str, Any]], Event]]] = {
 
 
 def command_from_json(body: Mapping[str, Any]) -> Command:
-    """The command that the body of a COMMAND message names."""
+    """Read the body of a COMMAND message."""
     name = text(body, "command", MAX_NAME)
     read = _COMMANDS.get(name)
     if read is None:
-        raise LinkError(f"command: unknown: {name!r}")
+        raise LinkError(f"command: expected one of {', '.join(_COMMANDS)}, not {name!r}")
     return read(body)
 
 
 def event_from_json(body: Mapping[str, Any]) -> Event:
-    """The event that the body of an EVENT message names."""
+    """Read the body of an EVENT message."""
     name = text(body, "event", MAX_NAME)
     read = _EVENTS.get(name)
     if read is None:

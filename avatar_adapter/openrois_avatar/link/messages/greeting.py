@@ -1,4 +1,4 @@
-"""The greeting and the farewell of an engine and its adapter."""
+"""HELLO, WELCOME and BYE."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from openrois_avatar.link.messages.reading import (
+from openrois_body.messages.reading import (
     INT64,
     MAX_NAME,
     MAX_TEXT,
@@ -35,7 +35,7 @@ FORMATS: Final = ("bgra", "i420", "nv12", "h264")
 
 @dataclass(frozen=True, slots=True)
 class VideoShape:
-    """The pictures an engine is going to send; each VIDEO message says again what it carries."""
+    """The pictures that an engine is going to send; each VIDEO message repeats its own shape."""
 
     width: int
     height: int
@@ -51,35 +51,35 @@ class VideoShape:
         """Read the member `video` of HELLO."""
         pixel_format = text(body, "format", MAX_NAME)
         if pixel_format not in FORMATS:
-            raise LinkError(f"format: expected one of {', '.join(FORMATS)}")
+            raise LinkError(f"format: expected one of {', '.join(FORMATS)}, not {pixel_format!r}")
         width, height = integer(body, "width", MIN_SIDE, MAX_SIDE), integer(body, "height", MIN_SIDE, MAX_SIDE)
         return cls(width, height, real(body.get("fps"), "fps", 0.1, 1000), pixel_format)
 
 
 @dataclass(frozen=True, slots=True)
 class Hello:
-    """First message of an engine: who it is, that it knows the secret, and what it can do."""
+    """First message of an engine: its name, the secret, and its capabilities."""
 
     name: str
     version: str
     video: VideoShape
     audio_channels: int | None = None
-    """Channels of the 48 kHz sound it sends, None if it sends none."""
+    """Channels of its 48 kHz sound; None without sound."""
     reactions: tuple[str, ...] = ()
     secret: str = field(default="", repr=False)
     hears: bool = False
-    """Whether it wants AUDIO: the sound of the operator's microphone."""
+    """Whether it takes AUDIO: the sound of the operator's microphone."""
     walks: bool = False
-    """Whether its figure can be sent about: it takes `Walk`, `Drive` and `Halt`, and tells its `Place`."""
+    """Whether its figure walks: it takes `Walk`, `Drive` and `Halt`, and reports its `Place`."""
     ring: bool = False
     """Whether it wants a ring for its pictures: memory that it shares with the adapter."""
     input: bool = False
-    """Whether it takes `Input`: what the operator does with keyboard, mouse, touch and gamepad."""
+    """Whether it takes `Input` of the operator's keyboard, mouse, touch and gamepad."""
     demand: bool = False
     """Whether it takes `Demand`, and draws nothing while no pictures are wanted."""
 
     viewpoints: tuple[str, ...] = ()
-    """From where it can show the scene: the names that `Viewpoint` takes, first the one that it begins with."""
+    """Its camera positions: the names that `Viewpoint` takes, first the one that it begins with."""
 
     @property
     def encodes(self) -> bool:
@@ -133,7 +133,7 @@ def _names(value: Any, name: str, most: int) -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True)
 class RingPlace:
-    """Where the ring of an engine's pictures is: a file of `slots` times `slot_bytes` bytes, to be mapped."""
+    """The place of the ring: a file of `slots` times `slot_bytes` bytes, to be mapped."""
 
     path: str
     slots: int
@@ -159,7 +159,7 @@ class Welcome:
     name: str
     ring: RingPlace | None = None
     now_ns: int | None = None
-    """CLOCK_MONOTONIC when this was said, for an engine that cannot ask for it; None if it is not told."""
+    """CLOCK_MONOTONIC when this was sent, for an engine that cannot read it; None if it is left out."""
 
     def to_json(self) -> dict[str, Any]:
         """The body of WELCOME."""

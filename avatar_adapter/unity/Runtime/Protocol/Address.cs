@@ -38,7 +38,7 @@ namespace OpenRoIS.Link
         /// <summary>A connected socket.</summary>
         /// <param name="timeout">Milliseconds.</param>
         /// <param name="opened">Gets the socket before it is connected, so that another thread can close it.</param>
-        /// <exception cref="LinkException">Nobody answers there.</exception>
+        /// <exception cref="LinkException">No adapter answers there.</exception>
         internal Socket Connect(int timeout, Action<Socket> opened)
         {
             Socket socket = null;
@@ -52,7 +52,7 @@ namespace OpenRoIS.Link
                 IAsyncResult connecting = socket.BeginConnect(end, null, null);
                 if (!connecting.AsyncWaitHandle.WaitOne(timeout))
                 {
-                    throw new LinkException($"cannot connect to {_text}: nobody answers");
+                    throw new LinkException($"cannot connect to {_text}: no adapter answers");
                 }
                 socket.EndConnect(connecting);
                 if (!unix)

@@ -260,7 +260,7 @@ namespace OpenRoIS.Link
     }
 
     /// <summary>
-    /// What the operator does with keyboard, mouse, touch and gamepad: a message of docs/wire.md, "Input".
+    /// What the operator does with keyboard, mouse, touch and gamepad: a message of docs/reference/wire.md, "Input".
     /// </summary>
     public sealed class OperatorInput : Command
     {

@@ -34,7 +34,7 @@ namespace OpenRoIS.Link
                     PutHeard(heard);
                     return;
                 }
-                // Nobody wants to know of every attempt.
+                // Not every attempt is reported.
                 if (notice is NotConnected && _notices.Last?.Value is NotConnected)
                 {
                     _notices.RemoveLast();

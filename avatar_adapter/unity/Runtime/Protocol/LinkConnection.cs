@@ -40,7 +40,7 @@ namespace OpenRoIS.Link
         }
 
         /// <summary>Connect and greet; takes 10 s at most.</summary>
-        /// <exception cref="LinkException">Nobody answers, the adapter refuses, or breaks the protocol.</exception>
+        /// <exception cref="LinkException">No adapter answers, it refuses, or it breaks the protocol.</exception>
         internal static LinkConnection Open(Address address, Hello hello, MonotonicClock clock, Action<Socket> opened)
         {
             Socket socket = address.Connect(ConnectMs, opened);
@@ -88,14 +88,14 @@ namespace OpenRoIS.Link
             }
         }
 
-        /// <summary>Send a picture; false if nobody is there to see it.</summary>
+        /// <summary>Send a picture; false without a connection.</summary>
         internal bool SendPicture(byte* pixels, Picture shape, long timestampNs)
         {
             if (_failure != null)
             {
                 return false;
             }
-            // Pictures leave in the order of their numbers, whoever sends them.
+            // Pictures leave in the order of their numbers, from any thread.
             lock (_counting)
             {
                 ulong sequence = _pictures++;

@@ -47,7 +47,7 @@ namespace OpenRoIS.Link
         private byte[] _farewell;
         private bool _aborted;
 
-        /// <summary>Queue an event; false if there is no room or nobody to tell.</summary>
+        /// <summary>Queue an event; false if there is no room or no connection.</summary>
         internal bool PutEvent(byte[] message)
         {
             lock (_changed)

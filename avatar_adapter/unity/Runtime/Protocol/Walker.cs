@@ -91,7 +91,7 @@ namespace OpenRoIS.Link
             }
         }
 
-        /// <summary>The adapter is gone: stand still, and tell nobody.</summary>
+        /// <summary>The adapter is disconnected: stand still, without an event.</summary>
         public void Forget()
         {
             _walk = null;

@@ -77,7 +77,7 @@ namespace OpenRoIS.Link.Unity
         /// <summary>The operator's voice.</summary>
         public event Action<Heard> Heard;
 
-        /// <summary>What the operator does: a message of docs/wire.md, "Input".</summary>
+        /// <summary>What the operator does: a message of docs/reference/wire.md, "Input".</summary>
         public event Action<OperatorInput> Input;
 
         /// <summary>The adapter wants the game to end; with Quits it does.</summary>

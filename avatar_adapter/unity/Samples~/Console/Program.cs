@@ -175,7 +175,7 @@ namespace OpenRoIS.Samples
             private void TakeConnection(Notice notice)
             {
                 Disconnected gone = notice as Disconnected;
-                NotConnected nobody = notice as NotConnected;
+                NotConnected missing = notice as NotConnected;
                 if (gone != null)
                 {
                     // What was asked for needs no answer any more.
@@ -184,9 +184,9 @@ namespace OpenRoIS.Samples
                     _mouth.Silence(_link.Now);
                     Console.WriteLine("disconnected: " + gone.Reason);
                 }
-                else if (nobody != null)
+                else if (missing != null)
                 {
-                    Console.WriteLine("not connected: " + nobody.Reason);
+                    Console.WriteLine("not connected: " + missing.Reason);
                 }
                 else
                 {

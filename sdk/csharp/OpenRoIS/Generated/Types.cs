@@ -153,7 +153,7 @@ namespace OpenRoIS
         public int? DelayTime { get; set; }
     }
 
-    /// <summary>Notification: a command has ended, said exactly once.</summary>
+    /// <summary>Notification: a command has ended, sent exactly once.</summary>
     public sealed class Completed
     {
         [JsonProperty("command_id", Required = Required.Always)]
@@ -407,7 +407,7 @@ namespace OpenRoIS
         public List<ParameterProfile> ParameterProfiles { get; set; } = new List<ParameterProfile>();
     }
 
-    /// <summary>Params of <c>openrois.hello</c>: what the asking side speaks beyond the base wire.</summary>
+    /// <summary>Params of <c>openrois.hello</c>: the sender's extensions of the base wire.</summary>
     public sealed class HelloParams
     {
         [JsonProperty("version", Required = Required.Always)]
@@ -507,7 +507,7 @@ namespace OpenRoIS
     }
 
     /// <summary>
-    /// Params of the notification <c>openrois.lease.declined</c> to who asked, who waits on unless the
+    /// Params of <c>openrois.lease.declined</c> to the client that asked, which waits on unless the
     /// component is gone.
     /// </summary>
     public sealed class LeaseDeclinedNotification
@@ -531,7 +531,7 @@ namespace OpenRoIS
 
     /// <summary>
     /// Params of <c>openrois.lease.grant</c> and <c>.decline</c>: the <c>request_id</c> of a request that
-    /// the holder was told of.
+    /// the holder received.
     /// </summary>
     public sealed class LeaseRequestParams
     {
@@ -540,7 +540,7 @@ namespace OpenRoIS
     }
 
     /// <summary>
-    /// Result of <c>openrois.lease.request</c>; <c>request_id</c> is empty where nobody has to be asked.
+    /// Result of <c>openrois.lease.request</c>; <c>request_id</c> is empty where no holder has to be asked.
     /// </summary>
     public sealed class LeaseRequestResult
     {
@@ -573,9 +573,7 @@ namespace OpenRoIS
         public long AnswerMs { get; set; }
     }
 
-    /// <summary>
-    /// Result of <c>openrois.lease.query</c>, <c>.request</c> and <c>.take</c>: how things stand now.
-    /// </summary>
+    /// <summary>Result of <c>openrois.lease.query</c>, <c>.request</c> and <c>.take</c>: the lease now.</summary>
     public sealed class LeaseResult
     {
         [JsonProperty("return_code", Required = Required.Always)]
@@ -585,7 +583,7 @@ namespace OpenRoIS
         public LeaseStatus Lease { get; set; }
     }
 
-    /// <summary>Who holds a component, as whoever is told sees it.</summary>
+    /// <summary>The holder of a component, as the receiver sees it.</summary>
     public enum LeaseState
     {
         [EnumMember(Value = "FREE")]
@@ -598,7 +596,7 @@ namespace OpenRoIS
         Absent,
     }
 
-    /// <summary>How things stand with one component, as whoever is told sees it.</summary>
+    /// <summary>The lease of one component, as the receiver sees it.</summary>
     public sealed class LeaseStatus
     {
         [JsonProperty("component_ref")]
@@ -636,8 +634,8 @@ namespace OpenRoIS
     }
 
     /// <summary>
-    /// Params of the notification <c>openrois.lease.withdrawn</c> to the holder: nobody waits for its
-    /// answer any more.
+    /// Params of the notification <c>openrois.lease.withdrawn</c> to the holder: its answer is not needed
+    /// any more.
     /// </summary>
     public sealed class LeaseWithdrawnNotification
     {
@@ -784,8 +782,8 @@ namespace OpenRoIS
     }
 
     /// <summary>
-    /// Params of report_playout: milliseconds from the arrival of the stream's media to their being heard
-    /// or seen.
+    /// Params of report_playout: milliseconds from the arrival of the stream's media to their being played
+    /// or shown.
     /// </summary>
     public sealed class ReportPlayoutParams
     {
@@ -995,8 +993,8 @@ namespace OpenRoIS
     }
 
     /// <summary>
-    /// Result of <c>openrois.stop_all</c>: which components have stopped, and which have not said so in
-    /// time.
+    /// Result of <c>openrois.stop_all</c>: which components have stopped, and which have not confirmed it
+    /// in time.
     /// </summary>
     public sealed class StopAllResult
     {
@@ -1037,7 +1035,7 @@ namespace OpenRoIS
     }
 
     /// <summary>
-    /// What a stream does (Stream_Status, table 8.10); RESUMED is announced as an event and is never a
+    /// The state of a stream (Stream_Status, table 8.10); RESUMED is announced as an event and is never a
     /// state.
     /// </summary>
     public enum StreamStatus

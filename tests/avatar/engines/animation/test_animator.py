@@ -141,7 +141,7 @@ def test_speech_that_is_never_played_does_not_pile_up() -> None:
 
 def test_gaze_and_reaction_and_speech_go_together() -> None:
     animator = Animator()
-    animator.look(0.0, -0.8, 0.3)
+    animator.turn_eyes(0.0, -0.8, 0.3)
     animator.react(0.0, "a", "wave")
     animator.speak(0.0, Track(0.2, [(0.0, "oh", 1.0)], 2.0))
     poses = [animator.pose(n / 60) for n in range(180)]
@@ -155,5 +155,5 @@ def test_lids_stay_lids_when_everything_closes_them() -> None:
     animator = Animator()
     animator.react(0.0, "a", "bow")
     for frame in range(150):
-        animator.look(frame / 60, frame % 2 * 2 - 1, 0.0)
+        animator.turn_eyes(frame / 60, frame % 2 * 2 - 1, 0.0)
         assert animator.pose(frame / 60).lid_left <= 1.0

@@ -12,12 +12,12 @@ def walked(
 ) -> list[dict[str, float]]:
     seen = []
     for _ in range(round(seconds / FRAME)):
-        steps.take(ahead, left, turn, FRAME)
+        steps.advance(ahead, left, turn, FRAME)
         seen.append(dict(steps.channels()))
     return seen
 
 
-def test_who_stands_takes_no_steps() -> None:
+def test_standing_figure_takes_no_steps() -> None:
     steps = Steps()
     assert walked(steps, 1.0) == [{}] * 60
     assert steps.effort == 0.0

@@ -24,7 +24,7 @@ def lived(
     return scenes, told
 
 
-def test_it_begins_at_home_and_says_what_there_is() -> None:
+def test_figure_begins_at_home_and_reports_the_scene() -> None:
     scenes, told = lived(Life(0.0), 1.0)
     assert [type(event) for _, event in told] == [Floor, Things, Place]
     floor, things, place = (event for _, event in told)
@@ -128,7 +128,7 @@ def away() -> tuple[Life, float]:
     return life, 5.0
 
 
-def test_it_turns_to_the_viewer_when_it_begins_to_speak() -> None:
+def test_figure_turns_to_the_viewer_when_it_begins_to_speak() -> None:
     life, now = away()
     scenes, told = lived(life, 8.0, now, expressive=True)
     assert scenes[-1].place == Place(AWAY.x, AWAY.y, HOME.th)
@@ -138,14 +138,14 @@ def test_it_turns_to_the_viewer_when_it_begins_to_speak() -> None:
     assert scenes[-1].shot.is_close
 
 
-def test_it_stays_as_it_is_where_it_nearly_faces_the_viewer() -> None:
+def test_figure_does_not_turn_when_it_nearly_faces_the_viewer() -> None:
     life = Life(0.0)
     life.obey(0.0, Walk("a", (Waypoint(0.0, 0.0, HOME.th + 0.3),), 1.0))
     place = lived(life, 2.0)[0][-1].place
     assert lived(life, 3.0, 2.0, expressive=True)[0][-1].place == place != HOME
 
 
-def test_one_that_walks_and_speaks_turns_when_it_has_arrived() -> None:
+def test_walking_figure_that_speaks_turns_when_it_has_arrived() -> None:
     life = Life(0.0)
     life.obey(0.0, Walk("a", (Waypoint(0.0, 1.0),), 1.0))
     scenes, _ = lived(life, 6.0, expressive=True)
@@ -162,7 +162,7 @@ def test_one_that_walks_and_speaks_turns_when_it_has_arrived() -> None:
     ],
     ids=["halted", "driven", "sent where it faces elsewhere"],
 )
-def test_what_is_commanded_comes_before_turning(command: Halt | Drive | Walk) -> None:
+def test_command_comes_before_turning(command: Halt | Drive | Walk) -> None:
     life, now = away()
     lived(life, 0.3, now, expressive=True)
     life.obey(now + 0.3, command)
@@ -172,7 +172,7 @@ def test_what_is_commanded_comes_before_turning(command: Halt | Drive | Walk) ->
     assert abs(turned(later.th - HOME.th)) > 1.0
 
 
-def test_one_whose_driver_is_lost_stands_though_it_speaks() -> None:
+def test_figure_with_a_lost_driver_stands_although_it_speaks() -> None:
     life, now = away()
     life.obey(now, Drive(0.1, 0.0, 0.0))
     lived(life, 0.2, now)
@@ -181,7 +181,7 @@ def test_one_whose_driver_is_lost_stands_though_it_speaks() -> None:
     assert lived(life, 2.0, now + 1.2, expressive=True)[0][-1].place == stood
 
 
-def test_what_is_broken_off_turns_it_no_further() -> None:
+def test_interrupted_speech_ends_the_turn() -> None:
     life, now = away()
     lived(life, 0.3, now, expressive=True)
     life.stay()
@@ -190,7 +190,7 @@ def test_what_is_broken_off_turns_it_no_further() -> None:
     assert 1.0 < abs(turned(scenes[-1].place.th - HOME.th)) < pi
 
 
-def test_one_that_walks_goes_on_when_what_it_says_is_broken_off_and_does_not_turn_there() -> None:
+def test_interrupted_speech_does_not_stop_a_walk_nor_turn_the_figure_at_its_end() -> None:
     life = Life(0.0)
     life.obey(0.0, Walk("a", (Waypoint(0.0, 1.0),), 1.0))
     lived(life, 0.5, expressive=True)
@@ -212,7 +212,7 @@ def test_the_room_is_shown_from_a_viewpoint_that_there_is() -> None:
     assert lived(life, 3.0, 7.0)[0][-1].shot == shot
 
 
-def test_one_that_was_halted_turns_with_its_next_sentence() -> None:
+def test_halted_figure_turns_with_its_next_sentence() -> None:
     life, now = away()
     lived(life, 0.3, now, expressive=True)
     life.obey(now + 0.3, Halt())

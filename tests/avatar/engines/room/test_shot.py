@@ -23,7 +23,7 @@ def test_a_figure_at_home_is_seen_closely() -> None:
     assert HOME_SHOT.is_close
 
 
-def test_the_camera_backs_off_from_one_who_walks_and_comes_near_when_it_stands() -> None:
+def test_camera_backs_off_from_a_walking_figure_and_comes_near_when_it_stands() -> None:
     camera = Camerawork(0.0)
     away = shots(camera, Place(1.0, 1.0, -pi / 2), WALKING, 4.0, 0.0)
     assert away[-1].y < -40
@@ -35,7 +35,7 @@ def test_the_camera_backs_off_from_one_who_walks_and_comes_near_when_it_stands()
     assert back[-1].is_close
 
 
-def test_it_never_jumps() -> None:
+def test_camera_never_jumps() -> None:
     camera = Camerawork(0.0)
     seen = shots(camera, Place(1.0, 2.0, -pi / 2), WALKING, 3.0, 0.0)
     seen += shots(camera, Place(1.0, 2.0, -pi / 2), Pace(), 3.0, 3.0)
@@ -45,26 +45,26 @@ def test_it_never_jumps() -> None:
         assert abs(after.x - before.x) < 0.6
 
 
-def test_it_stays_closer_to_one_who_talks_on_the_way() -> None:
+def test_camera_stays_closer_to_a_walking_figure_that_talks() -> None:
     silent, talking = (shots(Camerawork(0.0), HOME, WALKING, 5.0, 0.0, talks=talks)[-1] for talks in (False, True))
     assert silent.y < talking.y - 10
     assert not talking.is_close
 
 
-def test_it_does_not_back_off_from_one_who_stops_talking_and_walking() -> None:
+def test_camera_does_not_back_off_when_talking_and_walking_stop() -> None:
     camera = Camerawork(0.0)
     last = shots(camera, HOME, WALKING, 4.0, 0.0, talks=True)[-1]
     assert min(seen.y for seen in shots(camera, HOME, Pace(), 4.0, 4.0)) > last.y - 0.5
 
 
-def test_it_does_not_come_near_to_see_a_back() -> None:
+def test_camera_does_not_come_near_to_a_figure_seen_from_behind() -> None:
     camera = Camerawork(0.0)
     shots(camera, Place(0.0, 1.0, pi / 2), WALKING, 3.0, 0.0)
     away = shots(camera, Place(0.0, 1.0, pi / 2), Pace(), 8.0, 3.0)[-1]
     assert not away.is_close
 
 
-def test_who_is_in_the_picture() -> None:
+def test_figure_in_the_picture_is_known() -> None:
     assert HOME_SHOT.sees(Place(0.0, 2.0, 0.0), 16 / 9)
     assert HOME_SHOT.sees(Place(1.2, 2.0, 0.0), 16 / 9)
     assert not HOME_SHOT.sees(Place(2.0, 2.0, 0.0), 16 / 9)

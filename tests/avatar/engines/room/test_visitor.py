@@ -18,7 +18,7 @@ def life(seed: int, seconds: float, other: Place = HOME) -> list[Place]:
     return places
 
 
-def test_it_walks_slowly_from_place_to_place_and_stays_there() -> None:
+def test_visitor_walks_slowly_from_place_to_place_and_stays_there() -> None:
     places = life(1, 180.0)
     stays = [place for place, later in zip(places[:-30], places[30:], strict=True) if place == later]
     known = {(place.x, place.y) for place in PLACES}
@@ -29,12 +29,12 @@ def test_it_walks_slowly_from_place_to_place_and_stays_there() -> None:
     assert 0.2 < sum(step > 0 for step in steps) / len(steps) < 0.7
 
 
-def test_one_seed_is_one_life() -> None:
+def test_one_seed_gives_one_sequence() -> None:
     assert life(7, 40.0) == life(7, 40.0)
     assert life(7, 40.0) != life(8, 40.0)
 
 
-def test_it_comes_close_to_nothing_that_stands_there() -> None:
+def test_visitor_keeps_away_from_furniture_and_from_the_figures_first_place() -> None:
     for place in life(3, 180.0):
         assert ROOM.fits(place.x, place.y, 0.2)
         assert hypot(place.x - HOME.x, place.y - HOME.y) > 0.75
@@ -47,7 +47,7 @@ def test_every_place_has_a_way_to_another(place: Waypoint) -> None:
     assert any(ROOM.is_clear(there, other, 0.25) for other in others)
 
 
-def test_it_makes_room_for_who_comes_close() -> None:
+def test_visitor_makes_room_for_a_close_figure() -> None:
     visitor = Visitor(ROOM, 0.0)
     start = visitor.place
     close = Place(start.x - 0.3, start.y - 0.5, 1.0)
@@ -59,7 +59,7 @@ def test_it_makes_room_for_who_comes_close() -> None:
     assert hypot(visitor.place.x - close.x, visitor.place.y - close.y) > 1.0
 
 
-def test_it_waits_for_who_is_in_its_way_and_then_goes_elsewhere() -> None:
+def test_visitor_waits_for_a_figure_in_its_way_and_then_goes_elsewhere() -> None:
     visitor, time = Visitor(ROOM, 0.0), 0.0
     while hypot(visitor.pace.ahead, visitor.pace.left) < 0.5:
         time += FRAME
@@ -77,7 +77,7 @@ def test_it_waits_for_who_is_in_its_way_and_then_goes_elsewhere() -> None:
     assert hypot(visitor.place.x - here.x, visitor.place.y - here.y) > 0.5
 
 
-def test_who_is_shut_in_stays() -> None:
+def test_enclosed_visitor_stays() -> None:
     wall = Furniture("wall", 0.0, 2.0, box(0.0, 2.0, 3.0, 4.0), 2.0)
     upper = Furniture("shelf", 2.2, 1.6, box(2.2, 1.6, 1.5, 0.3), 2.0)
     visitor = Visitor(Plan(ROOM.outline, (wall, upper)), 0.0)
@@ -87,6 +87,6 @@ def test_who_is_shut_in_stays() -> None:
     assert visitor.place == here
 
 
-def test_it_is_a_person() -> None:
+def test_visitor_is_a_person() -> None:
     visitor = Visitor(ROOM, 0.0)
     assert visitor.thing == Thing("visitor", "person", visitor.place.x, visitor.place.y, visitor.place.th, "visitor")

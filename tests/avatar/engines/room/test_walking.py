@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from openrois_avatar.engines.room.plan import HOME, ROOM
 from openrois_avatar.engines.room.walking import FASTEST, HOLD, QUICKEST, RADIUS, Pace, Walker, limits
 from openrois_avatar.link.messages import Completed, Drive, Place, Reached, Walk, Waypoint
-from openrois_avatar.link.messages.motion import Point
+from openrois_body.messages.motion import Point
 
 FRAME = 1 / 30
 
@@ -31,13 +31,13 @@ def walk(*path: Waypoint, speed: float = 1.0, id: str = "a") -> Walk:
     return Walk(id, path, speed)
 
 
-def test_it_stands_where_it_begins() -> None:
+def test_figure_stands_where_it_begins() -> None:
     figure = walker()
     assert {place for _, place in walked(figure, 1.0)} == {HOME}
     assert (figure.pace, figure.is_walking, figure.news()) == (Pace(), False, [])
 
 
-def test_it_goes_straight_to_each_point_and_tells_of_it_there() -> None:
+def test_walk_goes_straight_to_each_point_and_reports_it() -> None:
     figure = walker()
     figure.walk(walk(Waypoint(0.0, 2.0), Waypoint(1.0, 1.0), Waypoint(0.0, 0.0, -pi / 2)))
     heard: dict[int, Place] = {}
@@ -55,7 +55,7 @@ def test_it_goes_straight_to_each_point_and_tells_of_it_there() -> None:
     assert heard[2] == figure.place == HOME
 
 
-def test_it_keeps_its_speed_and_changes_it_softly() -> None:
+def test_speed_is_kept_and_changes_softly() -> None:
     figure = walker(Place(0.0, -0.5, pi / 2))
     figure.walk(walk(Waypoint(0.0, 3.0), speed=0.8))
     speeds = []
@@ -69,7 +69,7 @@ def test_it_keeps_its_speed_and_changes_it_softly() -> None:
     assert figure.place == Place(0.0, 3.0, pi / 2)
 
 
-def test_it_turns_smoothly_and_faces_along_its_way() -> None:
+def test_figure_turns_smoothly_and_faces_along_its_way() -> None:
     figure = walker()
     figure.walk(walk(Waypoint(2.0, 0.0), Waypoint(2.0, 0.8), speed=0.7))
     places = walked(figure, 8.0)
@@ -79,7 +79,7 @@ def test_it_turns_smoothly_and_faces_along_its_way() -> None:
     assert next(place.th for _, place in places if place.y > 0.6) == pytest.approx(pi / 2, abs=0.2)
 
 
-def test_it_turns_before_it_goes() -> None:
+def test_figure_turns_before_it_goes() -> None:
     figure = walker()
     figure.walk(walk(Waypoint(0.0, 2.0)))
     figure.advance(0.3)
@@ -212,13 +212,13 @@ def test_a_way_through_furniture_is_not_possible() -> None:
     assert figure.pace == Pace()
 
 
-def test_who_is_in_the_way_is_waited_for() -> None:
+def test_walk_waits_for_a_figure_in_the_way() -> None:
     figure = walker(Place(0.0, -0.5, pi / 2))
     figure.walk(walk(Waypoint(0.0, 2.0)))
     walked(figure, 4.0, others=((0.0, 1.0),))
     assert figure.place.y == pytest.approx(0.45, abs=0.05)
     assert figure.is_walking
-    # Somebody behind is in nobody's way.
+    # A figure behind is not in the way.
     walked(figure, 4.0, 4.0, others=((0.0, -0.1),))
     assert figure.place.y == 2.0
 
@@ -237,7 +237,7 @@ def test_a_drive_stops_by_itself_within_half_a_second() -> None:
     assert figure.place.th > -pi / 2
 
 
-def test_who_drives_on_goes_on() -> None:
+def test_repeated_drive_goes_on() -> None:
     figure = walker(Place(0.0, -0.5, pi / 2))
     for number in range(20):
         figure.drive(number / 10, Drive(1.0, 0.0, 0.0))
@@ -257,7 +257,7 @@ def test_a_drive_ends_a_walk_and_a_walk_a_drive() -> None:
     assert figure.place == HOME
 
 
-def test_one_slides_along_a_wall_and_stands_in_a_corner() -> None:
+def test_driven_figure_slides_along_a_wall_and_stands_in_a_corner() -> None:
     figure = walker(Place(2.0, -0.5, -pi / 4))
     for number in range(60):
         figure.drive(number / 10, Drive(1.0, 0.0, 0.0))
@@ -266,7 +266,7 @@ def test_one_slides_along_a_wall_and_stands_in_a_corner() -> None:
     assert figure.place.y == pytest.approx(-1.0 + RADIUS, abs=0.03)
 
 
-def test_nobody_is_driven_into_somebody() -> None:
+def test_driven_figure_stops_before_another_one() -> None:
     figure = walker()
     for number in range(10):
         figure.drive(number / 10, Drive(1.0, 0.0, 0.0))

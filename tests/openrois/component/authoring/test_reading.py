@@ -1,4 +1,4 @@
-"""What is read from a component class: its type and profile, and what its author is told where that cannot be."""
+"""What is read from a component class: its type and profile, and the error for its author where that cannot be."""
 
 from collections.abc import Callable
 from datetime import datetime

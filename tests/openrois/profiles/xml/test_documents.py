@@ -35,7 +35,7 @@ def test_names_of_files_are_bounded_and_distinct() -> None:
     assert tuple(read.components) == refs
 
 
-def test_whose_profile_cannot_be_written_is_said() -> None:
+def test_an_unwritable_profile_is_named() -> None:
     with pytest.raises(ValueError, match=r"^'robot/legs': gml:name: .* has a character that XML cannot carry"):
         write_documents(ROBOT, {"robot/legs": NAVIGATION.profile("\1")})
 

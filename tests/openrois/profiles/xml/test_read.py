@@ -13,6 +13,8 @@ from openrois.profiles.xml.read import ComponentDocument, EngineDocument, read_p
 from openrois.profiles.xml.write import component_xml
 from openrois.types.codes import ComponentFunction
 
+pytestmark = pytest.mark.extra(name="base")
+
 NAMESPACES = (
     'xmlns:rois="http://www.omg.org/spec/RoIS/20240801" xmlns:gml="http://www.opengis.net/gml/3.2"'
     ' xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'
@@ -265,7 +267,7 @@ def malformed() -> Iterable[tuple[str, str]]:
     yield "line 3: this is no XML: undefined entity", component("<gml:name>&eacute;</gml:name>")
     yield "line 1: a profile has no document type", '<!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>'
     yield "line 2: a profile has no document type", '<?xml version="1.0"?>\n<!DOCTYPE a SYSTEM "file:///etc/hosts"><a/>'
-    yield f"line 1: elements stand at most {MAX_DEPTH} deep", "<a>" * (MAX_DEPTH + 1)
+    yield f"line 1: elements may be nested {MAX_DEPTH} deep at most", "<a>" * (MAX_DEPTH + 1)
     yield f"line 1: the document has more than {MAX_SIZE} bytes", " " * (MAX_SIZE + 1)
 
 

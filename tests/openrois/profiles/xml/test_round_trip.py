@@ -174,7 +174,7 @@ class TestWhatXmlCannotCarry:
         for number in range(1, MAX_DEPTH - 1):
             engine = HRIEngineProfile(identifier=RoISIdentifier(code=str(number)), sub_profiles=(engine,))
         assert read_profile(engine_xml(engine)) == EngineDocument(engine)
-        with pytest.raises(ValueError, match=f"^elements stand at most {MAX_DEPTH} deep$"):
+        with pytest.raises(ValueError, match=f"^elements may be nested {MAX_DEPTH} deep at most$"):
             engine_xml(HRIEngineProfile(identifier=RoISIdentifier(code="robot"), sub_profiles=(engine,)))
         with pytest.raises(ValueError, match=f"^the document would have more than {MAX_SIZE} bytes$"):
             component_xml(self.component(name="あ" * (MAX_SIZE // 3)))

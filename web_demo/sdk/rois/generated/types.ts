@@ -77,7 +77,7 @@ export interface CommandUnit {
   readonly delay_time?: number | null;
 }
 
-/** Notification: a command has ended, said exactly once. */
+/** Notification: a command has ended, sent exactly once. */
 export interface Completed {
   readonly command_id: string;
   readonly status: CompletedStatus;
@@ -211,7 +211,7 @@ export interface HRIEngineProfile {
   readonly parameter_profiles?: readonly ParameterProfile[];
 }
 
-/** Params of `openrois.hello`: what the asking side speaks beyond the base wire. */
+/** Params of `openrois.hello`: the sender's extensions of the base wire. */
 export interface HelloParams {
   readonly version: string;
   readonly extensions?: readonly string[];
@@ -258,8 +258,8 @@ export interface LeaseChangedNotification {
 }
 
 /**
- * Params of the notification `openrois.lease.declined` to who asked, who waits on unless the component
- * is gone.
+ * Params of `openrois.lease.declined` to the client that asked, which waits on unless the component is
+ * gone.
  */
 export interface LeaseDeclinedNotification {
   readonly component_ref: string;
@@ -273,14 +273,14 @@ export interface LeaseParams {
 }
 
 /**
- * Params of `openrois.lease.grant` and `.decline`: the `request_id` of a request that the holder was
- * told of.
+ * Params of `openrois.lease.grant` and `.decline`: the `request_id` of a request that the holder
+ * received.
  */
 export interface LeaseRequestParams {
   readonly request_id: string;
 }
 
-/** Result of `openrois.lease.request`; `request_id` is empty where nobody has to be asked. */
+/** Result of `openrois.lease.request`; `request_id` is empty where no holder has to be asked. */
 export interface LeaseRequestResult {
   readonly return_code: ReturnCode;
   readonly lease?: LeaseStatus | null;
@@ -295,17 +295,17 @@ export interface LeaseRequestedNotification {
   readonly answer_ms: number;
 }
 
-/** Result of `openrois.lease.query`, `.request` and `.take`: how things stand now. */
+/** Result of `openrois.lease.query`, `.request` and `.take`: the lease now. */
 export interface LeaseResult {
   readonly return_code: ReturnCode;
   readonly lease?: LeaseStatus | null;
 }
 
-/** Who holds a component, as whoever is told sees it. */
+/** The holder of a component, as the receiver sees it. */
 export const LeaseState = ["FREE", "MINE", "HELD", "ABSENT"] as const;
 export type LeaseState = (typeof LeaseState)[number];
 
-/** How things stand with one component, as whoever is told sees it. */
+/** The lease of one component, as the receiver sees it. */
 export interface LeaseStatus {
   readonly component_ref?: string;
   readonly state?: LeaseState;
@@ -322,10 +322,7 @@ export interface LeaseTokenResult {
   readonly grace_ms?: number;
 }
 
-/**
- * Params of the notification `openrois.lease.withdrawn` to the holder: nobody waits for its answer any
- * more.
- */
+/** Params of the notification `openrois.lease.withdrawn` to the holder: its answer is not needed any more. */
 export interface LeaseWithdrawnNotification {
   readonly component_ref: string;
   readonly request_id: string;
@@ -407,8 +404,8 @@ export interface ReferenceResult {
 }
 
 /**
- * Params of report_playout: milliseconds from the arrival of the stream's media to their being heard
- * or seen.
+ * Params of report_playout: milliseconds from the arrival of the stream's media to their being played
+ * or shown.
  */
 export interface ReportPlayoutParams {
   readonly stream_id: string;
@@ -511,7 +508,7 @@ export interface StopAllParams {
   readonly component_ref?: string | null;
 }
 
-/** Result of `openrois.stop_all`: which components have stopped, and which have not said so in time. */
+/** Result of `openrois.stop_all`: which components have stopped, and which have not confirmed it in time. */
 export interface StopAllResult {
   readonly return_code: ReturnCode;
   readonly stopped?: readonly string[];
@@ -532,7 +529,10 @@ export interface StreamSection {
   readonly direction: Direction;
 }
 
-/** What a stream does (Stream_Status, table 8.10); RESUMED is announced as an event and is never a state. */
+/**
+ * The state of a stream (Stream_Status, table 8.10); RESUMED is announced as an event and is never a
+ * state.
+ */
 export const StreamStatus = [
   "STREAMING_NOT_CONNECTED",
   "STREAMING_NOT_RUNNING",

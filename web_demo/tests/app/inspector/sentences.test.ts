@@ -7,7 +7,7 @@ import {
   tookWords,
 } from "../../../app/inspector/sentences.ts";
 import type { Attempt } from "../../../app/inspector/sentences.ts";
-import { ConnectionLost, RequestTimeout, RoISError, RpcError } from "../../../sdk/index.ts";
+import { ConnectionLost, InvalidMessage, RequestTimeout, RoISError, RpcError } from "../../../sdk/index.ts";
 import type { CompletedStatus, ComponentStatus, ReturnCode } from "../../../sdk/index.ts";
 
 describe("refusal", () => {
@@ -45,9 +45,10 @@ describe("refusal", () => {
     ],
     [new RpcError({ code: -32602, message: "no" }, "m"), "-32602", "invalid params"],
     [new RpcError({ code: -32602, message: "no", data: ["odd"] }, "m"), "-32602", "odd"],
-    [new RpcError({ code: -32603, message: "broken" }, "m"), "-32603", "broken"],
+    [new RpcError({ code: -32603, message: "broken" }, "m"), "-32603", "its log says why"],
     [new ConnectionLost("m"), "connection lost", "ended"],
     [new RequestTimeout("m"), "no answer", "in time"],
+    [new InvalidMessage("rois.x.y: odd"), "error", "The gateway's answer cannot be read. Run"],
     [new Error("odd"), "error", "odd"],
     ["odd", "error", "odd"],
   ])("of %s", (error, code, words) => {

@@ -54,7 +54,7 @@ describe("StatusWatch", () => {
     expect(queries()).toEqual([close, other, close, close, close, other]);
   });
 
-  it("asks nobody that is not watched any more, and nobody while the page is hidden", async () => {
+  it("queries no component that is not watched any more, and none while the page is hidden", async () => {
     watch.watch(watched(1), "e/0");
     await settle();
     vi.stubGlobal("document", { visibilityState: "hidden" });

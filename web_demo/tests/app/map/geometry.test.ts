@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
 import {
+  ahead,
   drawn,
   extentOf,
   gridLines,
@@ -11,9 +12,9 @@ import {
   positionText,
   readCorners,
   readPlace,
+  readThings,
   turned,
 } from "../../../app/map/geometry.ts";
-import { ahead, readThings } from "../../../app/map/scene.ts";
 
 const ROOM = extentOf(
   [
@@ -102,7 +103,7 @@ describe("the cursor", () => {
 });
 
 describe("things", () => {
-  const told = {
+  const described = {
     thing_ref: ["urn:x/scene/v", "urn:x/scene/t", "urn:x/scene/r", "urn:x/scene/broken"],
     kind: ["person", "object", "sound", "ghost"],
     name: ["visitor", "", "radio", "broken"],
@@ -110,7 +111,7 @@ describe("things", () => {
   };
 
   it("are read as far as they can be, and always have a name", () => {
-    const things = readThings(told);
+    const things = readThings(described);
     expect(things.map(({ kind, name }) => [kind, name])).toEqual([
       ["person", "visitor"],
       ["object", "t"],
@@ -119,7 +120,7 @@ describe("things", () => {
   });
 
   it("are found near a point, the nearest first", () => {
-    const things = readThings(told);
+    const things = readThings(described);
     expect(nearest(things, [2.08, 1.02], 0.4)?.name).toBe("radio");
     expect(nearest(things, [1, 2], 0.4)).toBeNull();
   });

@@ -4,8 +4,8 @@ import type { JsonObject } from "../../../sdk/jsonrpc/peer.ts";
 import { Client } from "../../../sdk/rois/client.ts";
 import { FakeGateway } from "../../support/fake_gateway.ts";
 
-const SEAT = "a/teleoperation";
-const BODY = [SEAT, "a/navigation", "a/reaction"];
+const OPERATED = "a/teleoperation";
+const BODY = [OPERATED, "a/navigation", "a/reaction"];
 
 let gateway: FakeGateway;
 let client: Client;
@@ -52,9 +52,9 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-it("takes all parts once for several works, and gives them back with the last one, the seat last", async () => {
-  const [first, second] = await Promise.all([body.take(), body.take()]);
-  expect(body.standing).toEqual({ kind: "mine" });
+it("takes all parts once for several works, and gives them back with the last one, the operated one last", async () => {
+  const [first, second] = await Promise.all([body.takeControl(), body.takeControl()]);
+  expect(body.state).toEqual({ kind: "mine" });
   expect(verbs()).toEqual(BODY.map((ref) => `bind ${ref}`));
   first();
   first();
@@ -63,42 +63,42 @@ it("takes all parts once for several works, and gives them back with the last on
   second();
   await settle();
   expect(verbs().slice(3)).toEqual([...BODY].reverse().map((ref) => `release ${ref}`));
-  expect(body.standing).toEqual({ kind: "free" });
+  expect(body.state).toEqual({ kind: "free" });
 });
 
 it("gives back what it was granted when one part is another's", async () => {
   held.set("a/reaction", "anna");
   body.setComponents(BODY);
   await settle();
-  await expect(body.take()).rejects.toBeInstanceOf(BodyTaken);
-  await expect(body.take()).rejects.toThrow("anna has control. Ask for it first.");
+  await expect(body.takeControl()).rejects.toBeInstanceOf(BodyTaken);
+  await expect(body.takeControl()).rejects.toThrow("anna has control. Ask for it first.");
   expect(
     verbs()
       .filter((verb) => verb.startsWith("release"))
       .slice(0, 3),
   ).toEqual([...BODY].reverse().map((ref) => `release ${ref}`));
-  expect(body.standing).toEqual({ kind: "free" });
-  expect([body.takenBy("a/reaction"), body.takenBy("a/navigation")]).toEqual(["anna", ""]);
+  expect(body.state).toEqual({ kind: "free" });
+  expect([body.holderOf("a/reaction"), body.holderOf("a/navigation")]).toEqual(["anna", ""]);
 });
 
 it("names who has control, and without tokens says that there is one", async () => {
-  tell("changed", { component_ref: SEAT, state: "HELD", holder: "ben", reason: "it was free" });
+  tell("changed", { component_ref: OPERATED, state: "HELD", holder: "ben", reason: "it was free" });
   await settle();
-  expect(body.standing).toEqual({ kind: "other", holder: "ben", absent: false });
-  expect(body.takenBy("a/navigation")).toBe("ben");
-  tell("changed", { component_ref: SEAT, state: "ABSENT", holder: "local", reason: "" });
+  expect(body.state).toEqual({ kind: "other", holder: "ben", absent: false });
+  expect(body.holderOf("a/navigation")).toBe("ben");
+  tell("changed", { component_ref: OPERATED, state: "ABSENT", holder: "local", reason: "" });
   await settle();
-  expect(body.takenBy(null)).toBe("Another visitor");
+  expect(body.holderOf(null)).toBe("Another visitor");
   body.setComponents(null);
-  expect([body.standing.kind, body.takenBy(SEAT)]).toEqual(["free", ""]);
+  expect([body.state.kind, body.holderOf(OPERATED)]).toEqual(["free", ""]);
 });
 
 it("lets go of everything when another application is given a part", async () => {
-  const giveBack = await body.take();
+  const giveBack = await body.takeControl();
   tell("changed", { component_ref: "a/navigation", state: "HELD", holder: "root", reason: "" });
   await settle();
   expect(lost).toEqual(["root has control now."]);
-  expect(verbs()).toContain(`release ${SEAT}`);
+  expect(verbs()).toContain(`release ${OPERATED}`);
   const count = verbs().length;
   giveBack();
   await settle();
@@ -106,15 +106,15 @@ it("lets go of everything when another application is given a part", async () =>
 });
 
 it("hands over the whole body: all else is given back before the part that was asked for is granted", async () => {
-  await body.take();
-  tell("requested", { component_ref: SEAT, request_id: "r1", subject: "ben", answer_ms: 30_000 });
-  tell("requested", { component_ref: SEAT, request_id: "r2", subject: "local", answer_ms: 30_000 });
+  await body.takeControl();
+  tell("requested", { component_ref: OPERATED, request_id: "r1", subject: "ben", answer_ms: 30_000 });
+  tell("requested", { component_ref: OPERATED, request_id: "r2", subject: "local", answer_ms: 30_000 });
   await settle();
-  expect(body.asked).toEqual({ subject: "ben", more: 1 });
-  await body.answer(false);
+  expect(body.nextRequest).toEqual({ subject: "ben", more: 1 });
+  await body.answerRequest(false);
   expect(gateway.called("openrois.lease.decline")).toEqual([{ request_id: "r1" }]);
-  expect(body.asked).toEqual({ subject: "Another visitor", more: 0 });
-  await body.answer(true);
+  expect(body.nextRequest).toEqual({ subject: "Another visitor", more: 0 });
+  await body.answerRequest(true);
   await settle();
   expect(gateway.called("openrois.lease.grant")).toEqual([{ request_id: "r2" }]);
   expect(verbs().slice(4, 7)).toEqual(["release a/reaction", "release a/navigation", "grant -"]);
@@ -122,24 +122,24 @@ it("hands over the whole body: all else is given back before the part that was a
 });
 
 it("waits in line for what is another's, and has all of it or nothing then", async () => {
-  held.set(SEAT, "anna");
+  held.set(OPERATED, "anna");
   body.setComponents(BODY);
   await settle();
-  const granted = body.request();
+  const granted = body.requestControl();
   position = 2;
   await settle();
-  tell("changed", { component_ref: SEAT, state: "HELD", holder: "anna", position: 2, reason: "" });
-  tell("declined", { component_ref: SEAT, request_id: "r", reason: "its holder keeps it" });
+  tell("changed", { component_ref: OPERATED, state: "HELD", holder: "anna", position: 2, reason: "" });
+  tell("declined", { component_ref: OPERATED, request_id: "r", reason: "its holder keeps it" });
   await settle();
-  expect(body.standing).toEqual({ kind: "waiting", holder: "anna", position: 2, declined: true });
-  held.delete(SEAT);
-  tell("changed", { component_ref: SEAT, state: "MINE", position: 0, reason: "" });
+  expect(body.state).toEqual({ kind: "waiting", holder: "anna", position: 2, declined: true });
+  held.delete(OPERATED);
+  tell("changed", { component_ref: OPERATED, state: "MINE", position: 0, reason: "" });
   const giveBack = await granted;
-  expect(body.standing).toEqual({ kind: "mine" });
+  expect(body.state).toEqual({ kind: "mine" });
   expect(verbs()).toEqual([
-    `bind ${SEAT}`,
-    `release ${SEAT}`,
-    `request ${SEAT}`,
+    `bind ${OPERATED}`,
+    `release ${OPERATED}`,
+    `request ${OPERATED}`,
     ...BODY.map((ref) => `bind ${ref}`),
   ]);
   giveBack();
@@ -148,10 +148,10 @@ it("waits in line for what is another's, and has all of it or nothing then", asy
 });
 
 it("shows the answer to asking again, also where an older one comes later", async () => {
-  held.set(SEAT, "anna");
+  held.set(OPERATED, "anna");
   body.setComponents(BODY);
   await settle();
-  const granted = body.request();
+  const granted = body.requestControl();
   granted.catch(() => undefined);
   await settle();
   const answers: ((position: number) => void)[] = [];
@@ -159,7 +159,7 @@ it("shows the answer to asking again, also where an older one comes later", asyn
     const place = await new Promise<number>((resolve) => answers.push(resolve));
     return { lease: { state: "HELD", holder: "anna", position: place } };
   });
-  tell("declined", { component_ref: SEAT, request_id: "r", reason: "its holder keeps it" });
+  tell("declined", { component_ref: OPERATED, request_id: "r", reason: "its holder keeps it" });
   const asked = body.askAgain();
   await settle();
   for (const answer of answers.splice(1)) answer(1);
@@ -167,25 +167,25 @@ it("shows the answer to asking again, also where an older one comes later", asyn
   answers[0]?.(0);
   await asked;
   await settle();
-  expect(body.standing).toEqual({ kind: "waiting", holder: "anna", position: 1, declined: false });
+  expect(body.state).toEqual({ kind: "waiting", holder: "anna", position: 1, declined: false });
 });
 
 it("forgets a request when its time is over", async () => {
-  await body.take();
-  tell("requested", { component_ref: SEAT, request_id: "r1", subject: "ben", answer_ms: 1000 });
+  await body.takeControl();
+  tell("requested", { component_ref: OPERATED, request_id: "r1", subject: "ben", answer_ms: 1000 });
   await settle();
   await vi.advanceTimersByTimeAsync(1000);
-  expect(body.asked).toBeNull();
+  expect(body.nextRequest).toBeNull();
 });
 
 it("takes nothing of an avatar that is not chosen any more", async () => {
-  const taken = body.take();
+  const taken = body.takeControl();
   body.setComponents(["b/teleoperation", "b/navigation"]);
   await expect(taken).rejects.toThrow("Another avatar was chosen.");
   await settle();
-  expect(verbs()).toEqual([`bind ${SEAT}`, `release ${SEAT}`]);
-  expect(body.standing).toEqual({ kind: "free" });
-  const giveBack = await body.take();
+  expect(verbs()).toEqual([`bind ${OPERATED}`, `release ${OPERATED}`]);
+  expect(body.state).toEqual({ kind: "free" });
+  const giveBack = await body.takeControl();
   expect(verbs().slice(2)).toEqual(["bind b/teleoperation", "bind b/navigation"]);
   giveBack();
 });
@@ -193,10 +193,10 @@ it("takes nothing of an avatar that is not chosen any more", async () => {
 it("takes nothing where a part is another's by the time that the rest is bound", async () => {
   gateway.on("rois.command.bind", (params) => {
     if (refOf(params) === "a/reaction")
-      tell("changed", { component_ref: SEAT, state: "HELD", holder: "root", reason: "" });
+      tell("changed", { component_ref: OPERATED, state: "HELD", holder: "root", reason: "" });
     return {};
   });
-  await expect(body.take()).rejects.toThrow("root has control. Ask for it first.");
+  await expect(body.takeControl()).rejects.toThrow("root has control. Ask for it first.");
   await settle();
   expect(verbs().slice(3)).toEqual([...BODY].reverse().map((ref) => `release ${ref}`));
 });

@@ -3,11 +3,11 @@ import { Caption } from "../../../app/model/caption_text.ts";
 
 const LONG =
   "Once upon a time there was an avatar. It told long stories to all who came to see it. " +
-  "Nobody ever heard one of them to its end, because all of them fell asleep before that came.";
+  "No one ever heard one of them to its end, because all of them fell asleep before that came.";
 
 function at(text: string, word: string): string {
   const caption = new Caption("1", text);
-  caption.heard(word, text.indexOf(word), word.length);
+  caption.wordHeard(word, text.indexOf(word), word.length);
   const { before, word: marked, after } = caption.shown;
   expect(marked).toBe(word);
   return `${before}${marked}${after}`;
@@ -16,7 +16,7 @@ function at(text: string, word: string): string {
 it("shows a short text whole, with the word that is heard", () => {
   const caption = new Caption("1", "Green parrots whistle.");
   expect(caption.shown).toEqual({ before: "", word: "", after: "Green parrots whistle." });
-  caption.heard("parrots", 6, 7);
+  caption.wordHeard("parrots", 6, 7);
   expect(caption.shown).toEqual({ before: "Green ", word: "parrots", after: " whistle." });
 });
 
@@ -25,7 +25,7 @@ it("shows a long text piece by piece, by sentences, else by words", () => {
   expect(at(LONG, "avatar")).toBe("Once upon a time there was an avatar. ");
   expect(at(LONG, "stories")).toBe("It told long stories to all who came to see it. ");
   expect(at(LONG, "heard")).toBe(
-    "Nobody ever heard one of them to its end, because all of them fell asleep before ",
+    "No one ever heard one of them to its end, because all of them fell asleep before ",
   );
   expect(at(LONG, "came.")).toBe("that came.");
 });
@@ -39,14 +39,14 @@ it("shows of SSML what is said", () => {
   const text = "<speak>Hello <emphasis>there</emphasis> &amp; here</speak>";
   expect(at(text.replace(/<[^>]*>/g, ""), "there")).toContain("there");
   const caption = new Caption("1", text, true);
-  caption.heard("there", text.indexOf("there"), 5);
+  caption.wordHeard("there", text.indexOf("there"), 5);
   expect(caption.shown).toEqual({ before: "Hello ", word: "there", after: " & here" });
 });
 
 it("shows the last words of a text whose beginning was missed", () => {
   const caption = new Caption("1", null);
   expect(caption.shown).toEqual({ before: "", word: "", after: "" });
-  for (let count = 1; count <= 10; count += 1) caption.heard(`w${count}`, count, 2);
+  for (let count = 1; count <= 10; count += 1) caption.wordHeard(`w${count}`, count, 2);
   expect(caption.shown).toEqual({ before: "w3 w4 w5 w6 w7 w8 w9 ", word: "w10", after: "" });
 });
 

@@ -41,7 +41,7 @@ describe("LogModel", () => {
     expect(JSON.stringify(log.entries)).toContain("…");
   });
 
-  it("takes events of one subscription that come in a row for one line", () => {
+  it("puts successive events of one subscription into one line", () => {
     const log = new LogModel();
     const event = (subscribe_id: string): number =>
       log.add(traffic({ method: "rois.event.notify_event", message: { params: { subscribe_id } } })).repeats;
@@ -52,16 +52,16 @@ describe("LogModel", () => {
     expect(log.entries).toHaveLength(4);
   });
 
-  it("takes a question that is asked again, and its answer, for one line each", () => {
+  it("puts a repeated query, and its response, into one line each", () => {
     const log = new LogModel();
-    const told = (method: string, kind: Traffic["kind"], message: Json): number =>
+    const add = (method: string, kind: Traffic["kind"], message: Json): number =>
       log.add(traffic({ method, kind, message })).repeats;
     const ask = (id: number, query_type: string): number =>
-      told("rois.query.query", "request", { id, params: { query_type, condition: "c" } });
+      add("rois.query.query", "request", { id, params: { query_type, condition: "c" } });
     const answer = (id: number, return_code = "OK"): number =>
-      told("rois.query.query", "response", { id, result: { return_code } });
+      add("rois.query.query", "response", { id, result: { return_code } });
     const event = (): number =>
-      told("rois.event.notify_event", "notification", { params: { subscribe_id: "a" } });
+      add("rois.event.notify_event", "notification", { params: { subscribe_id: "a" } });
 
     expect([event(), ask(1, "things"), answer(1)]).toEqual([1, 1, 1]);
     expect([event(), ask(2, "floor"), ask(3, "things"), answer(3), answer(2)]).toEqual([2, 1, 2, 2, 1]);
@@ -73,27 +73,90 @@ describe("LogModel", () => {
   });
 
   it.each<[string, Partial<Traffic>]>([
-    ["avatar/speech_synthesizer", { message: { params: { component_ref: "avatar/speech_synthesizer" } } }],
+    ["speech synthesizer", { message: { params: { component_ref: "avatar/speech_synthesizer" } } }],
     ["OK", { kind: "response", message: { result: { return_code: "OK", subscribe_id: "", results: null } } }],
     [
-      "OK  results[2]  x{1}",
-      { kind: "response", message: { result: { return_code: "OK", results: [1, 2], x: { a: 1 } } } },
+      "OK, 2 results, my profile, 1 part",
+      {
+        kind: "response",
+        message: {
+          result: { return_code: "OK", results: [1, 2], my_profile: { a: 1 }, parts: { a: 1 }, more: [] },
+        },
+      },
     ],
     [
-      "avatar/0a1b2c…  7",
-      { message: { params: { peer_id: `avatar/0a1b2c${"0".repeat(26)}`, generation: 7 } } },
+      "session description",
+      {
+        message: {
+          params: {
+            peer_id: `avatar/0a1b2c${"0".repeat(26)}`,
+            generation: 7,
+            sdp: "v=0",
+            command_ids: ["a"],
+          },
+        },
+      },
     ],
-    ["sdp 5 characters", { message: { params: { sdp: "v=0\r\n" } } }],
-    ["STREAMING_RUNNING", { message: { params: { status: "STREAMING_RUNNING", timestamp: "2026-08-01" } } }],
-    [`${"x".repeat(47)}…`, { message: { params: { text: "x".repeat(90) } } }],
+    ["session description", { message: { params: { sdp: "v=0\r\n" } } }],
+    ["running", { message: { params: { status: "STREAMING_RUNNING", timestamp: "2026-08-01" } } }],
     [
-      "-32601 Method not found",
+      "refused, speech is bound by another application",
+      {
+        kind: "response",
+        message: {
+          result: { return_code: "OUT_OF_RESOURCES", reason: "a/speech is bound by another application" },
+        },
+      },
+    ],
+    [
+      "teleoperation, in use, another visitor, position 2, its holder has handed it over",
+      {
+        message: {
+          params: {
+            lease: {
+              component_ref: "avatar/teleoperation",
+              state: "HELD",
+              holder: "local",
+              epoch: 17,
+              position: 2,
+            },
+            reason: "its holder has handed it over",
+          },
+        },
+      },
+    ],
+    [
+      "Another visitor has control now, stopped",
+      {
+        message: {
+          params: {
+            command_id: "command-9e6ad0",
+            reason: "avatar/teleoperation is now held by local: its holder has handed it over",
+            status: "ABORT",
+          },
+        },
+      },
+    ],
+    [
+      "component status, reaction",
+      {
+        message: {
+          params: { query_type: "component_status", condition: "component_ref = 'avatar/reaction'" },
+        },
+      },
+    ],
+    ["86 ms", { message: { params: { stream_id: "avatar/1", milliseconds: 86 } } }],
+    ["lamp_1, answer 500 ms", { message: { params: { engine_id: "lamp_1", answer_ms: 500 } } }],
+    ["is final", { message: { params: { is_final: true, is_first: false } } }],
+    [`${"x".repeat(119)}…`, { message: { params: { text: "x".repeat(190) } } }],
+    [
+      "Method not found",
       { kind: "error", message: { error: { code: -32601, message: "Method not found" } } },
     ],
     ["the message is not JSON", { kind: "violation", message: "the message is not JSON" }],
     ["", { kind: "response", message: { result: 5 } }],
     [
-      "set_parameter → (start ∥ look)",
+      "set parameter → (start ∥ look)",
       {
         message: {
           params: {

@@ -42,12 +42,12 @@ describe("the page's token", () => {
   it("comes out of the address, and stands there no more", () => {
     const token = new PageToken(new Store());
     const history = { replaceState: vi.fn() };
-    token.takeFrom({ hash: `#token=${TOKEN}`, pathname: "/page", search: "?a" }, history);
+    token.readFrom({ hash: `#token=${TOKEN}`, pathname: "/page", search: "?a" }, history);
     expect(token.value).toBe(TOKEN);
     expect(history.replaceState).toHaveBeenCalledWith(null, "", "/page?a");
-    token.takeFrom({ hash: "#inspector/token=x.y.z", pathname: "/", search: "" }, history);
+    token.readFrom({ hash: "#inspector/token=x.y.z", pathname: "/", search: "" }, history);
     expect(history.replaceState).toHaveBeenCalledTimes(1);
-    token.takeFrom({ hash: "#token=nonsense", pathname: "/", search: "" }, history);
+    token.readFrom({ hash: "#token=nonsense", pathname: "/", search: "" }, history);
     expect(history.replaceState).toHaveBeenCalledTimes(2);
     expect(token.value).toBe(TOKEN);
   });
@@ -71,7 +71,7 @@ describe("the page's token", () => {
     expect(token.mayOperate).toBe(expected);
   });
 
-  it("counts where the gateway asks for one, and else bars nobody from anything", () => {
+  it("counts where the gateway asks for one, and bars no action elsewhere", () => {
     const token = new PageToken(new Store());
     expect(token.counts).toBe(false);
     token.give(`e30.${btoa('{"roles":"viewer"}').replaceAll("=", "")}.c2ln`);

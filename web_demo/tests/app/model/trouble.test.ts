@@ -25,7 +25,7 @@ describe("findTrouble", () => {
     ["the profile has not been read", { avatar: null }],
     ["no frame was shown yet", { video: { frameAge: null } }],
     ["the stream is suspended", { video: { status: "STREAMING_SUSPENDED", frameAge: 1e6 } }],
-    ["nobody wants the picture", { video: { wanted: false, problem: { kind: "no-media", detail: "" } } }],
+    ["the stream is disconnected", { video: { wanted: false, problem: { kind: "no-media", detail: "" } } }],
     ["only VP8 can be decoded", { codecs: ["video/VP8"] }],
   ])("is content when %s", (_, change) => {
     expect(findTrouble(situation(change))).toBeNull();
@@ -50,6 +50,7 @@ describe("findTrouble", () => {
     expect(trouble?.kind).toBe(kind);
     expect(trouble?.title).not.toBe("");
     expect(trouble?.text.length).toBeGreaterThan(40);
+    expect(trouble?.text).not.toMatch(/ICE|[A-Z]{2,}_[A-Z]/);
   });
 
   it("names the cause nearest to the user first", () => {

@@ -44,7 +44,7 @@ beforeEach(() => {
     uses += 1;
     return () => void (uses -= 1);
   };
-  const body = { standing: { kind: "mine" }, takenBy: () => "", take } as unknown as BodyControl;
+  const body = { state: { kind: "mine" }, holderOf: () => "", takeControl: take } as unknown as BodyControl;
   control = new Control({} as Client, {} as InputMedia, body, find("video") as unknown as HTMLElement);
   control.setComponent("a/teleoperation");
   button = find("control-toggle");
@@ -82,7 +82,7 @@ it("says why control has ended, and not that what was still on its way is refuse
   tell.get("refused")?.("the way is blocked");
   expect(words.textContent).toBe("The way is blocked");
   tell.get("ended")?.("ABORT");
-  control.lost("You have handed over control to ben.");
+  control.controlLost("You have handed over control to ben.");
   tell.get("refused")?.("Teleoperation has to be bound and started first");
   expect(words.textContent).toBe("You have handed over control to ben.");
 });

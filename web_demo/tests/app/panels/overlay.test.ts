@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { Freezes, STILL_AFTER } from "../../../app/model/freezes.ts";
+import { Freezes, STILL_AFTER } from "../../../app/model/readings.ts";
 import { History, roundTop } from "../../../app/dom/sparkline.ts";
 
 describe("roundTop", () => {
@@ -29,22 +29,22 @@ describe("Freezes", () => {
   it("counts what is longer than any frame should take, second by second", () => {
     const freezes = new Freezes();
     for (const now of [0, 33, 66, 100]) freezes.frame(now);
-    expect(freezes.take(100 + STILL_AFTER)).toBe(0);
-    expect(freezes.take(1000)).toBe(900 - STILL_AFTER);
-    expect(freezes.take(2000)).toBe(1000);
+    expect(freezes.collectFrozen(100 + STILL_AFTER)).toBe(0);
+    expect(freezes.collectFrozen(1000)).toBe(900 - STILL_AFTER);
+    expect(freezes.collectFrozen(2000)).toBe(1000);
     freezes.frame(2100);
     freezes.frame(2133);
-    expect(freezes.take(2150)).toBe(100);
+    expect(freezes.collectFrozen(2150)).toBe(100);
   });
 
   it("starts with the first frame, and again after a pause", () => {
     const freezes = new Freezes();
-    expect(freezes.take(5000)).toBe(0);
+    expect(freezes.collectFrozen(5000)).toBe(0);
     freezes.frame(5000);
     freezes.pause();
-    expect(freezes.take(9000)).toBe(0);
+    expect(freezes.collectFrozen(9000)).toBe(0);
     freezes.frame(9000);
     freezes.frame(9000 + STILL_AFTER + 50);
-    expect(freezes.take(9999)).toBe(50 + (999 - STILL_AFTER - 50 - STILL_AFTER));
+    expect(freezes.collectFrozen(9999)).toBe(50 + (999 - STILL_AFTER - 50 - STILL_AFTER));
   });
 });

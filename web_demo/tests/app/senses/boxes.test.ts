@@ -36,9 +36,10 @@ describe("faces", () => {
     gesture_ref: [gesture],
   });
 
-  it("have the gesture that was told for two seconds", () => {
+  it("have a reported gesture for two seconds", () => {
     const faces = new Faces();
-    const gesture = (now: number, told = ""): string | undefined => faces.see(seen(told), now)[0]?.gesture;
+    const gesture = (now: number, gesture_ref = ""): string | undefined =>
+      faces.see(seen(gesture_ref), now)[0]?.gesture;
     expect([gesture(0), gesture(100, "urn:x-rois:def:gesture:OMG::1"), gesture(1000), gesture(2100)]).toEqual(
       ["", "nods", "nods", ""],
     );

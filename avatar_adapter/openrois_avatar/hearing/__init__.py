@@ -1,1 +1,0 @@
-"""Hearing: what the operator's microphone tells: that there is sound, from where, that somebody speaks, and what."""

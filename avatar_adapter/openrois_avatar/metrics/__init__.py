@@ -1,1 +1,0 @@
-"""Figures for Prometheus: what each stream, rendition and source does, told to whoever scrapes the adapter."""

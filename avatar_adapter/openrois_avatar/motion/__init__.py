@@ -1,1 +1,0 @@
-"""Where the avatar goes: ways round obstacles, targets as applications write them, and lines and curves. Pure."""

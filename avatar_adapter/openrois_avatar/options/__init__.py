@@ -1,0 +1,1 @@
+"""Settings and command-line options of an avatar; nothing is started here."""

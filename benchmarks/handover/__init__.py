@@ -1,1 +1,0 @@
-"""From a game engine to the adapter: see `__main__`."""

@@ -1,1 +1,0 @@
-"""A hundred thousand live messages that are all wrong, each answered by one right error, while somebody else works."""

@@ -1,0 +1,1 @@
+"""Conditions of the machine, statistics and tables of results; it measures nothing."""

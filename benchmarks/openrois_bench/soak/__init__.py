@@ -1,0 +1,1 @@
+"""Runs of minutes and hours: clients come, work, leave and are cut off, and may leave nothing behind."""

@@ -1,0 +1,1 @@
+"""Speech of the avatar and speech to it: delays of words, and recognition rates."""

@@ -1,0 +1,122 @@
+"""Enrolment: the persons that PersonIdentification knows. A component of OpenRoIS; biometric data, in memory only."""
+
+import asyncio
+from typing import Annotated, Final
+
+from openrois_media.devices import Camera
+from pydantic import Field
+
+from openrois.adapter import BadParameter, Component, ComponentFailed, ComponentStatus, command, query
+from openrois.errors import OutOfResources
+from openrois_body.vision.gallery import MAX_ENROLLED, Gallery, Likeness
+from openrois_body.vision.sighting import Refs, Sighting
+from openrois_body.vision.watch import Watch
+
+__all__ = ["LOOKS", "Enrolment"]
+
+LOOKS: Final = 12
+"""Samples of a face that are kept of one person."""
+PATIENCE: Final = 15.0
+"""Seconds within which they have to be taken."""
+
+Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^\x00-\x1f\x7f]*$")]
+
+
+class Enrolment(Component, authority="OpenRoIS", function="function"):
+    """Remembers faces with names until the adapter ends or `forget`. Ask the person for consent before.
+
+    Args:
+        watch: analyses the camera's pictures.
+        camera: source of the pictures.
+        gallery: holds the enrolled persons.
+        refs: makes the refs of enrolled persons.
+        patience: seconds that an enrolment may take.
+    """
+
+    def __init__(
+        self, watch: Watch, camera: Camera, gallery: Gallery, refs: Refs, *, patience: float = PATIENCE
+    ) -> None:
+        super().__init__()
+        self._watch = watch
+        self._camera = camera
+        self._gallery = gallery
+        self._refs = refs
+        self._patience = patience
+        self._enrolling = False
+
+    def condition(self) -> ComponentStatus:
+        """Return ERROR where pictures cannot be analysed, else READY, with a camera or without."""
+        return ComponentStatus.ERROR if self._watch.failure else ComponentStatus.READY
+
+    @command(result="person_ref")
+    async def enrol(self, name: Name) -> str:
+        """Enrol the only person in front of the camera by this name, replacing another person of the name.
+
+        Args:
+            name: of the person, at most 64 characters
+        """
+        if not self._camera.is_connected:
+            raise ComponentFailed("no camera is connected; connect an uplink of VideoStreaming first")
+        if self._enrolling:
+            raise ComponentFailed("another enrolment is running; try again when it has ended")
+        if self._gallery.is_full and name not in self._gallery.names:
+            raise OutOfResources(f"{MAX_ENROLLED} persons are enrolled, which is the limit; forget one first")
+        self._enrolling = True
+        try:
+            self._gallery.enrol(name, await self._looks())
+        finally:
+            self._enrolling = False
+        return self._refs.known(name)
+
+    @command
+    async def forget(self, name: Name) -> None:
+        """Forget an enrolled person.
+
+        Args:
+            name: as it was enrolled
+        """
+        if not self._gallery.remove_person(name):
+            raise BadParameter(f"no person is enrolled as {name!r}; the query `enrolled` lists the names")
+
+    @query(result="names")
+    async def enrolled(self) -> tuple[str, ...]:
+        """Return the names of the enrolled persons."""
+        return self._gallery.names
+
+    async def _looks(self) -> list[Likeness]:
+        looks = _Looks()
+        leave = self._watch.seen.add(looks.add_seen)
+        try:
+            with self._watch.collecting():
+                async with asyncio.timeout(self._patience):
+                    await looks.enough.wait()
+        except TimeoutError:
+            raise ComponentFailed(f"no person was enrolled: {looks.trouble}") from None
+        finally:
+            leave()
+        return looks.taken
+
+
+class _Looks:
+    """Samples of one person's face; another person, or two at once, begin anew."""
+
+    def __init__(self) -> None:
+        self.taken: list[Likeness] = []
+        self.enough = asyncio.Event()
+        self.trouble = "no face was seen"
+        self._number = 0
+
+    def add_seen(self, seen: Sighting) -> None:
+        """Add the face that one picture shows."""
+        faces = [person for person in seen.persons if person.face]
+        if len(faces) != 1 or faces[0].number != self._number:
+            self.taken.clear()
+        if len(faces) > 1:
+            self.trouble = f"{len(faces)} faces were seen; only one person may be in front of the camera"
+        for person in faces if len(faces) == 1 else ():
+            self._number = person.number
+            self.trouble = "the face is too small or was not seen for long enough; come nearer and look at the camera"
+            if person.likeness is not None and len(self.taken) < LOOKS:
+                self.taken.append(person.likeness)
+        if len(self.taken) >= LOOKS:
+            self.enough.set()

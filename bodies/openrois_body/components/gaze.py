@@ -1,0 +1,41 @@
+"""Gaze: where the body looks. A component of OpenRoIS; the standard has none."""
+
+from collections.abc import Callable
+from typing import Annotated
+
+from pydantic import Field
+
+from openrois.adapter import Component, ComponentStatus, command
+from openrois_body.body import Body
+
+__all__ = ["Gaze"]
+
+Coordinate = Annotated[float, Field(ge=-1, le=1)]
+
+
+class Gaze(Component, authority="OpenRoIS", function="function"):
+    """Turns the eyes, and the head a little after them. Of class function: a glance needs no reservation.
+
+    Args:
+        body: turns the eyes.
+        engine_status: returns the status of the game engine.
+    """
+
+    def __init__(self, body: Body, engine_status: Callable[[], ComponentStatus]) -> None:
+        super().__init__()
+        self._body = body
+        self._engine_status = engine_status
+
+    def condition(self) -> ComponentStatus:
+        """Return the status of the game engine."""
+        return self._engine_status()
+
+    @command
+    async def look(self, x: Coordinate = 0, y: Coordinate = 0) -> None:
+        """Look somewhere; ends at once, the eyes take their time.
+
+        Args:
+            x: -1 (the viewer's left) to 1
+            y: -1 (down) to 1
+        """
+        self._body.turn_eyes(x, y)

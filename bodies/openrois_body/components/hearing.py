@@ -1,0 +1,83 @@
+"""Hearing: partial and final recognition of the operator's speech. A component of OpenRoIS."""
+
+from datetime import UTC, datetime
+
+from openrois_streaming.clock import MediaClock, wall_at
+
+from openrois.adapter import ComponentStatus, Payload, components, event, query
+from openrois_body.components.sensing import Sense
+from openrois_body.hearing.ear import Ear
+from openrois_body.hearing.recognition import Recognition
+from openrois_body.hearing.speech_detector import SpeechDetector
+
+__all__ = ["Hearing"]
+
+
+class LastHeard(Payload):
+    """The last recognised text and when it ended; an empty text before the first."""
+
+    text: str
+    timestamp: datetime | None = None
+
+
+class MicrophoneResult(Payload):
+    """The microphone: number of different channels, 0 before the first sound; whether the operator speaks."""
+
+    channels: int
+    speaking: bool
+
+
+class Hearing(Sense, components.BasicComponent, authority="OpenRoIS", function="sensing"):
+    """Announces partial results of SpeechRecognition, with the grammar and language that are set there.
+
+    Args:
+        ear: the microphone's sound.
+        speech: tells when the operator speaks.
+        recognition: recognises what is said.
+        clock: the media clock.
+    """
+
+    def __init__(self, ear: Ear, speech: SpeechDetector, recognition: Recognition, clock: MediaClock) -> None:
+        super().__init__()
+        self._ear = ear
+        self._speech = speech
+        self._recognition = recognition
+        self._clock = clock
+        self._last = LastHeard(text="")
+        recognition.guessed.add(self._on_guessed)
+        recognition.recognized.add(self._on_recognized)
+        self.activity.while_working(self._recognition.want)
+
+    def condition(self) -> ComponentStatus:
+        """Return READY unless speech recognition fails now."""
+        return ComponentStatus.ERROR if self._recognition.failure else ComponentStatus.READY
+
+    @event
+    def heard(self, text: str, final: bool, timestamp: datetime | None = None) -> None:
+        """A partial or final result.
+
+        Args:
+            text: words; empty where what seemed to be words were none
+            final: whether it stays so: it is the first candidate of SpeechRecognition's event
+            timestamp: when it ended, where it is final
+        """
+
+    @query
+    async def last_heard(self) -> LastHeard:
+        """Return the last recognised text."""
+        return self._last
+
+    @query
+    async def microphone(self) -> MicrophoneResult:
+        """Return the state of the microphone; speech is detected only while a component needs it."""
+        return MicrophoneResult(channels=self._ear.channels, speaking=self._speech.speaking)
+
+    def _on_guessed(self, text: str) -> None:
+        if self.activity.works:
+            self.heard(text, False)
+
+    def _on_recognized(self, candidates: tuple[str, ...], at: float) -> None:
+        moment = datetime.fromtimestamp(wall_at(self._clock, at), UTC)
+        self._last = LastHeard(text=candidates[0], timestamp=moment)
+        if self.activity.works:
+            self.heard(candidates[0], True, moment)

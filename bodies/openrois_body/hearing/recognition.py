@@ -1,0 +1,219 @@
+"""Speech recognition: one utterance after the other, by a recogniser that may hang or die."""
+
+import asyncio
+import logging
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from openrois_streaming.clock import MediaClock
+
+from openrois.aio.listeners import Listeners
+from openrois.transport.backoff import Backoff
+from openrois_body.hearing.downsample import SPEECH_RATE
+from openrois_body.hearing.recognizer import Expectation, RecognizerFailed, SpeechRecognizer, Transcriber
+from openrois_body.hearing.speech_detector import SpeechDetector
+from openrois_body.sensing.figures import SenseFigures
+
+__all__ = ["Recognition", "Utterance"]
+
+WAITING: Final = 3
+"""Utterances that may wait; of more, the oldest is lost, as a late result is of no use."""
+ATTEMPTS: Final = 2
+"""Attempts at an utterance that a recogniser fails at."""
+_PART: Final = SPEECH_RATE
+"""Most samples that a recogniser gets at a time."""
+_LOUDNESS: Final = 2000.0
+"""Root mean square to which speech is amplified: acoustic models are made for near voices."""
+_LOUDER: Final = 30.0
+"""The largest amplification."""
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(eq=False)
+class Utterance:
+    """Speech as it arrives, in parts of 16 kHz; its expectation was set when it began."""
+
+    began_at: float
+    expected: Expectation
+    gain: float = 1.0
+    parts: list[NDArray[np.int16]] = field(default_factory=list)
+    ended_at: float | None = None
+    attempts: int = 0
+    changed: asyncio.Event = field(default_factory=asyncio.Event)
+
+    def add(self, samples: NDArray[np.int16]) -> None:
+        """Add the next part. The first one, by which the speech was noticed, sets the amplification."""
+        if not self.parts:
+            loudness = float(np.sqrt(np.mean(samples.astype(np.float64) ** 2))) if len(samples) else 0.0
+            self.gain = min(_LOUDER, max(1.0, _LOUDNESS / max(loudness, 1.0)))
+        self.parts.append(np.clip(samples * self.gain, -32_768, 32_767).astype(np.int16))
+        self.changed.set()
+
+    def mark_ended(self, at: float) -> None:
+        """Note when the utterance ended."""
+        self.ended_at = at
+        self.changed.set()
+
+
+class Recognition:
+    """Recognises utterances while a caller wants that. `run` has to run.
+
+    Args:
+        speech: tells when the operator speaks.
+        recognizer: the backend.
+        clock: the media clock.
+    """
+
+    def __init__(self, speech: SpeechDetector, recognizer: SpeechRecognizer, clock: MediaClock) -> None:
+        self.expected: Callable[[], Expectation] = lambda: Expectation(recognizer.languages[:1])
+        """Returns the expectation of the next utterance."""
+        self.guessed: Listeners[str] = Listeners()
+        """Called with each new partial result of an utterance that goes on."""
+        self.recognized: Listeners[tuple[str, ...], float] = Listeners()
+        """Called with the candidates of an utterance, the likeliest first, and when it ended."""
+        self.failed: Listeners[str] = Listeners()
+        """Called with a sentence for a person that says why an utterance, or every one, is not recognised."""
+        self.failure = ""
+        """Why speech cannot be recognised now; empty if it can."""
+        self.figures = SenseFigures(lost=0)
+        self._speech = speech
+        self._recognizer = recognizer
+        self._clock = clock
+        self._wanted_by: set[object] = set()
+        self._leave: list[Callable[[], None]] = []
+        self._current: Utterance | None = None
+        self._tried: Utterance | None = None
+        """The utterance that is being recognised; the first in the queue unless it was lost meanwhile."""
+        self._waiting: deque[Utterance] = deque(maxlen=WAITING)
+        self._changed = asyncio.Event()
+
+    def want(self) -> Callable[[], None]:
+        """Recognise speech from now on; return a function that ends that, and may be called repeatedly."""
+        key = object()
+        self._wanted_by.add(key)
+        if not self._leave:
+            self._leave = [
+                self._speech.speech_began.add(self._begin_utterance),
+                self._speech.speech.add(self._add_sound),
+                self._speech.speech_ended.add(self._end_utterance),
+                self._speech.attend(),
+            ]
+            self._changed.set()
+        return lambda: self._unwant(key)
+
+    async def run(self) -> None:
+        """Recognise utterances until cancelled."""
+        backoff = Backoff(first=0.1, factor=3.0, lasting=5.0)
+        while True:
+            await self._until(lambda: bool(self._leave))
+            since = self._clock.now()
+            try:
+                async with self._recognizer.open() as transcriber:
+                    await self._work(transcriber)
+            except RecognizerFailed as error:
+                self._fail(str(error))
+                await self._clock.sleep_until(self._clock.now() + backoff.after(self._clock.now() - since))
+
+    async def _work(self, transcriber: Transcriber) -> None:
+        """Recognise utterances until no caller wants it any more."""
+        self.failure = ""
+        while True:
+            await self._until(lambda: bool(self._waiting) or not self._leave)
+            if not self._leave:
+                return
+            utterance = self._tried = self._waiting[0]
+            utterance.attempts += 1
+            await self._write_down(transcriber, utterance)
+            self._done()
+
+    async def _write_down(self, transcriber: Transcriber, utterance: Utterance) -> None:
+        with self._spending():
+            await transcriber.begin(utterance.expected)
+        taken, guess = 0, ""
+        while True:
+            parts = utterance.parts[taken:]
+            taken += len(parts)
+            sound = np.concatenate([np.zeros(0, np.int16), *parts])
+            for start in range(0, len(sound), _PART):
+                with self._spending():
+                    understood = await transcriber.hear(sound[start : start + _PART])
+                if understood != guess and self._leave:
+                    guess = understood
+                    self.guessed.notify_all(guess)
+            if taken == len(utterance.parts):
+                if utterance.ended_at is not None:
+                    break
+                utterance.changed.clear()
+                await utterance.changed.wait()
+        with self._spending():
+            candidates = await transcriber.finish()
+        self.figures.analysed += 1
+        if candidates and self._leave:
+            self.recognized.notify_all(candidates, utterance.ended_at)
+
+    @contextmanager
+    def _spending(self) -> Iterator[None]:
+        """Add the time of the block to the figures."""
+        began = self._clock.now()
+        try:
+            yield
+        finally:
+            self.figures.seconds += self._clock.now() - began
+
+    def _fail(self, reason: str) -> None:
+        """Try the failed utterance once more, up to `ATTEMPTS` times; then it is lost."""
+        _log.warning("%s", reason)
+        self.figures.failed += 1
+        if self._tried is not None and self._tried.attempts < ATTEMPTS:
+            self._tried = None
+            return
+        self._done()
+        self.failure = reason if self._leave else ""
+        self.failed.notify_all(reason)
+
+    def _done(self) -> None:
+        """Remove the utterance that was tried from the queue; it may be lost already."""
+        if self._waiting and self._waiting[0] is self._tried:
+            self._waiting.popleft()
+        self._tried = None
+
+    def _unwant(self, key: object) -> None:
+        self._wanted_by.discard(key)
+        if self._wanted_by or not self._leave:
+            return
+        leave, self._leave = self._leave, []
+        for each in leave:
+            each()
+        if self._current is not None:
+            self._current.mark_ended(self._current.began_at)
+            self._current = None
+        self._waiting.clear()
+        self.failure = ""
+        self._changed.set()
+
+    async def _until(self, condition: Callable[[], bool]) -> None:
+        while not condition():
+            self._changed.clear()
+            await self._changed.wait()
+
+    def _begin_utterance(self, at: float) -> None:
+        if len(self._waiting) == WAITING and self._waiting[0] is not self._tried:
+            self.figures.lost = 1 + (self.figures.lost or 0)
+        self._current = Utterance(at, self.expected())
+        self._waiting.append(self._current)
+        self._changed.set()
+
+    def _add_sound(self, samples: NDArray[np.int16]) -> None:
+        if self._current is not None:
+            self._current.add(samples)
+
+    def _end_utterance(self, at: float) -> None:
+        if self._current is not None:
+            self._current.mark_ended(at)
+            self._current = None

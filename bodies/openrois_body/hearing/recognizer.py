@@ -1,0 +1,68 @@
+"""The interface of speech recognisers, for other backends than the offline one."""
+
+from contextlib import AbstractAsyncContextManager
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrois_body.backends import Backend
+
+__all__ = ["RECOGNIZERS", "Expectation", "RecognizerFailed", "SpeechRecognizer", "Transcriber"]
+
+RECOGNIZERS: Final = "openrois.speech_recognizers"
+"""The group of entry points; each is called without arguments and returns a `SpeechRecognizer`."""
+
+
+class RecognizerFailed(Exception):
+    """A transcriber has failed; the text says why. Another one can be opened."""
+
+
+@dataclass(frozen=True, slots=True)
+class Expectation:
+    """The expected languages and grammar, as an application sets them.
+
+    `languages` are ISO 639-1 codes. `grammar` is the name of a grammar (`default`: anything) or the text of one in
+    JSGF, and `rule` its rule to begin with (`default`: its first public one).
+    """
+
+    languages: tuple[str, ...]
+    grammar: str = "default"
+    rule: str = "default"
+
+
+class Transcriber(Protocol):
+    """A running recogniser: one utterance after the other, each call awaited before the next.
+
+    Every call raises `RecognizerFailed` where it fails, and within a bounded time.
+    """
+
+    async def begin(self, expected: Expectation) -> None:
+        """Begin an utterance, with an expectation that the recogniser does not refuse."""
+        ...
+
+    async def hear(self, samples: NDArray[np.int16]) -> str:
+        """Add the next part of the utterance, 16 kHz mono of shape (n,), and return the partial result."""
+        ...
+
+    async def finish(self) -> tuple[str, ...]:
+        """End the utterance and return its candidates, the likeliest first; empty if it was no such speech."""
+        ...
+
+
+class SpeechRecognizer(Backend, Protocol):
+    """A backend of speech recognition."""
+
+    @property
+    def languages(self) -> tuple[str, ...]:
+        """The ISO 639-1 codes of what it recognises, its own choice first."""
+        ...
+
+    def refusal(self, expected: Expectation) -> str:
+        """Return why this cannot be expected, in a sentence for a person; empty if it can. Must not block for long."""
+        ...
+
+    def open(self) -> AbstractAsyncContextManager[Transcriber]:
+        """Run the recogniser for as long as the context lasts; raises `RecognizerFailed`."""
+        ...

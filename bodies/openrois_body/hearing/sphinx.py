@@ -1,0 +1,167 @@
+"""Offline speech recognition by PocketSphinx in a process of its own, with its English model."""
+
+import asyncio
+import importlib.util
+from asyncio.subprocess import Process
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from openrois_streaming.clock import SystemClock
+
+from openrois_body.hearing.dictionary import has_word
+from openrois_body.hearing.jsgf import Grammar, GrammarError, read_grammar
+from openrois_body.hearing.recognizer import Expectation, RecognizerFailed, Transcriber
+from openrois_body.processes.child import Output, child_process, write_message
+from openrois_body.processes.framing import HEADER, FramingError, decode_body, decode_header, encode
+
+__all__ = ["ANSWER_TIMEOUT", "START_TIMEOUT", "Sphinx"]
+
+START_TIMEOUT: Final = 20.0
+"""Seconds for the process to load its models; it takes about one."""
+ANSWER_TIMEOUT: Final = 10.0
+"""Seconds for an answer; a second of open dictation takes about a quarter of one."""
+MAX_GRAMMAR: Final = 16_384
+"""Characters of a grammar."""
+CANDIDATES: Final = 5
+"""Most candidates of an utterance."""
+_WORST: Final = -28_000.0
+"""The acoustic score of a grammar's sentence from which on it was not said, in PocketSphinx's units per 10 ms.
+
+Clean synthetic speech that was expected has -6,000 to -20,000, in noise down to -36,000; other speech mostly -30,000 to
+-66,000.
+"""
+_CHILD: Final = "openrois_body.hearing.sphinx_child"
+_LIBRARY: Final = "pocketsphinx"
+_DICTIONARY: Final = "model/en-us/cmudict-en-us.dict"
+_MISSING: Final = "speech recognition is not installed: run `pip install 'openrois[hearing]'`"
+
+
+class Sphinx:
+    """PocketSphinx with its model of American English; a `SpeechRecognizer`.
+
+    Good at a grammar of some phrases, weak at open dictation: what it then makes of noise or of another language are
+    English words, too.
+    """
+
+    languages = ("en",)
+
+    def available(self) -> tuple[bool, str]:
+        """Return whether PocketSphinx is installed; if not, the sentence that says what to do."""
+        found = importlib.util.find_spec(_LIBRARY) is not None
+        return found, "" if found else _MISSING
+
+    def refusal(self, expected: Expectation) -> str:
+        """Return why this cannot be expected; the words of a grammar are looked up in the dictionary."""
+        try:
+            grammar, rule = _chosen(expected)
+        except GrammarError as error:
+            return str(error)
+        if grammar is None:
+            return ""
+        dictionary = _dictionary()
+        unknown = sorted(word for word in grammar.words(rule) if not has_word(dictionary, word))
+        return f"the dictionary does not have {', '.join(unknown[:10])}; use other words" if unknown else ""
+
+    @asynccontextmanager
+    async def open(self) -> AsyncIterator[Transcriber]:
+        """Run the process for as long as the context lasts."""
+        works, reason = self.available()
+        if not works:
+            raise RecognizerFailed(reason)
+        output = Output("speech recognition", SystemClock())
+        async with child_process(_CHILD, output=output, conversation=True) as process:
+            conversation = _Conversation(process, output)
+            await conversation.ask({"do": "greet"}, timeout=START_TIMEOUT)
+            yield _Transcriber(conversation)
+
+
+class _Transcriber:
+    """A transcriber that asks the process."""
+
+    def __init__(self, conversation: "_Conversation") -> None:
+        self._conversation = conversation
+        self._grammar: Grammar | None = None
+        self._rule = ""
+
+    async def begin(self, expected: Expectation) -> None:
+        self._grammar, self._rule = _chosen(expected)
+        text = None if self._grammar is None else self._grammar.text(self._rule)
+        await self._conversation.ask({"do": "begin", "grammar": text})
+
+    async def hear(self, samples: NDArray[np.int16]) -> str:
+        answer = await self._conversation.ask({"do": "hear"}, samples.astype("<i2").tobytes())
+        return str(answer["partial"])
+
+    async def finish(self) -> tuple[str, ...]:
+        answer = await self._conversation.ask({"do": "end"})
+        candidates = tuple(str(each) for each in answer["candidates"])
+        if self._grammar is not None:
+            if answer["score"] < _WORST:
+                return ()
+            candidates = tuple(each for each in candidates if self._grammar.accepts(self._rule, each))
+        return candidates[:CANDIDATES]
+
+
+class _Conversation:
+    """Requests to the process and its answers, one at a time."""
+
+    def __init__(self, process: Process, output: Output) -> None:
+        self._process = process
+        self._output = output
+
+    async def ask(self, request: dict[str, Any], sound: bytes = b"", timeout: float | None = None) -> dict[str, Any]:
+        """Send a request and return its answer, within `ANSWER_TIMEOUT` unless another time is given.
+
+        Raises:
+            RecognizerFailed: no answer in time, a malformed one, or a refusal.
+        """
+        timeout = ANSWER_TIMEOUT if timeout is None else timeout
+        try:
+            async with asyncio.timeout(timeout):
+                answer = await self._exchange(encode(request, sound))
+        except TimeoutError:
+            raise RecognizerFailed(f"the speech recogniser did not answer within {timeout:g} seconds") from None
+        except (EOFError, OSError, FramingError):
+            await self._output.all_said()
+            words = self._output.last_words
+            raise RecognizerFailed(f"the speech recogniser has died: {words}".rstrip(" :")) from None
+        if "refused" in answer:
+            raise RecognizerFailed(f"the speech recogniser refused: {answer['refused']}")
+        return answer
+
+    async def _exchange(self, message: bytes) -> dict[str, Any]:
+        stdout = self._process.stdout
+        assert stdout is not None
+        await write_message(self._process, message)
+        lengths = decode_header(await stdout.readexactly(HEADER.size))
+        return decode_body(await stdout.readexactly(lengths.body))
+
+
+def _chosen(expected: Expectation) -> tuple[Grammar | None, str]:
+    """Return the grammar and the name of its rule; None for open dictation.
+
+    Raises:
+        GrammarError: the grammar or rule does not exist, or is not supported.
+    """
+    if expected.grammar in ("default", ""):
+        if expected.rule not in ("default", ""):
+            raise GrammarError("the grammar `default` is open dictation; its only rule is `default`")
+        return None, ""
+    if not expected.grammar.lstrip("\ufeff").startswith("#JSGF"):
+        raise GrammarError("the grammar must be `default` or a text in JSGF that begins with `#JSGF V1.0;`")
+    if len(expected.grammar) > MAX_GRAMMAR:
+        raise GrammarError(f"the grammar has {len(expected.grammar)} characters, and at most {MAX_GRAMMAR} are allowed")
+    grammar = read_grammar(expected.grammar)
+    return grammar, grammar.rule(expected.rule or "default")
+
+
+def _dictionary() -> bytes:
+    """Return the pronouncing dictionary; empty where PocketSphinx is not installed."""
+    found = importlib.util.find_spec(_LIBRARY)
+    if found is None or found.origin is None:
+        return b""
+    return (Path(found.origin).parent / _DICTIONARY).read_bytes()

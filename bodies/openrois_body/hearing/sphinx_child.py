@@ -1,0 +1,129 @@
+"""The recogniser's process: the only module that loads PocketSphinx. Run as `python -m` with its name.
+
+It reads requests from stdin and answers each on stdout (`openrois_body.processes.framing`), until stdin ends:
+
+    {"do": "greet"}
+        -> {}
+    {"do": "begin", "grammar": text in JSGF, or null for open dictation}
+        -> {}; an utterance that was not ended is forgotten
+    {"do": "hear"} and s16 mono sound at 16 kHz
+        -> {"partial": what is understood so far}
+    {"do": "end"}
+        -> {"candidates": [texts, the likeliest first], "score": of the first: acoustic, per 10 ms}
+    what cannot be done
+        -> {"refused": reason}
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import sys
+from collections.abc import Mapping
+from typing import Any, Final
+
+from pocketsphinx import Decoder
+
+from openrois_body.processes.framing import HEADER, FramingError, decode_body, decode_header, encode
+
+_OPEN: Final = "_default"
+_GRAMMAR: Final = "grammar"
+_LOOKED_AT: Final = 20
+"""Hypotheses of the lattice; many of them are the same words, pronounced in another way."""
+_NICE: Final = 5
+"""Pictures and voices go first: words may come a little later."""
+_LEAST: Final = -7_000_000.0
+"""The value of a score that is too low for a floating-point number."""
+
+
+class Ears:
+    """The decoder, loaded once for this process."""
+
+    def __init__(self) -> None:
+        self._decoder = Decoder(samprate=16_000, loglevel="FATAL")
+        self._log = self._decoder.logmath
+        self._grammar: str | None = None
+        self._hearing = False
+
+    def answer_request(self, request: Mapping[str, Any], sound: bytes) -> dict[str, Any]:
+        """Answer one request.
+
+        Raises:
+            ValueError, KeyError: it cannot be done.
+        """
+        match request["do"]:
+            case "greet":
+                return {}
+            case "begin":
+                return self._begin(request["grammar"])
+            case "hear":
+                self._decoder.process_raw(sound, no_search=False, full_utt=False)
+                found = self._decoder.hyp()
+                return {"partial": found.hypstr if found else ""}
+            case "end":
+                return self._finish_utterance()
+        raise ValueError(f"unknown request {request['do']!r}; expected greet, begin, hear or end")
+
+    def _begin(self, grammar: str | None) -> dict[str, Any]:
+        self._finish()
+        if grammar is not None and grammar != self._grammar:
+            self._decoder.add_jsgf_string(_GRAMMAR, grammar)
+            self._grammar = grammar
+        self._decoder.activate_search(_OPEN if grammar is None else _GRAMMAR)
+        self._decoder.start_utt()
+        self._hearing = True
+        return {}
+
+    def _finish_utterance(self) -> dict[str, Any]:
+        self._finish()
+        found = self._decoder.hyp()
+        if not found or not found.hypstr:
+            return {"candidates": [], "score": 0.0}
+        score = self._score()
+        others = (each.hypstr for each in itertools.islice(self._decoder.nbest(), _LOOKED_AT) if each)
+        return {"candidates": [each for each in dict.fromkeys((found.hypstr, *others)) if each], "score": score}
+
+    def _finish(self) -> None:
+        if self._hearing:
+            self._hearing = False
+            self._decoder.end_utt()
+
+    def _score(self) -> float:
+        words = [each for each in self._decoder.seg() if each.word[:1] not in "<[+"]
+        frames = max(1, int(sum(each.end_frame - each.start_frame + 1 for each in words)))
+        scores = (self._log.log(each.ascore) if each.ascore > 0 else _LEAST for each in words)
+        return float(sum(scores)) / frames
+
+
+def main() -> None:
+    """Answer requests until stdin ends."""
+    # The library may print to stdout, which is the conversation: give it stderr instead.
+    replies = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    os.nice(_NICE)
+    ears = Ears()
+    try:
+        while True:
+            lengths = decode_header(_read(HEADER.size))
+            request, sound = decode_body(_read(lengths.body)), _read(lengths.sound)
+            try:
+                answer = ears.answer_request(request, sound)
+            except (ValueError, KeyError, TypeError, RuntimeError) as error:
+                answer = {"refused": str(error)}
+            replies.write(encode(answer))
+            replies.flush()
+    except (EOFError, BrokenPipeError):
+        return
+    except FramingError as error:
+        raise SystemExit(str(error)) from error
+
+
+def _read(size: int) -> bytes:
+    data = sys.stdin.buffer.read(size)
+    if len(data) < size:
+        raise EOFError
+    return data
+
+
+if __name__ == "__main__":
+    main()

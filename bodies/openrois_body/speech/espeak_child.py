@@ -1,0 +1,242 @@
+"""The speech process: the only module that loads libespeak-ng. Run as `python -m openrois_body.speech.espeak_child`.
+
+It reads requests from stdin and answers each on stdout (`framing`), until stdin ends:
+
+    {"do": "voices"}
+        -> {"languages": [BCP 47 tags], "voices": [names]}
+    {"do": "speak", "text", "ssml": bool, "language", "voice": name or null, "volume": 0-100, "rate": words a minute}
+        -> {"words": [[ms, start, length]], "marks": [[ms, name]], "phonemes": [[ms, ipa]], "text"} and s16 mono sound
+           at 48 kHz; `start` and `length` are characters of the text or SSML that was asked for, and of the `text` that
+           is given back, which is the same without control characters
+    what cannot be done
+        -> {"refused": reason}
+
+libespeak-ng is GPL-3.0; this process is its own program, and what imports the library is this file alone.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from ctypes import POINTER, Structure, Union, c_char, c_char_p, c_int, c_short, c_size_t, c_ubyte, c_uint, c_void_p
+from typing import Any, Final
+
+import espeakng_loader
+import numpy as np
+
+from openrois_body.processes.framing import HEADER, FramingError, decode_body, decode_header, encode
+from openrois_body.speech.markup import MarkupError, plain_text, safe_ssml
+from openrois_body.speech.resample import SOURCE_RATE, to_48k
+from openrois_body.speech.words import Place, words
+
+MAX_SECONDS: Final = 600
+"""Longest speech; SSML can ask for pauses without end."""
+
+_SYNCHRONOUS: Final = 2
+_BLOCK_MS: Final = 20
+_PHONEME_EVENTS_IPA: Final = 1 | 2
+_UTF8: Final = 1
+_SSML: Final = 0x10
+_BY_CHARACTER: Final = 1
+_RATE: Final = 1
+_VARIANT: Final = "!v/"
+_LAST_EVENT, _WORD, _MARK, _PHONEME = 0, 1, 3, 7
+
+
+class _EventId(Union):
+    _fields_ = (("number", c_int), ("name", c_void_p), ("string", c_char * 8))
+
+
+class _Event(Structure):
+    _fields_ = (
+        ("type", c_int),
+        ("unique_identifier", c_uint),
+        ("text_position", c_int),
+        ("length", c_int),
+        ("audio_position", c_int),
+        ("sample", c_int),
+        ("user_data", c_void_p),
+        ("id", _EventId),
+    )
+
+
+class _Voice(Structure):
+    _fields_ = (
+        ("name", c_char_p),
+        ("languages", c_void_p),
+        ("identifier", c_char_p),
+        ("gender", c_ubyte),
+        ("age", c_ubyte),
+        ("variant", c_ubyte),
+        ("reserved", c_ubyte),
+        ("score", c_int),
+        ("spare", c_void_p),
+    )
+
+
+_OnSound = ctypes.CFUNCTYPE(c_int, POINTER(c_short), c_int, POINTER(_Event))
+_OnUri = ctypes.CFUNCTYPE(c_int, c_int, c_char_p, c_char_p)
+
+
+class Refused(Exception):
+    """A refused request; the text says why."""
+
+
+class Espeak:
+    """The library, initialised once for this process."""
+
+    def __init__(self) -> None:
+        self._library = library = ctypes.CDLL(espeakng_loader.get_library_path())
+        library.espeak_ListVoices.restype = POINTER(POINTER(_Voice))
+        library.espeak_Synth.argtypes = [
+            *(c_char_p, c_size_t, c_uint, c_int, c_uint, c_uint, POINTER(c_uint), c_void_p)
+        ]
+        data = espeakng_loader.get_data_path().encode()
+        rate = library.espeak_Initialize(_SYNCHRONOUS, _BLOCK_MS, data, _PHONEME_EVENTS_IPA)
+        if rate != SOURCE_RATE:
+            raise SystemExit(f"espeak-ng cannot be initialised with {data.decode()}: {rate}")
+        # The library keeps no reference to the callbacks; they live as long as this object.
+        self._on_sound = _OnSound(self._on_block)
+        self._on_uri = _OnUri(lambda _kind, _uri, _base: 1)  # 1: do not play what the URI names
+        library.espeak_SetSynthCallback(self._on_sound)
+        library.espeak_SetUriCallback(self._on_uri)
+        self._languages = dict(_by_language(self._list(None)))
+        variant = _Voice(languages=ctypes.cast(c_char_p(b"variant"), c_void_p))
+        self._voices = {identifier.removeprefix(_VARIANT) for identifier, _ in self._list(variant)}
+        self._sound = bytearray()
+        self._words: list[Place] = []
+        self._marks: list[tuple[float, int]] = []
+        self._phonemes: list[tuple[float, str]] = []
+
+    def voices(self, _request: Mapping[str, Any]) -> tuple[dict[str, Any], bytes]:
+        """Answer the request `voices`."""
+        return {"languages": sorted(self._languages), "voices": sorted(self._voices)}, b""
+
+    def speak(self, request: Mapping[str, Any]) -> tuple[dict[str, Any], bytes]:
+        """Answer the request `speak`."""
+        ssml = bool(request["ssml"])
+        script = (safe_ssml if ssml else plain_text)(str(request["text"]))
+        self._select(str(request["language"]), request["voice"])
+        self._library.espeak_SetParameter(_RATE, min(450, max(80, int(request["rate"]))), 0)
+        self._sound, self._words, self._marks, self._phonemes = bytearray(), [], [], []
+        encoded = script.spoken.encode() + b"\0"
+        flags = _UTF8 | (_SSML if ssml else 0)
+        status = self._library.espeak_Synth(encoded, len(encoded), 0, _BY_CHARACTER, 0, flags, None, None)
+        if status != 0:
+            raise Refused(f"espeak-ng cannot speak this text (status {status}); try another text")
+        if self._is_too_long():
+            raise Refused(f"the speech would be longer than {MAX_SECONDS} seconds; split the text")
+        sound = to_48k(np.frombuffer(self._sound, np.int16))
+        volume = min(100, max(0, int(request["volume"])))
+        loud = np.rint(sound * np.float32(volume / 100)).astype("<i2")
+        told = {
+            "words": words(self._words, script.spoken, script.origins),
+            "marks": [(offset, script.marks[number]) for offset, number in self._marks],
+            "phonemes": self._phonemes,
+            "text": script.source,
+        }
+        return told, loud.tobytes()
+
+    def _select(self, language: str, voice: object) -> None:
+        identifier = self._languages.get(_known(language, self._languages))
+        if identifier is None:
+            raise Refused(f"the language {language!r} is not available; synthesizable_languages lists the languages")
+        if voice is not None:
+            if voice not in self._voices:
+                raise Refused(f"the voice {voice!r} is not available; available_voices lists the voices")
+            identifier = f"{identifier}+{voice}"
+        self._library.espeak_SetVoiceByName(identifier.encode())
+
+    def _on_block(self, sound: Any, count: int, events: Any) -> int:
+        """Add the library's next block, as its callback; 1 stops the library."""
+        if sound and count > 0:
+            self._sound += ctypes.string_at(sound, 2 * count)
+        for number in range(4096):
+            event = events[number]
+            if event.type == _LAST_EVENT:
+                break
+            offset = round(event.sample * 1000 / SOURCE_RATE, 1)
+            if event.type == _WORD:
+                self._words.append(Place(offset, event.text_position - 1, event.length))
+            elif event.type == _MARK:
+                self._marks.append((offset, int(ctypes.string_at(event.id.name))))
+            elif event.type == _PHONEME:
+                self._phonemes.append((offset, event.id.string.decode(errors="ignore")))
+        return int(self._is_too_long())
+
+    def _is_too_long(self) -> bool:
+        return len(self._sound) > 2 * SOURCE_RATE * MAX_SECONDS
+
+    def _list(self, kind: _Voice | None) -> Iterator[tuple[str, list[tuple[int, str]]]]:
+        voices = self._library.espeak_ListVoices(None if kind is None else ctypes.byref(kind))
+        number = 0
+        while voices[number]:
+            voice = voices[number].contents
+            yield voice.identifier.decode(), list(_languages(voice.languages))
+            number += 1
+
+
+def _languages(place: int) -> Iterator[tuple[int, str]]:
+    """Return the languages of a voice: a byte of priority (low is first) and a name each, closed by a priority of 0."""
+    while (priority := ctypes.string_at(place, 1)[0]) != 0:
+        name = ctypes.string_at(place + 1)
+        yield priority, name.decode().lower()
+        place += len(name) + 2
+
+
+def _by_language(voices: Iterator[tuple[str, list[tuple[int, str]]]]) -> Iterator[tuple[str, str]]:
+    """Return the voices of each language, the best one last so that it wins in a dict."""
+    offers = [(priority, name, identifier) for identifier, languages in voices for priority, name in languages]
+    for _, name, identifier in sorted(offers, key=lambda offer: -offer[0]):
+        yield name, identifier
+
+
+def _known(language: str, languages: Mapping[str, str]) -> str:
+    """Return the tag, or its longest available prefix: `de-AT` is spoken as `de`."""
+    tag = language.lower().replace("_", "-")
+    while tag not in languages and "-" in tag:
+        tag = tag.rpartition("-")[0]
+    return tag
+
+
+def answer(espeak: Espeak, request: Mapping[str, Any]) -> bytes:
+    """Return the answer to one request; a wrong request is refused."""
+    doing: Mapping[str, Callable[[Mapping[str, Any]], tuple[dict[str, Any], bytes]]]
+    doing = {"voices": espeak.voices, "speak": espeak.speak}
+    try:
+        return encode(*doing[request["do"]](request))
+    except (Refused, MarkupError) as error:
+        return encode({"refused": str(error)})
+    except (KeyError, TypeError, ValueError) as error:
+        return encode({"refused": f"a malformed request: {error!r}"})
+
+
+def _read(stream: Any, size: int) -> bytes:
+    data = stream.read(size)
+    if len(data) < size:
+        raise EOFError
+    return bytes(data)
+
+
+def main() -> None:
+    """Answer requests until stdin ends."""
+    # The library may print to stdout, which carries the answers: give it stderr instead.
+    replies = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    espeak = Espeak()
+    try:
+        while True:
+            lengths = decode_header(_read(sys.stdin.buffer, HEADER.size))
+            request = decode_body(_read(sys.stdin.buffer, lengths.body))
+            replies.write(answer(espeak, request))
+            replies.flush()
+    except (EOFError, BrokenPipeError):
+        return
+    except FramingError as error:
+        raise SystemExit(str(error)) from error
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""The operator's camera as a sense: faces are found, tracked, located, recognised, and their gestures read."""

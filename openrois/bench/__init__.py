@@ -1,1 +1,0 @@
-"""What a call and an event cost at the gateway, in processor time and in waiting, beside the floor of the machine."""

@@ -1,0 +1,1 @@
+"""Prometheus figures of an adapter's streams, renditions and sources."""

@@ -1,0 +1,46 @@
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from openrois_body.speech.resample import SOURCE_RATE, TARGET_RATE, to_48k
+
+
+def tone(frequency: float, seconds: float = 1.0) -> NDArray[np.int16]:
+    moments = np.arange(round(seconds * SOURCE_RATE)) / SOURCE_RATE
+    return np.round(20_000 * np.sin(2 * np.pi * frequency * moments)).astype(np.int16)
+
+
+def spectrum(samples: NDArray[np.int16]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Frequencies, and the level of each in dB below a full tone."""
+    inner = samples[4800:-4800].astype(float)
+    window = np.kaiser(len(inner), 14)
+    amplitudes = np.abs(np.fft.rfft(inner * window)) / (20_000 * window.sum() / 2)
+    levels: NDArray[np.float64] = 20 * np.log10(amplitudes + 1e-12)
+    return np.fft.rfftfreq(len(inner), 1 / TARGET_RATE).astype(np.float64), levels
+
+
+@pytest.mark.parametrize("frequency", [100, 1_000, 5_000, 8_000, 10_000])
+def test_a_tone_stays_a_tone(frequency: int) -> None:
+    frequencies, levels = spectrum(to_48k(tone(frequency)))
+    beside = np.abs(frequencies - frequency) > 50
+    assert levels[~beside].max() == pytest.approx(0, abs=0.05)
+    assert levels[beside].max() < -85
+
+
+@pytest.mark.parametrize(("samples", "expected"), [(0, 0), (1, 3), (147, 320), (148, 323), (22_050, 48_000)])
+def test_the_length_fits_the_rates(samples: int, expected: int) -> None:
+    assert len(to_48k(np.zeros(samples, np.int16))) == expected
+
+
+def test_the_sound_is_not_shifted() -> None:
+    click = np.zeros(2205, np.int16)
+    click[1000] = 30_000
+    assert abs(int(np.argmax(to_48k(click))) - 1000 * TARGET_RATE / SOURCE_RATE) < 1
+
+
+def test_loud_sound_is_clipped_and_never_wraps() -> None:
+    square = np.where(np.arange(2205) // 50 % 2, 32_767, -32_768).astype(np.int16)
+    loud = to_48k(square)
+    middle = loud[round(25 * TARGET_RATE / SOURCE_RATE)]
+    assert middle < -30_000
+    assert loud.max() == 32_767
+    assert loud.min() == -32_768

@@ -1,0 +1,180 @@
+"""`openrois demo` as a person starts and stops it."""
+
+import asyncio
+import os
+import re
+import signal
+import socket
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import ClassVar
+
+import psutil
+import pytest
+from openrois_demo import command as demo_module
+from openrois_demo.program import ProgramFailed
+
+from openrois.auth.issuing import issue_token
+from openrois.auth.key_files import make_key_files
+from openrois.auth.principal import Role
+from openrois.client import Client
+from openrois.client.components import SystemInformation
+from openrois.client.errors import ConnectionFailed
+from tests.support.certificates import Authority
+from tests.support.demo import PATIENCE, Demo, end, first_line, free_port, running_demo, start
+
+pytestmark = pytest.mark.media
+
+
+def ctrl_c_twice(demo: Demo) -> None:
+    """Send the signal to the whole process group, as a terminal does, repeatedly."""
+    os.killpg(demo.process.pid, signal.SIGINT)
+    os.killpg(demo.process.pid, signal.SIGINT)
+
+
+def interrupt(demo: Demo) -> None:
+    demo.process.send_signal(signal.SIGINT)
+
+
+def interrupt_while_the_adapter_is_stopped(demo: Demo) -> None:
+    demo.program("avatar").send_signal(signal.SIGSTOP)
+    demo.process.send_signal(signal.SIGINT)
+
+
+@pytest.mark.parametrize(
+    "stop",
+    [
+        pytest.param(ctrl_c_twice, marks=pytest.mark.long),
+        interrupt,
+        pytest.param(interrupt_while_the_adapter_is_stopped, marks=pytest.mark.long),
+    ],
+)
+def test_a_demo_that_is_stopped_leaves_nothing_behind(tmp_path: Path, stop: Callable[[Demo], None]) -> None:
+    with running_demo(tmp_path) as demo:
+        assert demo.ready == f"ready http://127.0.0.1:{demo.port}/"
+        tree = demo.tree()
+        assert len(tree) == 2
+        stop(demo)
+        assert demo.process.wait(20) == 0
+        assert not [process for process in tree if process.is_running()]
+        assert "Traceback" not in demo.log()
+        assert port_is_free(demo.port)
+
+
+@pytest.mark.parametrize(
+    ("engine", "processes"), [("synthetic", 2), pytest.param("puppet", 3, marks=[pytest.mark.engine, pytest.mark.long])]
+)
+def test_a_demo_that_is_killed_takes_all_it_started_with_it(tmp_path: Path, engine: str, processes: int) -> None:
+    with running_demo(tmp_path, engine) as demo:
+        tree = demo.tree()
+        assert len(tree) == processes
+        demo.process.kill()
+        assert not psutil.wait_procs(tree, timeout=PATIENCE)[1]
+
+
+async def test_demo_for_other_machines_refuses_a_client_without_a_token(tmp_path: Path) -> None:
+    authority = Authority(tmp_path)
+    cert, cert_key = authority.issue()
+    make_key_files(tmp_path / "key", "ES256")
+    reached = ("--host", "0.0.0.0", "--allow-host", "localhost", "--tls-cert", str(cert), "--tls-key", str(cert_key))
+    trusted = ("--auth-key", str(tmp_path / "key"), "--ca-file", str(authority.file))
+    with running_demo(tmp_path, more=(*reached, *trusted)) as demo:
+        assert demo.ready == f"ready https://localhost:{demo.port}/"
+        url = f"wss://localhost:{demo.port}/"
+        with pytest.raises(ConnectionFailed):
+            async with Client(url, ca_file=authority.file):
+                pass
+        token = issue_token(tmp_path / "key", "anna", [Role.VIEWER], ["avatar/*"], now=int(time.time()), ttl=60)
+        async with Client(url, token=token, ca_file=authority.file) as client:
+            assert await client.find(SystemInformation)
+        assert demo.interrupt() == 0
+
+
+def test_a_second_demo_on_the_same_port_says_so_in_one_line(tmp_path: Path) -> None:
+    with running_demo(tmp_path) as demo:
+        second = start("demo", "--engine", "synthetic", "--port", str(demo.port))
+        output, complaint = second.communicate(timeout=PATIENCE)
+        assert (second.returncode, output) == (1, "")
+        assert re.fullmatch(rf"openrois demo: .*\b{demo.port}\b.*\n", complaint)
+        assert demo.process.poll() is None
+
+
+@pytest.mark.long
+def test_a_port_is_free_again_at_once(tmp_path: Path) -> None:
+    with running_demo(tmp_path) as demo:
+        with socket.create_connection(("127.0.0.1", demo.port)):
+            demo.interrupt()
+        again = start("demo", "--engine", "synthetic", "--port", str(demo.port))
+        try:
+            assert first_line(again) == demo.ready
+        finally:
+            end(again)
+
+
+def test_an_avatar_is_never_stamped(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        demo_module.main(["--engine", "puppet", "--stamp"])
+    assert "--stamp cannot be used with --engine puppet" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("port", ["0", "-1", "65536", "http"])
+def test_malformed_port_is_wrong_usage(port: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as refusal:
+        demo_module.main([f"--port={port}"])
+    assert refusal.value.code == 2
+    assert f"argument --port: '{port}' is not a port from 1 to 65535 (" in capsys.readouterr().err
+
+
+class Unready:
+    """Stands in for a program that does not become ready: it ends, or it hangs."""
+
+    ends = True
+    made: ClassVar[dict[str, tuple[str, ...]]] = {}
+
+    def __init__(self, arguments: tuple[str, ...], announces: str) -> None:
+        self.name = arguments[0]
+        self.made[self.name] = arguments
+        self.ready = asyncio.Event()
+
+    async def keep_running(self) -> None:
+        if self.ends:
+            raise ProgramFailed("it fell over")
+        await self.ready.wait()
+
+
+@pytest.mark.parametrize(
+    ("ends", "complaint"),
+    [(True, "it fell over"), (False, "gateway is not ready after 0 s; --verbose logs more")],
+    ids=["ends", "hangs"],
+)
+def test_a_program_that_does_not_become_ready_ends_the_demo_with_a_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ends: bool, complaint: str
+) -> None:
+    monkeypatch.setattr(demo_module, "set_up_logging", lambda *, verbose: None)
+    monkeypatch.setattr(demo_module, "Program", Unready)
+    monkeypatch.setattr(demo_module, "_START_TIMEOUT", 0.01)
+    monkeypatch.setattr(Unready, "ends", ends)
+    assert demo_module.main(["--port", str(free_port())]) == 1
+    assert capsys.readouterr() == ("", f"openrois demo: {complaint}\n")
+
+
+def test_limits_of_applications_are_passed_to_the_avatar(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(demo_module, "set_up_logging", lambda *, verbose: None)
+    monkeypatch.setattr(demo_module, "Program", Unready)
+    given = ["--applications", "8", "--kept-for-operators", "2", "--answer-time", "1.5"]
+    demo_module.main(["--port", str(free_port()), *given])
+    avatar = Unready.made["avatar"]
+    assert list(avatar[(start := avatar.index("--applications")) : start + len(given)]) == given
+
+
+def test_places_that_cannot_be_are_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        demo_module.main(["--applications", "4", "--kept-for-operators", "4"])
+    assert "--kept-for-operators must be between 0 and 3, below --applications, not 4" in capsys.readouterr().err
+
+
+def port_is_free(port: int) -> bool:
+    with socket.socket() as probe:
+        probe.settimeout(1)
+        return probe.connect_ex(("127.0.0.1", port)) != 0

@@ -1,0 +1,78 @@
+"""The figures for Prometheus as tables: name, kind, labels and meaning."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any, Final
+
+from openrois_body import metrics as body
+from openrois_media.metrics import figures as adapter
+
+from openrois.gateway import metrics as gateway
+from openrois.metrics.figure import Figure
+
+__all__ = ["adapter_figures", "gateway_figures"]
+
+_HEAD: Final = ["| figure | kind | meaning |", "|---|---|---|"]
+
+_GATEWAY: Final[tuple[tuple[str, Sequence[str], Sequence[Figure[Any]]], ...]] = (
+    ("Connections", ("kind",), gateway.CONNECTION),
+    (
+        "The gateway",
+        (),
+        (*gateway.GATEWAY, *gateway.CONNECTION_LIMITS, *gateway.HEADER_TIMEOUTS, *gateway.FILES, *gateway.LAG),
+    ),
+    ("Bounds of connections", ("kind",), gateway.LIMITS),
+    ("Keys of an issuer", (), gateway.KEYS),
+    ("The certificate", (), gateway.CERTIFICATE),
+    ("Refused, cut, ended", ("reason",), (*gateway.TURNED_AWAY, *gateway.CUT, *gateway.LEASES_ENDED)),
+    ("Connections that ended", ("code",), gateway.CLOSED),
+    ("Adapters", ("engine",), gateway.ADAPTER),
+)
+_ADAPTER: Final[tuple[tuple[str, Sequence[str], Sequence[Figure[Any]]], ...]] = (
+    ("The adapter", (), adapter.ADAPTER),
+    ("The guard of media", adapter.GUARD_LABELS, adapter.GUARD),
+    ("Senses", body.SENSE_LABELS, body.SENSE),
+    ("Input of operators", body.INPUT_LABELS, body.INPUT),
+    ("Sources", adapter.SOURCE_LABELS, adapter.SOURCE),
+    ("Renditions", adapter.RENDITION_LABELS, adapter.RENDITION),
+    ("Streams", adapter.STREAM_LABELS, (*adapter.STREAM, *adapter.ADAPTATION, *adapter.RECEPTION)),
+)
+
+
+def gateway_figures() -> list[str]:
+    """Return the tables of a gateway's figures, by their labels.
+
+    Raises:
+        ValueError: a figure of the gateway stands in none of the tables.
+    """
+    _require_all(gateway.FIGURES, _GATEWAY)
+    lines = [line for group in _GATEWAY for line in _table(*group)]
+    rows = [f"| `{name}` | histogram | {meaning} |" for name, meaning in gateway.HISTOGRAMS.items()]
+    return [*lines, *_titled("Times", ("method",)), *_HEAD, *rows]
+
+
+def adapter_figures() -> list[str]:
+    """Return the tables of an adapter's figures, by their labels."""
+    lines = [line for group in _ADAPTER for line in _table(*group)]
+    rows = [
+        f"| `{name}` | state set of {', '.join(f'`{state}`' for state in states)} | {meaning} |"
+        for name, (meaning, states) in adapter.STATUSES.items()
+    ]
+    return [*lines, *_titled("Statuses", ()), *_HEAD, *rows]
+
+
+def _table(title: str, labels: Sequence[str], figures: Iterable[Figure[Any]]) -> list[str]:
+    rows = [f"| `{figure.name}` | {figure.kind} | {figure.help} |" for figure in figures]
+    return [*_titled(title, labels), *_HEAD, *rows, ""]
+
+
+def _titled(title: str, labels: Sequence[str]) -> list[str]:
+    named = f"Labels: {', '.join(f'`{label}`' for label in labels)}." if labels else ""
+    return [f"### {title}", "", *([named, ""] if named else [])]
+
+
+def _require_all(
+    figures: Sequence[Figure[Any]], groups: Sequence[tuple[str, Sequence[str], Sequence[Figure[Any]]]]
+) -> None:
+    grouped = {figure.name for _, _, members in groups for figure in members}
+    if missing := {figure.name for figure in figures} - grouped:
+        raise ValueError(f"these figures are in no table of tools.pages.figures: {', '.join(sorted(missing))}")

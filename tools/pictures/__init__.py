@@ -1,0 +1,1 @@
+"""Takes the pictures of the documentation from the real page, and says which of them are out of date."""

@@ -1,0 +1,1 @@
+"""The hook of the documentation site's build, beside mkdocs.yml."""
