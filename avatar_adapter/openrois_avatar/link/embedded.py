@@ -112,12 +112,10 @@ class EmbeddedEngine(LinkedEngine):
 
     async def _greeting(self, process: Process) -> EngineConnection | None:
         """Return the engine's connection; None if it does not come in time, or the process ends before."""
-        arrival = asyncio.create_task(self._server.accept(self._start_timeout))
+        arrival = asyncio.create_task(self._server.accept())
         try:
-            await _first(arrival, process.wait())
+            await _first(arrival, process.wait(), self._clock.sleep_until(self._clock.now() + self._start_timeout))
             return arrival.result() if arrival.done() else None
-        except TimeoutError:
-            return None
         finally:
             arrival.cancel()
 

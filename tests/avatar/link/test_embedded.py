@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import uvloop
 from openrois_avatar.link import embedded
-from openrois_avatar.link.embedded import LONGEST_DELAY, QUIT_TIMEOUT, EmbeddedEngine
+from openrois_avatar.link.embedded import LONGEST_DELAY, QUIT_TIMEOUT, START_TIMEOUT, EmbeddedEngine
 from openrois_avatar.link.messages import Completed, Event, Hello, LinkError, Log, Pause, React, Silence
 from openrois_body.processes.child import TERMINATE_TIMEOUT
 from openrois_streaming.source.source import RawAudio
@@ -196,10 +196,22 @@ async def test_an_engine_that_cannot_start_says_why() -> None:
     assert str(refused.value) == expected
 
 
-async def test_an_engine_that_never_greets_is_not_waited_for() -> None:
-    with pytest.raises(LinkError, match=r"sent no HELLO \(status -15\): thinking; the log has its output"):
-        async with asyncio.timeout(60), Witness().engine("mute", start_timeout=0.5):
+async def test_an_engine_that_never_greets_is_not_waited_for(caplog: pytest.LogCaptureFixture) -> None:
+    async def enter() -> None:
+        async with Witness().engine("mute", clock=clock):
             pass
+
+    clock = VirtualClock()
+    async with asyncio.timeout(60):
+        with caplog.at_level(logging.INFO):
+            entering = asyncio.create_task(enter())
+            while f"{FAKE}: thinking" not in caplog.text:
+                await settle()
+        await clock.advance(START_TIMEOUT - 0.01)
+        assert not entering.done()
+        await clock.advance(0.01)
+        with pytest.raises(LinkError, match=r"sent no HELLO \(status -15\): thinking; the log has its output"):
+            await entering
 
 
 async def test_entering_can_be_given_up() -> None:
