@@ -31,9 +31,10 @@ _MOVED: Final = 2.0
 _VOICE: Final = "avatar/speech_synthesizer"
 _STORY: Final = "Once upon a time there was an avatar that told long stories to all its visitors. " * 11
 """Takes longer to tell than anything here may take."""
-_IN_TIME: Final = 800
-"""Milliseconds between the first sound and the first movement of the mouth; a mouth that does not follow the sentence
-is a second or more away. How exact it is on an idle machine (50) is for `openrois_bench.streams.lipsync`."""
+_IN_TIME: Final = 400
+"""Milliseconds between the first sound and the first movement of the mouth; idle machines have 50."""
+_ATTEMPTS: Final = 3
+"""Sentences of which one has to be in time: a browser on a busy machine shows some pictures late."""
 
 
 async def test_avatar_moves_while_idle(guest: Visit) -> None:
@@ -50,6 +51,9 @@ async def test_mouth_moves_with_the_sound_of_a_sentence(guest: Visit) -> None:
     assert speech.began < 10_000  # on an idle machine it is 400
     assert 1500 < speech.lasted < 10_000
     assert speech.liveliness > 2
+    for _ in range(_ATTEMPTS - 1):
+        if abs(speech.mouth_after_sound) >= _IN_TIME:
+            speech = await speak(guest, "Hello, I am pleased to meet you. How are you today?")
     assert abs(speech.mouth_after_sound) < _IN_TIME
 
 

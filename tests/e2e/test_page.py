@@ -215,7 +215,7 @@ async def test_light_and_dark_are_remembered(guest: Visit) -> None:
 async def test_puppet_speaks_and_reacts(guest: Visit) -> None:
     await guest.watch("picture", 0.0, 0.0, 1.0, 0.94)
     speech = await speak(guest, "Hello, I am the puppet.")
-    assert speech.lasted > 400  # 1,200 at rest; a busy browser plays what came late faster, and sees its beginning late
+    assert speech.lasted > 700
     assert speech.liveliness > 2
     assert abs(speech.mouth_after_sound) < 1000
     await guest.page.get_by_role("button", name="Bow").click()
