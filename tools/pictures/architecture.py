@@ -1,9 +1,9 @@
 """`python -m tools.pictures.architecture`: draws the picture of ARCHITECTURE.md, with the packages of each part."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from html import escape
 from typing import Final, Literal
+
+from openrois_bench.charts.svg import COLOURS, INK, Drawing
 
 from tools.pictures.record import FOLDER, ROOT, write_record
 
@@ -12,7 +12,7 @@ __all__ = ["PACKAGES", "draw", "main"]
 Flow = Literal["control", "media"]
 
 _WIDTH, _HEIGHT = 960, 436
-_COLOURS: Final[dict[Flow, str]] = {"control": "#2f6fb3", "media": "#c2562f"}
+_COLOURS: Final[dict[Flow, str]] = {"control": COLOURS["ours"], "media": COLOURS["aiortc"]}
 _LABEL: Final = (
     "Service applications speak JSON-RPC to the gateway; adapters of avatars and robots stand behind it; "
     "media flows straight from the avatar adapter to the browser."
@@ -112,63 +112,29 @@ def draw() -> str:
     """
     if absent := sorted({name for name in PACKAGES if not any(ROOT.glob(f"**/{name}/__init__.py"))}):
         raise LookupError(f"no package is called {absent[0]}: correct PROCESSES in tools/pictures/architecture.py")
-    lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}"'
-        f' font-family="system-ui, sans-serif" role="img" aria-label="{escape(_LABEL)}">',
-        "<defs>",
-        *(_marker(flow) for flow in _COLOURS),
-        "</defs>",
-        _box(0, 0, _WIDTH, _HEIGHT, 14, "#f8fafc"),
-        *(line for process in PROCESSES for line in _process(process)),
-        *(line for arrow in ARROWS for line in _arrow(arrow)),
-        "</svg>",
-    ]
-    return "\n".join(lines) + "\n"
+    drawing = Drawing(_WIDTH, _HEIGHT, _LABEL)
+    for process in PROCESSES:
+        _draw_process(drawing, process)
+    for arrow in ARROWS:
+        drawing.arrow(arrow.start, arrow.y, arrow.end, _COLOURS[arrow.flow], both=arrow.both)
+        for x, y, words in arrow.words:
+            drawing.text(x, y, words, fill=_COLOURS[arrow.flow])
+    return str(drawing)
 
 
-def _marker(flow: Flow) -> str:
-    return (
-        f'<marker id="{flow}" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="6" markerHeight="6"'
-        f' orient="auto-start-reverse"><path d="M0 0L8 4L0 8z" fill="{_COLOURS[flow]}"/></marker>'
-    )
-
-
-def _process(process: Process) -> Sequence[str]:
+def _draw_process(drawing: Drawing, process: Process) -> None:
     left, width = process.left, process.width
-    lines = [
-        _box(left, process.top, width, process.height, 12, "#ffffff", "#3d4f6b"),
-        _text(left + 18, process.top + 30, process.title, "#1b2840", size=17, weight=600),
-        *(_text(left + 18, process.top + 50 + 17 * at, words, "#44536b") for at, words in enumerate(process.words)),
-    ]
+    drawing.box(left, process.top, width, process.height, "#ffffff", radius=12, stroke="#3d4f6b")
+    drawing.text(left + 18, process.top + 30, process.title, fill=INK, size=17, bold=True)
+    for at, words in enumerate(process.words):
+        drawing.text(left + 18, process.top + 50 + 17 * at, words)
     for part in process.parts:
-        lines.append(_box(left + 18, part.top, width - 36, part.height, 8, "#eef3fa", "#9db0cc"))
+        drawing.box(left + 18, part.top, width - 36, part.height, "#eef3fa", radius=8, stroke="#9db0cc")
         first = part.top + (part.height - 17 * (len(part.words) + len(part.packages))) // 2 + 13
         for at, words in enumerate(part.words):
-            lines.append(_text(left + 30, first + 17 * at, words, "#44536b"))
+            drawing.text(left + 30, first + 17 * at, words)
         for at, name in enumerate(part.packages, len(part.words)):
-            lines.append(_text(left + 30, first + 17 * at, name, "#6b7c96", mono=True))
-    return lines
-
-
-def _arrow(arrow: Arrow) -> Sequence[str]:
-    colour = _COLOURS[arrow.flow]
-    both = f' marker-start="url(#{arrow.flow})"' if arrow.both else ""
-    return [
-        f'<path d="M{arrow.start} {arrow.y}H{arrow.end}" stroke="{colour}" stroke-width="2" fill="none"'
-        f'{both} marker-end="url(#{arrow.flow})"/>',
-        *(_text(x, y, words, colour) for x, y, words in arrow.words),
-    ]
-
-
-def _box(x: int, y: int, width: int, height: int, radius: int, fill: str, stroke: str = "") -> str:
-    edge = f' stroke="{stroke}"' if stroke else ""
-    return f'<rect x="{x}" y="{y}" width="{width}" height="{height}" rx="{radius}" fill="{fill}"{edge}/>'
-
-
-def _text(x: int, y: int, words: str, fill: str, *, size: int = 13, weight: int = 400, mono: bool = False) -> str:
-    family = ' font-family="ui-monospace, monospace" font-size="11"' if mono else f' font-size="{size}"'
-    bold = f' font-weight="{weight}"' if weight != 400 else ""
-    return f'<text x="{x}" y="{y}"{family}{bold} fill="{fill}">{escape(words)}</text>'
+            drawing.text(left + 30, first + 17 * at, name, fill="#6b7c96", size=11, code=True)
 
 
 def main() -> None:

@@ -13,6 +13,8 @@ COLOURS = {
     "pion": "#3f8f63",
     "plain": "#8b97a8",
 }
+_HEAD = 11
+"""Length of the head of an arrow."""
 
 
 class Drawing:
@@ -32,11 +34,14 @@ class Drawing:
         self._lines: list[str] = []
         self.box(0, 0, width, height, "#f8fafc", radius=14)
 
-    def box(self, x: float, y: float, width: float, height: float, fill: str, *, radius: float = 0) -> None:
-        """A filled rectangle."""
+    def box(
+        self, x: float, y: float, width: float, height: float, fill: str, *, radius: float = 0, stroke: str = ""
+    ) -> None:
+        """A filled rectangle; `stroke` is the colour of its edge, if it has one."""
         rounded = f' rx="{_n(radius)}"' if radius else ""
+        edge = f' stroke="{stroke}"' if stroke else ""
         self._lines.append(
-            f'<rect x="{_n(x)}" y="{_n(y)}" width="{_n(width)}" height="{_n(height)}"{rounded} fill="{fill}"/>'
+            f'<rect x="{_n(x)}" y="{_n(y)}" width="{_n(width)}" height="{_n(height)}"{rounded} fill="{fill}"{edge}/>'
         )
 
     def line(self, points: Sequence[tuple[float, float]], stroke: str, width: float = 1) -> None:
@@ -46,15 +51,34 @@ class Drawing:
             f'<path d="M{path}" fill="none" stroke="{stroke}" stroke-width="{_n(width)}" stroke-linejoin="round"/>'
         )
 
+    def arrow(self, x: float, y: float, end: float, stroke: str, *, both: bool = False) -> None:
+        """A horizontal line from `x` with a head at `end`, and at `x` too where it leads `both` ways."""
+        tips = [end, x] if both else [end]
+        self.line([(x, y), (end, y)], stroke, 2)
+        for tip in tips:
+            back = math.copysign(_HEAD, (x + end) / 2 - tip)
+            corners = ((tip, y), (tip + back, y - _HEAD / 2), (tip + back, y + _HEAD / 2))
+            path = "L".join(f"{_n(across)} {_n(down)}" for across, down in corners)
+            self._lines.append(f'<path d="M{path}z" fill="{stroke}"/>')
+
     def text(
-        self, x: float, y: float, text: str, *, fill: str = TEXT, size: int = 13, bold: bool = False, anchor: str = ""
+        self,
+        x: float,
+        y: float,
+        text: str,
+        *,
+        fill: str = TEXT,
+        size: int = 13,
+        bold: bool = False,
+        code: bool = False,
+        anchor: str = "",
     ) -> None:
-        """A line of text; `anchor` is "middle" or "end", or nothing where it begins at `x`."""
+        """A line of text; `anchor` is "middle" or "end", or nothing where it begins at `x`; `code`: in monospace."""
         weight = ' font-weight="600"' if bold else ""
+        family = ' font-family="ui-monospace, monospace"' if code else ""
         anchored = f' text-anchor="{anchor}"' if anchor else ""
-        self._lines.append(
-            f'<text x="{_n(x)}" y="{_n(y)}" font-size="{size}" fill="{fill}"{weight}{anchored}>{escape(text)}</text>'
-        )
+        style = f'font-size="{size}" fill="{fill}"{weight}{family}{anchored}'
+        self._lines.append(f'<text x="{_n(x)}" y="{_n(y)}" {style}>{escape(text)}</text>')
 
     def title(self, title: str, *below: str) -> None:
         """Draw the title."""
