@@ -25,7 +25,7 @@ from openrois_streaming.adaptation.viewer import Caps
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.codecs import available_codecs
 from openrois_streaming.network.settings import NetworkSettings
-from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT
+from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT, EncoderLimit
 from openrois_streaming.publish.passthrough import EncodedPublisher, SwitchingPublisher
 from openrois_streaming.publish.publisher import AudioPublisher, Publishing, VideoPublisher
 from openrois_streaming.session.sessions import StreamSessions
@@ -190,7 +190,7 @@ def _publisher(scene: Scene, clock: MediaClock, max_encoders: int) -> SwitchingP
             stamp=scene.stamped,
             frame_rate=scene.frame_rate,
             size=scene.size,
-            max_encoders=max_encoders,
+            encoders=EncoderLimit(max_encoders),
         ),
         EncodedPublisher(encoded, clock=clock, frame_rate=scene.frame_rate, size=scene.size),
         lambda: encoded.announced is not None,

@@ -1,6 +1,6 @@
-"""Limit on the renditions of a source that are encoded at a time, and their substitutes. Pure."""
+"""Limit on the renditions of all sources that are encoded at a time, and their substitutes. Pure."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from math import inf, log
 from typing import Final, Protocol, TypeVar
 
@@ -8,7 +8,7 @@ from openrois_streaming.adaptation.rung import Rung
 from openrois_streaming.errors import NoEncoder
 
 ENCODERS_LIMIT: Final = 6
-"""Default number of encoders of one source at a time: three sizes in two codecs."""
+"""Default number of encoders at a time: three sizes of one source in two codecs, or three sources in one size."""
 
 
 class Encodable(Protocol):
@@ -33,29 +33,53 @@ class Encodable(Protocol):
 T = TypeVar("T", bound=Encodable)
 
 
-def within_limit(asked: Sequence[T], first: T, made: Iterable[T], limit: int, codecs: int) -> tuple[T, ...]:
+class EncoderLimit:
+    """Limit on the encoders of the sources that share it.
+
+    Args:
+        limit: how many may run at a time.
+    """
+
+    def __init__(self, limit: int = ENCODERS_LIMIT) -> None:
+        self.limit = limit
+        self._sources: list[Callable[[], Iterable[Encodable]]] = []
+
+    def add_source(self, made: Callable[[], Iterable[Encodable]]) -> None:
+        """Count the encoders of a source, of which `made` returns all renditions."""
+        self._sources.append(made)
+
+    def choose(self, asked: Sequence[T], first: T, made: Iterable[T], codecs: int) -> tuple[T, ...]:
+        """Return the renditions that a viewer of a source can have; as `within_limit`."""
+        everywhere = [each for source in self._sources for each in source()]
+        return within_limit(asked, first, made, everywhere, self.limit, codecs * len(self._sources))
+
+
+def within_limit(
+    asked: Sequence[T], first: T, made: Iterable[T], everywhere: Iterable[Encodable], limit: int, reserved: int
+) -> tuple[T, ...]:
     """Return the renditions that a viewer can have in place of those that suit it.
 
-    An encoder is reserved for the first rendition of each codec, the largest at the full pace: whatever other viewers
-    ask for, it stays available. Where no encoder is left, the nearest running rendition replaces the one that would
-    need another.
+    An encoder is reserved for the first rendition of each source and codec, the largest at the full pace: whatever
+    other viewers ask for, it stays available. Where no encoder is left, the nearest running rendition replaces the one
+    that would need another.
 
     Args:
         asked: renditions of one codec that suit the viewer.
         first: the first rendition of that codec.
         made: all renditions of the source.
+        everywhere: all renditions of all sources.
         limit: how many may be encoded at a time.
-        codecs: how many codecs there are.
+        reserved: how many first renditions there are: one for each source and codec.
 
     Raises:
-        NoEncoder: not even the first one can be encoded; only where there are fewer encoders than codecs.
+        NoEncoder: not even the first one can be encoded; only where there are fewer encoders than first renditions.
     """
-    wanted = [each for each in made if each.is_wanted]
-    room = sum(not _is_first(each) for each in wanted) < limit - codecs
+    running = [each for each in everywhere if each.is_wanted]
+    room = sum(not _is_first(each) for each in running) < limit - reserved
     usable = [each for each in asked if each.is_wanted or room]
-    if first.is_wanted or len(wanted) < limit:
+    if first.is_wanted or len(running) < limit:
         usable.append(first)
-    usable += [each for each in wanted if each.mime_type == first.mime_type]
+    usable += [each for each in made if each.is_wanted and each.mime_type == first.mime_type]
     if not usable:
         raise NoEncoder(f"all {limit} encoders are in use, and none encodes {first.mime_type}: try again later")
     return tuple(each if each in usable else min(usable, key=lambda other: _distance(each, other)) for each in asked)

@@ -8,7 +8,7 @@ from typing import Final
 from openrois_streaming.adaptation.demand import LOWEST, Demands
 from openrois_streaming.adaptation.rung import MIN_BITRATE, Rung, ladder
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.codecs import H264, CodecUnavailable
+from openrois_streaming.codecs import H264, VP8, CodecUnavailable
 from openrois_streaming.encoded import VIDEO_CLOCK_RATE, EncodedFrame
 from openrois_streaming.publish.key_frames import KeyFrameBudget, KeyFrameCause
 from openrois_streaming.publish.publisher import VideoPublisher
@@ -24,7 +24,7 @@ _TOLERANCE: Final = 0.1
 class PassthroughKind:
     """Frame kind of pictures that come encoded."""
 
-    mime_type: str = H264
+    mime_type: str
     clock_rate: int = VIDEO_CLOCK_RATE
     predicted: bool = True
 
@@ -36,7 +36,7 @@ class PassthroughSource:
     `dropped_input`. There is no encoder, so `encode_seconds` stays 0.
     """
 
-    def __init__(self, source: EncodingSource, *, clock: MediaClock, bitrate: int) -> None:
+    def __init__(self, source: EncodingSource, *, clock: MediaClock, bitrate: int, mime_type: str = H264) -> None:
         self.encoded = 0
         self.encoded_bytes = 0
         self.key_frames = 0
@@ -48,6 +48,7 @@ class PassthroughSource:
         """Time of the source's last picture, on the media clock; None if it has given none since it was opened."""
         self.size: tuple[int, int] | None = None
         """Width and height of the last picture, None before the first one."""
+        self._mime_type = mime_type
         self._source = source
         self._clock = clock
         self._budget = KeyFrameBudget()
@@ -108,7 +109,7 @@ class PassthroughSource:
 
     def _frame(self, picture: EncodedVideo) -> EncodedFrame:
         self._pts = max(round(picture.captured_at * VIDEO_CLOCK_RATE), self._pts + 1)
-        payloads = payloads_of(H264, picture.data)
+        payloads = payloads_of(self._mime_type, picture.data)
         number = self.encoded
         self.encoded += 1
         self.encoded_bytes += len(picture.data)
@@ -119,7 +120,7 @@ class PassthroughSource:
 
 
 class EncodedPublisher:
-    """Publisher of pictures that come encoded, as `video/H264` in their one size; a `Publishing`.
+    """Publisher of pictures that come encoded, in their one codec and size; a `Publishing`.
 
     All viewers share the bit rate that the slowest of them can take: the source has the only encoder. Pictures get no
     stamp, and none are left out for viewers that want fewer a second.
@@ -130,7 +131,11 @@ class EncodedPublisher:
         frame_rate: expected pictures per second of the source.
         size: expected width and height, until the first picture.
         max_bitrate: the highest rate that is requested, in bit/s; None: as much as is of use for its size.
+        mime_type: what they are encoded as, "video/H264" or "video/VP8".
         name: its name in the log.
+
+    Raises:
+        CodecUnavailable: there are no pictures of that media type here.
     """
 
     def __init__(
@@ -138,6 +143,7 @@ class EncodedPublisher:
         source: EncodingSource,
         *,
         clock: MediaClock,
+        mime_type: str = H264,
         frame_rate: float = 30.0,
         size: tuple[int, int] = (1280, 720),
         max_bitrate: int | None = None,
@@ -145,11 +151,17 @@ class EncodedPublisher:
     ) -> None:
         self._frame_rate, self._size, self._max_bitrate = frame_rate, size, max_bitrate
         self._name = name
+        self._mime_type = _passable(mime_type)
         rung = self._rung(size)
-        self._passthrough = PassthroughSource(source, clock=clock, bitrate=rung.max_bitrate)
+        self._passthrough = PassthroughSource(source, clock=clock, bitrate=rung.max_bitrate, mime_type=self._mime_type)
+        kind = PassthroughKind(self._mime_type)
         self._rendition = Rendition(
-            self._passthrough, PassthroughKind(), name=f"{name} {H264}", clock=clock, demands=Demands(rung, LOWEST)
+            self._passthrough, kind, name=f"{name} {self._mime_type}", clock=clock, demands=Demands(rung, LOWEST)
         )
+
+    def codecs(self) -> tuple[str, ...]:
+        """Return the only media type."""
+        return (self._mime_type,)
 
     def expect(self, frame_rate: float, size: tuple[int, int]) -> None:
         """Set the frame rate, width and height that are expected of the source from now on."""
@@ -162,8 +174,8 @@ class EncodedPublisher:
         Raises:
             CodecUnavailable: the media type is another one.
         """
-        if mime_type.lower() != H264.lower():
-            raise CodecUnavailable(f"the source is encoded as {H264} already: ask for that codec")
+        if mime_type.lower() != self._mime_type.lower():
+            raise CodecUnavailable(f"the source is encoded as {self._mime_type} already: ask for that codec")
         self._rendition.suit(self._rung(self._passthrough.size or self._size), LOWEST)
         return (self._rendition,)
 
@@ -271,3 +283,10 @@ class SwitchingPublisher:
         return max(
             (at for at in (self._raw.last_frame_at, self._encoded.last_frame_at) if at is not None), default=None
         )
+
+
+def _passable(mime_type: str) -> str:
+    for known in (H264, VP8):
+        if known.lower() == mime_type.lower():
+            return known
+    raise CodecUnavailable(f"pictures encoded as {mime_type!r} cannot be passed on: use {H264} or {VP8}")

@@ -13,7 +13,7 @@ from openrois_streaming.encoded import AUDIO_CLOCK_RATE, VIDEO_CLOCK_RATE
 from openrois_streaming.errors import NoEncoder
 from openrois_streaming.publish.audio_encoder import OpusEncoder
 from openrois_streaming.publish.encoder_health import EncoderHealth
-from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT, within_limit
+from openrois_streaming.publish.encoder_limit import EncoderLimit
 from openrois_streaming.publish.encoding import Encoding
 from openrois_streaming.publish.rendition import Rendition, encoded_rendition
 from openrois_streaming.publish.rendition_feed import MediaPublisher
@@ -159,7 +159,7 @@ class VideoPublisher(Publisher[RawVideo]):
         frame_rate: expected frames per second of the source.
         size: expected width and height, until the first frame.
         max_bitrate: the highest bit rate of a rendition, in bit/s; None: as much as is of use for its size.
-        max_encoders: limit on renditions that are encoded at a time, see `encoder_limit`.
+        encoders: limit on renditions that are encoded at a time, which sources may share; None: one of its own.
         name: its name in the log.
     """
 
@@ -172,11 +172,12 @@ class VideoPublisher(Publisher[RawVideo]):
         frame_rate: float = 30.0,
         size: tuple[int, int] = (1280, 720),
         max_bitrate: int | None = None,
-        max_encoders: int = ENCODERS_LIMIT,
+        encoders: EncoderLimit | None = None,
         name: str = "video",
     ) -> None:
         super().__init__(source, clock=clock, name=name, finish=self._finished)
-        self._max_encoders = max_encoders
+        self._encoders = encoders or EncoderLimit()
+        self._encoders.add_source(self._made.values)
         self._stamp = stamp
         self._frame_rate = frame_rate
         self._size = size
@@ -202,7 +203,7 @@ class VideoPublisher(Publisher[RawVideo]):
             raise CodecUnavailable(f"{codec} is no video codec: use video/H264 or video/VP8")
         asked = self._ladder(codec, every_for(self._frame_rate, fps))
         first = asked[0] if fps is None else self._ladder(codec, 1)[0]
-        return within_limit(asked, first, self._made.values(), self._max_encoders, len(_video_codecs()))
+        return self._encoders.choose(asked, first, self._made.values(), len(_video_codecs()))
 
     def has_room(self, mime_type: str) -> bool:
         """Tell whether a viewer can be sent that media type now."""

@@ -30,6 +30,12 @@ _TOLERANCE = 0.05
 _RESTART_TOLERANCE = 0.1
 _RESTART_SHARE = 0.35
 
+_TO_I420 = {
+    "bgra": cv2.COLOR_BGRA2YUV_I420,
+    "bgr24": cv2.COLOR_BGR2YUV_I420,
+    "rgb24": cv2.COLOR_RGB2YUV_I420,
+}
+
 
 class VideoEncoder:
     """Encoder of one rendition with H.264 (`video/H264`) or VP8 (`video/VP8`).
@@ -145,8 +151,8 @@ def planar(raw: RawVideo, halvings: int = 0) -> NDArray[np.uint8]:
     """
     # Each halving averages four pixels, which OpenCV does many times faster than any other step; and fewer pixels cost
     # less to convert.
-    if raw.format == "i420":
-        data = np.ascontiguousarray(raw.data)
+    if raw.format in ("i420", "nv12"):
+        data = np.ascontiguousarray(raw.data) if raw.format == "i420" else _sorted_planes(raw)
         width, height = raw.width, raw.height
         for _ in range(halvings):
             data, width, height = _half_i420(data, width, height)
@@ -155,8 +161,16 @@ def planar(raw: RawVideo, halvings: int = 0) -> NDArray[np.uint8]:
     for _ in range(halvings):
         pixels = _half(pixels[: pixels.shape[0] & ~1, : pixels.shape[1] & ~1])
     even = pixels[: pixels.shape[0] & ~1, : pixels.shape[1] & ~1]
-    code = cv2.COLOR_BGRA2YUV_I420 if raw.format == "bgra" else cv2.COLOR_BGR2YUV_I420
-    return cast("NDArray[np.uint8]", cv2.cvtColor(even, code))
+    return cast("NDArray[np.uint8]", cv2.cvtColor(even, _TO_I420[raw.format]))
+
+
+def _sorted_planes(raw: RawVideo) -> NDArray[np.uint8]:
+    """Return an NV12 picture in contiguous I420."""
+    planes = np.empty((raw.height * 3 // 2, raw.width), np.uint8)
+    planes[: raw.height] = raw.data[: raw.height]
+    colour = raw.data[raw.height :].reshape(raw.height // 2, raw.width // 2, 2)
+    planes.reshape(-1)[raw.width * raw.height :].reshape(2, *colour.shape[:2])[:] = np.moveaxis(colour, 2, 0)
+    return planes
 
 
 def _half(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -8,7 +8,7 @@ from typing import Literal, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-PixelFormat = Literal["bgra", "bgr24", "i420"]
+PixelFormat = Literal["bgra", "bgr24", "rgb24", "nv12", "i420"]
 
 SAMPLE_RATE = 48_000
 """Samples per second and channel of all raw audio."""
@@ -20,9 +20,10 @@ FrameT_co = TypeVar("FrameT_co", covariant=True)
 class RawVideo:
     """Raw picture.
 
-    `data` (uint8) has the shape (height, width, 4) for `bgra`, (height, width, 3) for `bgr24`, and (height * 3 / 2,
-    width) for `i420`: the Y plane, then U, then V, BT.601 limited range, width and height even. It may be a strided
-    view. A source neither changes nor reuses the pixels of a frame that it has yielded.
+    `data` (uint8) has the shape (height, width, 4) for `bgra`, (height, width, 3) for `bgr24` and `rgb24`, and
+    (height * 3 / 2, width) for `i420` and `nv12`: the Y plane, then U and V, one after the other in `i420` and by turns
+    in `nv12`, BT.601 limited range, width and height even. It may be a strided view. A source neither changes nor
+    reuses the pixels of a frame that it has yielded.
 
     `sequence` counts the pictures of one source; a gap is a picture that was not made or did not arrive.
     `captured_at` is the moment the picture shows, in seconds of the media clock.
@@ -47,7 +48,9 @@ class RawVideo:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EncodedVideo:
-    """Picture that its source has encoded itself: an H.264 access unit in Annex B form, constrained baseline.
+    """Picture that its source has encoded itself.
+
+    `data` is an H.264 access unit in Annex B form, constrained baseline, or a VP8 frame (RFC 6386).
 
     `keyframe` is whether it can be decoded by itself. `sequence` counts the pictures of one source; after a gap nothing
     can be decoded until the next key frame. `captured_at` is as in `RawVideo`.
@@ -111,12 +114,12 @@ def picture_shape(pixel_format: PixelFormat, width: int, height: int) -> tuple[i
     """Return the shape of the array that holds a picture.
 
     Raises:
-        ValueError: a size below 2x2, or an odd one for `i420`, whose colour planes have half of it.
+        ValueError: a size below 2x2, or an odd one for `i420` and `nv12`, whose colour planes have half of it.
     """
     if width < 2 or height < 2:
         raise ValueError(f"a picture must be at least 2x2 pixels, not {width}x{height}")
-    if pixel_format == "i420":
+    if pixel_format in ("i420", "nv12"):
         if width % 2 or height % 2:
-            raise ValueError(f"i420 needs an even width and height, not {width}x{height}")
+            raise ValueError(f"{pixel_format} needs an even width and height, not {width}x{height}")
         return (height * 3 // 2, width)
     return (height, width, 4 if pixel_format == "bgra" else 3)

@@ -126,6 +126,10 @@ def stamped(raw: RawVideo, wall: float) -> RawVideo:
         data = data if data.flags.writeable and data.flags.c_contiguous else np.ascontiguousarray(data).copy()
         write(data[: raw.height], raw.sequence, wall)
         _neutralise_colour(data, raw.width, raw.height)
+    elif raw.format == "nv12":
+        data = data if data.flags.writeable else data.copy()
+        write(data[: raw.height], raw.sequence, wall)
+        data[raw.height + (raw.height - stamp_rows(raw.height)) // 2 :] = _GREY
     else:
         data = data if data.flags.writeable else data.copy()
         write(data, raw.sequence, wall)

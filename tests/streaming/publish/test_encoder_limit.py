@@ -3,7 +3,7 @@ from dataclasses import dataclass
 import pytest
 from openrois_streaming.adaptation.rung import Rung, ladder
 from openrois_streaming.errors import NoEncoder
-from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT, within_limit
+from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT, EncoderLimit, within_limit
 
 CODECS = ("video/H264", "video/VP8")
 
@@ -20,9 +20,10 @@ class Made:
 class Source:
     """A source of 1280x720 pictures and its renditions."""
 
-    def __init__(self, limit: int = ENCODERS_LIMIT) -> None:
-        self._limit = limit
+    def __init__(self, limit: int | EncoderLimit = ENCODERS_LIMIT) -> None:
         self.made: dict[tuple[str, int, int], Made] = {}
+        self._limit = EncoderLimit(limit) if isinstance(limit, int) else limit
+        self._limit.add_source(self.made.values)
 
     def ladder(self, codec: str, every: int = 1) -> list[Made]:
         rungs = ladder(1280, 720, 30.0, every=every)
@@ -30,7 +31,7 @@ class Source:
 
     def have(self, codec: str, every: int = 1) -> tuple[Made, ...]:
         asked, first = self.ladder(codec, every), self.ladder(codec)[0]
-        return within_limit(asked, first, self.made.values(), self._limit, len(CODECS))
+        return self._limit.choose(asked, first, self.made.values(), len(CODECS))
 
     @property
     def running(self) -> int:
@@ -77,4 +78,31 @@ def test_a_codec_that_finds_no_encoder_is_refused() -> None:
 def test_rendition_without_size_is_infinitely_far() -> None:
     first, other = Made("video/VP8", None), Made("video/VP8", None)
     first.is_wanted = True
-    assert within_limit([other], first, [first, other], 1, 1) == (first,)
+    assert within_limit([other], first, [first, other], [first, other], 1, 1) == (first,)
+
+
+def test_sources_that_share_a_limit_have_their_first_renditions_and_together_no_more() -> None:
+    limit = EncoderLimit(5)
+    one, two = Source(limit), Source(limit)
+    for every in (3, 2, 1):
+        for index in (2, 1, 0):
+            one.have("video/H264", every)[index].is_wanted = True
+    assert one.running == 2, "one besides the first, for three places are the others' first renditions"
+    for source in (two, one):
+        for codec in CODECS:
+            first = source.have(codec)[0]
+            assert first is source.ladder(codec)[0]
+            first.is_wanted = True
+    assert one.running + two.running == 5
+    assert list(two.have("video/VP8", every=2)) == [two.ladder("video/VP8")[0]] * 3
+
+
+def test_with_more_sources_than_encoders_the_last_one_is_refused() -> None:
+    limit = EncoderLimit(2)
+    sources = [Source(limit) for _ in range(3)]
+    for source in sources[:2]:
+        source.have("video/H264")[0].is_wanted = True
+    with pytest.raises(NoEncoder, match="all 2 encoders are in use, and none encodes video/H264"):
+        sources[2].have("video/H264")
+    sources[0].made["video/H264", 0, 1].is_wanted = False
+    assert sources[2].have("video/H264")[0] is sources[2].ladder("video/H264")[0]

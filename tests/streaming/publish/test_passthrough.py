@@ -10,6 +10,7 @@ from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.publish.key_frames import KeyFrameCause
 from openrois_streaming.publish.passthrough import EncodedPublisher, SwitchingPublisher
 from openrois_streaming.publish.publisher import VideoPublisher
+from openrois_streaming.rtp.payloads import payloads_of
 from openrois_streaming.source.source import EncodedVideo, RawVideo
 
 from tests.support.streaming import FedSource, VirtualClock, settle
@@ -199,6 +200,23 @@ async def test_the_rendition_follows_the_size_of_the_pictures_and_what_is_announ
         assert stage.publisher.renditions("video/h264")[0].figures().size == "640x180@30"
         stage.publisher.expect(60, (1280, 720))
         assert stage.publisher.renditions("video/H264")[0].figures().size == "1280x720@60"
+
+
+async def test_vp8_is_passed_on_in_packets_of_vp8() -> None:
+    source, frames, data = FedEncoder(), list[EncodedFrame](), b"\x10\x00\x00\x9d\x01\x2a" + bytes(20)
+    publisher = EncodedPublisher(source, clock=VirtualClock(), mime_type="video/vp8", size=(320, 180))
+    assert publisher.codecs() == ("video/VP8",)
+    (rendition,) = publisher.renditions("video/VP8")
+    async with rendition.play("v", frames.append, None):
+        await source.feed(EncodedVideo(data, True, 320, 180, 0, 1000))
+    assert frames[0].payloads == payloads_of("video/VP8", data)
+    with pytest.raises(CodecUnavailable, match="encoded as video/VP8 already"):
+        publisher.renditions("video/H264")
+
+
+def test_other_codecs_cannot_be_passed_on() -> None:
+    with pytest.raises(CodecUnavailable, match="'video/AV1' cannot be passed on: use video/H264 or video/VP8"):
+        EncodedPublisher(FedEncoder(), clock=VirtualClock(), mime_type="video/AV1")
 
 
 def test_there_is_no_other_media_type() -> None:

@@ -4,7 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 from openrois_streaming.codecs import CodecUnavailable
-from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT
+from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT, EncoderLimit
 from openrois_streaming.publish.publisher import AudioPublisher, VideoPublisher
 from openrois_streaming.publish.rendition_feed import RenditionFeed
 from openrois_streaming.publish.video_encoder import VideoEncoder
@@ -263,7 +263,7 @@ async def test_many_viewers_that_want_many_paces_share_a_few_encoders(clock: Vir
 
 
 async def test_with_one_encoder_the_second_codec_finds_no_room(clock: VirtualClock) -> None:
-    publisher = VideoPublisher(FedSource[RawVideo](), clock=clock, max_encoders=1)
+    publisher = VideoPublisher(FedSource[RawVideo](), clock=clock, encoders=EncoderLimit(1))
     assert publisher.has_room("video/VP8")
     async with publisher.renditions("video/H264")[0].subscribe():
         assert publisher.has_room("video/H264")

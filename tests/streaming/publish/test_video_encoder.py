@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from aiortc.codecs.h264 import h264_depayload
 from aiortc.codecs.vpx import vp8_depayload
+from numpy.typing import NDArray
 from openrois_streaming.adaptation.rung import MIN_BITRATE, ladder
 from openrois_streaming.publish.encoder import Chunk
 from openrois_streaming.publish.video_encoder import VideoEncoder, planar
@@ -186,9 +187,18 @@ def coloured(pixel_format: PixelFormat, width: int, height: int) -> RawVideo:
     return RawVideo(data, pixel_format, width, height, 0, START)
 
 
-def test_bgra_and_bgr_become_the_same_i420_picture() -> None:
+def semi_planar(i420: NDArray[np.uint8], width: int, height: int) -> RawVideo:
+    """An I420 picture in NV12."""
+    u, v = i420.reshape(-1)[width * height :].reshape(2, height // 2, width // 2)
+    return RawVideo(np.vstack([i420[:height], np.dstack([u, v]).reshape(-1, width)]), "nv12", width, height, 0, START)
+
+
+def test_every_format_becomes_the_same_i420_picture() -> None:
     first, second = planar(coloured("bgra", 64, 32)), planar(coloured("bgr24", 64, 32))
     assert np.array_equal(first, second)
+    mirrored = np.ascontiguousarray(coloured("bgr24", 64, 32).data[:, :, ::-1])
+    assert np.array_equal(first, planar(RawVideo(mirrored, "rgb24", 64, 32, 0, START)))
+    assert np.array_equal(first, planar(semi_planar(first, 64, 32)))
     # Blue above, red below (ITU-R BT.601, limited range): luma, then U and V of both halves.
     assert first[0, 0] == pytest.approx(16 + 0.098 * 200, abs=2)
     assert first[31, 0] == pytest.approx(16 + 0.257 * 200, abs=2)
@@ -253,13 +263,15 @@ def test_a_stamp_can_be_read_on_every_rung_at_its_lowest_rate(mime_type: str, si
 
 
 @pytest.mark.parametrize(("halvings", "size"), [(0, (206, 106)), (1, (102, 52)), (2, (50, 26))])
-@pytest.mark.parametrize("pixel_format", ["i420", "bgra", "bgr24"])
+@pytest.mark.parametrize("pixel_format", ["i420", "nv12", "bgra", "bgr24"])
 def test_halving_keeps_colours_and_cuts_off_what_is_left_over(
     pixel_format: PixelFormat, halvings: int, size: tuple[int, int]
 ) -> None:
-    raw = coloured("bgra" if pixel_format == "i420" else pixel_format, 206, 106)
+    raw = coloured("bgr24" if pixel_format == "bgr24" else "bgra", 206, 106)
     if pixel_format == "i420":
         raw = RawVideo(planar(raw), "i420", 206, 106, 0, START)
+    if pixel_format == "nv12":
+        raw = semi_planar(planar(raw), 206, 106)
     small = planar(raw, halvings)
     width, height = size
     assert small.shape == (height * 3 // 2, width)

@@ -4,7 +4,14 @@ from openrois_streaming.source.source import PixelFormat, RawAudio, RawVideo, pi
 
 
 @pytest.mark.parametrize(
-    ("pixel_format", "shape"), [("bgra", (90, 160, 4)), ("bgr24", (90, 160, 3)), ("i420", (135, 160))]
+    ("pixel_format", "shape"),
+    [
+        ("bgra", (90, 160, 4)),
+        ("bgr24", (90, 160, 3)),
+        ("rgb24", (90, 160, 3)),
+        ("i420", (135, 160)),
+        ("nv12", (135, 160)),
+    ],
 )
 def test_a_picture_has_the_shape_of_its_format(pixel_format: PixelFormat, shape: tuple[int, ...]) -> None:
     assert picture_shape(pixel_format, 160, 90) == shape
@@ -23,10 +30,13 @@ def test_a_picture_of_another_type_is_refused() -> None:
         RawVideo(np.zeros((90, 160, 4), np.float32), "bgra", 160, 90, 0, 0.0)
 
 
+@pytest.mark.parametrize("pixel_format", ["i420", "nv12"])
 @pytest.mark.parametrize("size", [(161, 90), (160, 91)])
-def test_i420_has_even_sizes(size: tuple[int, int]) -> None:
-    with pytest.raises(ValueError, match="even"):
-        picture_shape("i420", *size)
+def test_formats_with_colour_planes_of_half_size_have_even_sizes(
+    pixel_format: PixelFormat, size: tuple[int, int]
+) -> None:
+    with pytest.raises(ValueError, match=f"{pixel_format} needs an even"):
+        picture_shape(pixel_format, *size)
 
 
 @pytest.mark.parametrize("size", [(0, 90), (160, 1), (-2, 2)])

@@ -112,17 +112,17 @@ def _raw(pixel_format: PixelFormat, width: int = 640, height: int = 360) -> RawV
 
 
 def _luma(raw: RawVideo) -> NDArray[np.uint8]:
-    return raw.data[: raw.height] if raw.format == "i420" else np.ascontiguousarray(raw.data[:, :, 0])
+    return raw.data[: raw.height] if raw.data.ndim == 2 else np.ascontiguousarray(raw.data[:, :, 0])
 
 
-@pytest.mark.parametrize("pixel_format", ["bgra", "bgr24", "i420"])
+@pytest.mark.parametrize("pixel_format", ["bgra", "bgr24", "rgb24", "i420", "nv12"])
 def test_a_raw_picture_is_stamped_in_its_own_pixels(pixel_format: PixelFormat) -> None:
     raw = _raw(pixel_format)
     assert stamp.stamped(raw, WALL) is raw
     assert stamp.read(_luma(raw)) == Stamp.at(99, WALL)
 
 
-@pytest.mark.parametrize("pixel_format", ["bgra", "i420"])
+@pytest.mark.parametrize("pixel_format", ["bgra", "i420", "nv12"])
 def test_pixels_that_cannot_be_written_to_are_copied(pixel_format: PixelFormat) -> None:
     raw = _raw(pixel_format)
     raw.data.flags.writeable = False
@@ -155,6 +155,14 @@ def test_a_stamped_i420_picture_is_read_from_rgb_too() -> None:
         assert stamp.read(np.ascontiguousarray(rgb[:, :, channel], np.uint8)) == Stamp.at(99, WALL)
     colours = raw.data.reshape(-1)[640 * 360 :].reshape(2, 180, 320)
     assert np.all(colours[:, :-4] == 220)
+
+
+def test_the_stamp_of_an_nv12_picture_is_without_colour() -> None:
+    raw = _raw("nv12")
+    raw.data[360:] = 220
+    stamp.stamped(raw, WALL)
+    assert np.all(raw.data[360:-4] == 220)
+    assert np.all(raw.data[-4:] == 128)
 
 
 @pytest.mark.parametrize("mime_type", ["video/H264", "video/VP8"])
