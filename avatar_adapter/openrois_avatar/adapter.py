@@ -16,18 +16,15 @@ from openrois_body.metrics import body_figures
 from openrois_body.microphone_senses import microphone_senses
 from openrois_media.components import AudioStreaming, VideoStreaming
 from openrois_media.devices import Camera, Microphone
-from openrois_media.health import Health, worst
-from openrois_media.metrics.collector import Collector
 from openrois_media.metrics.figures import Snapshot
-from openrois_media.streaming_interface import Published, StreamingInterface
-from openrois_media.supervision import Supervised, seen_of, supervise
+from openrois_media.streams import AdapterStreams, Stream, codecs_of
+from openrois_media.supervision import Supervised
 from openrois_streaming.adaptation.viewer import Caps
 from openrois_streaming.clock import MediaClock, SystemClock
-from openrois_streaming.codecs import available_codecs
 from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT, EncoderLimit
 from openrois_streaming.publish.passthrough import EncodedPublisher, SwitchingPublisher
-from openrois_streaming.publish.publisher import AudioPublisher, Publishing, VideoPublisher
+from openrois_streaming.publish.publisher import AudioPublisher, VideoPublisher
 from openrois_streaming.session.sessions import StreamSessions
 
 from openrois.adapter.running import hosted
@@ -134,54 +131,51 @@ async def serve_scene(
     Raises:
         UnsupportedLibrary: the installed version of aiortc is not supported.
     """
-    video = _publisher(scene, clock, max_encoders)
-    audio = AudioPublisher(scene.audio, clock=clock)
+    video, audio = _publisher(scene, clock, EncoderLimit(max_encoders)), AudioPublisher(scene.audio, clock=clock)
     microphone, camera = Microphone(clock), Camera()
-    pictures, sounds = (
-        Published(video, "video", camera.inlet, video.codecs),
-        Published(audio, "audio", microphone.inlet),
+    streams = AdapterStreams(
+        engine_id,
+        {
+            VIDEO: Stream(video, camera.inlet, "picture", scene.status),
+            AUDIO: Stream(audio, microphone.inlet, "sound"),
+        },
+        clock=clock,
+        network=network,
+        cap=cap,
+        operator=scene.operator_control,
     )
-    published = {reference(engine_id, VIDEO): pictures, reference(engine_id, AUDIO): sounds}
-    picture, voice = Health("the picture", clock.now()), Health("the sound", clock.now())
-    showing = VideoStreaming(_codecs("video/"), pictures.directions, lambda: worst(scene.status(), picture.status))
-    sounding = AudioStreaming(_codecs("audio/"), sounds.directions, lambda: voice.status)
+    showing = streams.components[VIDEO]
     information, operator = SystemInformation(engine_id, scene.status, scene.place), Operator(microphone, camera)
     eyes, ears = camera_senses(engine_id, camera, clock), microphone_senses(engine_id, microphone, clock)
     progress = () if scene.voice is None else (SpeechProgress(scene.voice, ears.speech),)
     sensing = (*eyes.components, *ears.components)
-    components = (information, showing, sounding, operator, *progress, *sensing, *scene.components)
+    components = (information, *streams.components.values(), operator, *progress, *sensing, *scene.components)
     # A voice is heard also while nothing moves.
     moving = tuple(each for each in scene.components if not isinstance(each, SpeechSynthesis))
-    sources = {
-        "engine": Supervised(scene.engine, scene.observe, (showing, *moving)),
-        "picture": Supervised(picture, lambda: seen_of(video), (showing,)),
-        "sound": Supervised(voice, lambda: seen_of(audio), (sounding,)),
-    }
+    streams.supervised["engine"] = Supervised(scene.engine, scene.observe, (showing, *moving))
     async with AsyncExitStack() as stack:
-        streams = StreamingInterface(engine_id, published, clock, network, cap, scene.operator_control)
-        await stack.enter_async_context(streams.sessions)
+        interface = await stack.enter_async_context(streams)
+        sessions = interface.sessions
         if scene.voice is not None:
-            scene.voice.playout_delay.observe_sessions(streams.sessions, reference(engine_id, AUDIO))
-        host = await stack.enter_async_context(hosted(engine_id, *components, extension=streams))
+            scene.voice.playout_delay.observe_sessions(sessions, reference(engine_id, AUDIO))
+        host = await stack.enter_async_context(hosted(engine_id, *components, extension=interface))
         tasks = await stack.enter_async_context(TaskScope())
-        tasks.start(supervise(tuple(sources.values()), clock))
         tasks.start(microphone.listen())
         tasks.start(eyes.run())
         tasks.start(ears.run())
         if streamer is not None:
-            tasks.start(serve_pixel_streaming(streamer, streams, tuple(published), scene, clock))
+            shown = tuple(reference(engine_id, name) for name in streams.components)
+            tasks.start(serve_pixel_streaming(streamer, interface, shown, scene, clock))
         microphone.sound_received.add(scene.send_audio)
         scene.announced.add(lambda shape: _expect(shape, video, showing))
-        scene.pauses.changed.add(lambda on: _pause(streams.sessions, reference(engine_id, VIDEO), on))
-        played: dict[str, Publishing] = {"picture": video, "sound": audio}
+        scene.pauses.changed.add(lambda on: _pause(sessions, reference(engine_id, VIDEO), on))
         senses = {"vision": eyes.watch.figures, "hearing": ears.recognition.figures}
         operator_figures = None if scene.operator_control is None else scene.operator_control.figures
         more = partial(body_figures, senses, operator_figures)
-        collector = Collector(streams.sessions, played, sources, streams.guarded, clock, more)
-        yield Avatar(host, video, audio, collector.snapshot)
+        yield Avatar(host, video, audio, streams.collector(more).snapshot)
 
 
-def _publisher(scene: Scene, clock: MediaClock, max_encoders: int) -> SwitchingPublisher:
+def _publisher(scene: Scene, clock: MediaClock, encoders: EncoderLimit) -> SwitchingPublisher:
     encoded = scene.encoded or EngineEncoded(clock, PictureDemand(clock))
     return SwitchingPublisher(
         VideoPublisher(
@@ -190,17 +184,17 @@ def _publisher(scene: Scene, clock: MediaClock, max_encoders: int) -> SwitchingP
             stamp=scene.stamped,
             frame_rate=scene.frame_rate,
             size=scene.size,
-            encoders=EncoderLimit(max_encoders),
+            encoders=encoders,
         ),
         EncodedPublisher(encoded, clock=clock, frame_rate=scene.frame_rate, size=scene.size),
         lambda: encoded.announced is not None,
     )
 
 
-def _expect(shape: VideoShape, video: SwitchingPublisher, showing: VideoStreaming) -> None:
+def _expect(shape: VideoShape, video: SwitchingPublisher, showing: VideoStreaming | AudioStreaming) -> None:
     """Another game engine has come, with such pictures."""
     video.expect(shape.fps, (shape.width, shape.height))
-    showing.offer_codecs(video.codecs() or _codecs("video/"))
+    showing.offer_codecs(codecs_of(video))
 
 
 def _pause(sessions: StreamSessions, component_ref: str, on: bool) -> None:
@@ -209,7 +203,3 @@ def _pause(sessions: StreamSessions, component_ref: str, on: bool) -> None:
         sessions.hold(component_ref, "recvonly")
     else:
         sessions.release(component_ref)
-
-
-def _codecs(kind: str) -> tuple[str, ...]:
-    return tuple(codec for codec in available_codecs() if codec.startswith(kind))

@@ -9,12 +9,11 @@ import sys
 from collections.abc import Sequence
 from contextlib import AsyncExitStack
 from functools import partial
-from typing import Final
 
-import cv2
 import uvloop
 from openrois_media.metrics.exposition import scraped
 from openrois_media.network_options import add_network_options, network_settings
+from openrois_media.running import prepare_process
 from openrois_streaming.adaptation.rung import MIN_BITRATE
 from openrois_streaming.aiortc_internals.trial import UnsupportedLibrary
 
@@ -43,9 +42,6 @@ from openrois_avatar.options.settings import AvatarSettings
 __all__ = ["main"]
 
 _log = logging.getLogger(__name__)
-
-_SWITCH_INTERVAL: Final = 0.0005
-"""Seconds after which a busy thread gives way: encoder threads must not keep the event loop waiting for 5 ms."""
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -109,9 +105,7 @@ def main(arguments: Sequence[str]) -> int:
         print(f"openrois avatar: {error}", file=sys.stderr)
         return 1
     set_up_logging(verbose=chosen.verbose, form=chosen.log_format)
-    sys.setswitchinterval(_SWITCH_INTERVAL)
-    # Each picture is small and each encoder has a thread already: OpenCV's own threads would only wait for each other.
-    cv2.setNumThreads(1)
+    prepare_process()
     settings = AvatarSettings(
         gateway,
         chosen.engine_id,

@@ -5,7 +5,7 @@ import logging
 import os
 import signal
 from collections.abc import AsyncIterator, Callable
-from contextlib import AbstractAsyncContextManager, asynccontextmanager, suppress
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager, suppress
 from pathlib import Path
 from typing import Final
 
@@ -71,6 +71,7 @@ async def serve(
     gateway: str | None = None,
     token_file: Path | str | None = None,
     ca_file: Path | str | None = None,
+    extension: AbstractAsyncContextManager[Extension] | None = None,
 ) -> AsyncIterator[EngineHost]:
     """Serve components to a gateway while the block runs, and yield their engine; a connection that ends is made again.
 
@@ -83,6 +84,8 @@ async def serve(
             the environment (`OPENROIS_TOKEN_FILE`).
         ca_file: authorities (PEM) that may have signed the gateway's certificate; unless given those of the
             environment (`OPENROIS_CA_FILE`), or else the system's.
+        extension: methods beside the five, such as those of streams; entered before the components are connected, and
+            left when they are disconnected.
 
     Raises:
         BadParameter: `engine_id` or a component's name cannot be part of a reference, or a name stands twice.
@@ -90,7 +93,10 @@ async def serve(
     """
     address = gateway or os.environ.get(GATEWAY_VARIABLE) or GATEWAY
     url = adapter_url(address)
-    async with hosted(engine_id, *components) as host, TaskScope() as tasks:
+    async with AsyncExitStack() as stack:
+        added = None if extension is None else await stack.enter_async_context(extension)
+        host = await stack.enter_async_context(hosted(engine_id, *components, extension=added))
+        tasks = await stack.enter_async_context(TaskScope())
         with told_of_blocking():
             tasks.start(serve_parent(host, url, credentials=Credentials.of_files(token_file, ca_file)))
             yield host
@@ -102,6 +108,7 @@ def run(
     gateway: str | None = None,
     token_file: Path | str | None = None,
     ca_file: Path | str | None = None,
+    extension: AbstractAsyncContextManager[Extension] | None = None,
     verbose: bool = False,
 ) -> None:
     """Serve components to a gateway until the process is told to stop (Ctrl-C, SIGTERM): the main of an adapter.
@@ -117,6 +124,8 @@ def run(
             the environment (`OPENROIS_TOKEN_FILE`).
         ca_file: authorities (PEM) that may have signed the gateway's certificate; unless given those of the
             environment (`OPENROIS_CA_FILE`), or else the system's.
+        extension: methods beside the five, such as those of streams; entered before the components are connected, and
+            left when they are disconnected.
         verbose: log more.
 
     Raises:
@@ -130,7 +139,14 @@ def run(
         except ValueError as error:
             raise SystemExit(f"{GATEWAY_VARIABLE}: {error}") from None
     set_up_logging(verbose=verbose)
-    serving = serve(*components, engine_id=engine_id, gateway=gateway, token_file=token_file, ca_file=ca_file)
+    serving = serve(
+        *components,
+        engine_id=engine_id,
+        gateway=gateway,
+        token_file=token_file,
+        ca_file=ca_file,
+        extension=extension,
+    )
     with suppress(KeyboardInterrupt), asyncio.Runner(loop_factory=_quick_loop()) as runner:
         runner.run(_serve_until_stopped(serving, engine_id))
 

@@ -67,12 +67,17 @@ class VideoStreaming(_Streaming, components.VideoStreaming):
         codecs: available media types, best first.
         directions: available directions of an application (W3C's terms).
         source_status: returns the status of the source.
+        name: of the component; the type's unless given.
     """
 
     def __init__(
-        self, codecs: Iterable[str], directions: Iterable[str], source_status: Callable[[], ComponentStatus]
+        self,
+        codecs: Iterable[str],
+        directions: Iterable[str],
+        source_status: Callable[[], ComponentStatus],
+        name: str | None = None,
     ) -> None:
-        super().__init__()
+        super().__init__(name)
         self._offer(codecs, directions, source_status)
 
 
@@ -80,7 +85,11 @@ class AudioStreaming(_Streaming, components.AudioStreaming):
     """Sound of a body, and the sink of its operator's microphone; as `VideoStreaming`."""
 
     def __init__(
-        self, codecs: Iterable[str], directions: Iterable[str], source_status: Callable[[], ComponentStatus]
+        self,
+        codecs: Iterable[str],
+        directions: Iterable[str],
+        source_status: Callable[[], ComponentStatus],
+        name: str | None = None,
     ) -> None:
-        super().__init__()
+        super().__init__(name)
         self._offer(codecs, directions, source_status)

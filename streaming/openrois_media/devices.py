@@ -5,10 +5,10 @@ from typing import Final
 
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source.loudness import SILENCE, Level, LevelMeter
-from openrois_streaming.source.shared_inlet import SharedInlet
 from openrois_streaming.source.source import RawAudio, RawVideo
 
 from openrois.aio.listeners import Listeners
+from openrois_media.uplinks import AudioUplink, VideoUplink
 
 __all__ = ["LEVEL_INTERVAL", "Camera", "Microphone"]
 
@@ -26,7 +26,7 @@ class Microphone:
     """
 
     def __init__(self, clock: MediaClock) -> None:
-        self.inlet: SharedInlet[RawAudio] = SharedInlet("microphone")
+        self.inlet = AudioUplink("microphone")
         self.sound_received: Listeners[RawAudio] = Listeners()
         """Listeners to each block of sound."""
         self.level_changed: Listeners[Level] = Listeners()
@@ -65,7 +65,7 @@ class Camera:
     """Operator's camera. Its pictures are decoded while `inlet` has a subscriber."""
 
     def __init__(self) -> None:
-        self.inlet: SharedInlet[RawVideo] = SharedInlet("camera")
+        self.inlet = VideoUplink("camera")
 
     @property
     def is_connected(self) -> bool:

@@ -68,9 +68,9 @@ _REFUSALS: Final[dict[type[media_errors.SessionError], type[RoISError]]] = {
 
 @dataclass(frozen=True, slots=True)
 class Published:
-    """Media of a streaming component: its publisher and kind, and the sink of an application's media."""
+    """Media of a streaming component: its publisher if any, its kind, and the sink of what an application sends."""
 
-    publisher: MediaPublisher
+    publisher: MediaPublisher | None
     kind: MediaKind
     inlet: UplinkSink | None = None
     codecs: Callable[[], tuple[str, ...] | None] = lambda: None
@@ -95,6 +95,8 @@ class Published:
     @property
     def directions(self) -> tuple[Direction, ...]:
         """Available directions of an application (W3C's terms); only sound goes both ways in one stream."""
+        if self.publisher is None:
+            return ("sendonly",)
         if self.inlet is None:
             return ("recvonly",)
         return ("recvonly", "sendonly", "sendrecv") if self.kind == "audio" else ("recvonly", "sendonly")

@@ -5,6 +5,8 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass, replace
 from typing import Final
 
+from openrois_signaling.messages import MediaKind
+
 from openrois_streaming.adaptation.demand import LOWEST, Demands
 from openrois_streaming.adaptation.rung import MIN_BITRATE, Rung, ladder
 from openrois_streaming.clock import MediaClock
@@ -135,8 +137,10 @@ class EncodedPublisher:
         name: its name in the log.
 
     Raises:
-        CodecUnavailable: there are no pictures of that media type here.
+        CodecUnavailable: pictures of that media type cannot be passed on.
     """
+
+    kind: Final[MediaKind] = "video"
 
     def __init__(
         self,
@@ -226,6 +230,8 @@ class SwitchingPublisher:
         encoded: publishes the pictures that come encoded.
         comes_encoded: whether pictures come encoded now.
     """
+
+    kind: Final[MediaKind] = "video"
 
     def __init__(self, raw: VideoPublisher, encoded: EncodedPublisher, comes_encoded: Callable[[], bool]) -> None:
         self._raw = raw

@@ -3,7 +3,9 @@
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from functools import cache
-from typing import Generic, Protocol, TypeVar
+from typing import Final, Generic, Protocol, TypeVar
+
+from openrois_signaling.messages import MediaKind
 
 from openrois_streaming.adaptation.demand import LOWEST, MIDDLE, TOP, Demands
 from openrois_streaming.adaptation.rung import Rung, Thinning, every_for, ladder
@@ -56,6 +58,15 @@ class Publishing(MediaPublisher, Protocol):
     """Publisher with the figures of its source."""
 
     @property
+    def kind(self) -> MediaKind:
+        """Kind of its media."""
+        ...
+
+    def codecs(self) -> tuple[str, ...] | None:
+        """Return the only media types available now; None: all that can be encoded here."""
+        ...
+
+    @property
     def made(self) -> tuple[Rendition, ...]:
         """Renditions that were played so far."""
         ...
@@ -97,6 +108,10 @@ class Publisher(Generic[RawT]):
         self._raw: Fanout[RawT] = Fanout(self._source, name=name)
         self._made: dict[tuple[object, ...], Rendition] = {}
         self._health = EncoderHealth()
+
+    def codecs(self) -> tuple[str, ...] | None:
+        """Return None: all that can be encoded here is available."""
+        return None
 
     def has_room(self, mime_type: str) -> bool:
         """Tell whether a viewer can be sent that media type now."""
@@ -162,6 +177,8 @@ class VideoPublisher(Publisher[RawVideo]):
         encoders: limit on renditions that are encoded at a time, which sources may share; None: one of its own.
         name: its name in the log.
     """
+
+    kind: Final[MediaKind] = "video"
 
     def __init__(
         self,
@@ -243,6 +260,8 @@ class AudioPublisher(Publisher[RawAudio]):
         bitrate: of the rendition, in bit/s.
         name: its name in the log.
     """
+
+    kind: Final[MediaKind] = "audio"
 
     def __init__(
         self, source: MediaSource[RawAudio], *, clock: MediaClock, bitrate: int = 64_000, name: str = "audio"
