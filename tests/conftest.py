@@ -106,6 +106,20 @@ def flite() -> None:
 
 
 @pytest.fixture(scope="session")
+def gstreamer() -> None:
+    """GStreamer's command runs here."""
+    if shutil.which("gst-launch-1.0") is None:
+        _lack("no gst-launch-1.0 is found; install GStreamer (Debian: apt install gstreamer1.0-tools)")
+
+
+@pytest.fixture(scope="session")
+def ffmpeg() -> None:
+    """FFmpeg's command runs here. It is large: only the long run needs it."""
+    if shutil.which("ffmpeg") is None:
+        _lack("no ffmpeg is found; install it (Debian: apt install ffmpeg)")
+
+
+@pytest.fixture(scope="session")
 def pocketsphinx() -> None:
     """The offline speech recogniser is installed."""
     if importlib.util.find_spec("pocketsphinx") is None:

@@ -55,7 +55,7 @@ class IteratedSource(Generic[T]):
             RuntimeError: the thread of an earlier opening has not come back from its last read.
             TypeError: `items` returned no iterator.
         """
-        if self._reader is not None and self._reader.is_alive():
+        if self._reader is not None and not self._reader.has_ended:
             raise RuntimeError(
                 f"{self._name} is still being read by a thread that does not come back:"
                 " reconnect the device, or restart the adapter"
@@ -122,6 +122,11 @@ class _Reader(threading.Thread, Generic[T]):
                 # Here, in its own thread, a generator releases its device.
                 cast("Any", getattr(self._values, "close", lambda: None))()
             self._call(self._end)
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the iterator has been closed."""
+        return self._ended.is_set()
 
     async def items(self) -> AsyncGenerator[Item[T], None]:
         """Yield the items, in order."""

@@ -5,20 +5,23 @@ import os
 import re
 import signal
 import sys
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from openrois.adapter import serve
+from openrois.adapter import Component, Unsupported, serve
 from openrois.client import Client
+from openrois.contract import Client as Caller
 from openrois.errors import Aborted
 from openrois.gateway.server import Gateway
 from openrois.testing import findings, launched
+from openrois.types.streams import HolderNotification
 from tests.support.basics import Navigation
 from tests.support.components import Lamp
-from tests.support.deployment import gateway, until
+from tests.support.deployment import application, gateway, until
 
 pytestmark = pytest.mark.extra(name="gateway")
 
@@ -81,6 +84,43 @@ class TestServe:
             assert await findings(running.engine) == []
             with pytest.raises(Aborted, match="no application has control"):
                 await running.engine.invoke("robot/navigation", "start")
+
+    async def test_an_extension_answers_and_lives_around_the_components(self) -> None:
+        class Door(Component, authority="Example", function="sensing"):
+            async def connect(self) -> None:
+                order.append("connected")
+
+            async def disconnect(self) -> None:
+                order.append("disconnected")
+
+        class Streams:
+            def engines(self) -> frozenset[str]:
+                return frozenset({"robot"})
+
+            async def call(self, method: str, params: Mapping[str, Any], client: Caller) -> dict[str, Any]:
+                return {"return_code": "OK", "stream_id": f"robot/{params['component_ref']}"}
+
+            async def set_holder(self, notification: HolderNotification, client: Caller) -> None:
+                raise Unsupported("nothing here is held")
+
+            async def forget_client(self, client: Caller) -> None:
+                order.append("forgotten")
+
+        @asynccontextmanager
+        async def streams() -> AsyncIterator[Streams]:
+            order.append("entered")
+            yield Streams()
+            order.append("left")
+
+        order: list[str] = []
+        async with gateway() as running:
+            async with serve(Door(), engine_id="robot", gateway=running.url, extension=streams()):
+                await until(running.engine, lambda ids: "robot" in ids)
+                async with application(running) as app:
+                    await app.ask("openrois.hello", version="1", extensions=["rois.stream", "signaling"])
+                    answer = await app.ask("rois.stream.connect_stream", component_ref="robot/door", parameters=[])
+                assert answer["stream_id"] == "robot/robot/door"
+            assert [each for each in order if each != "forgotten"] == ["entered", "connected", "disconnected", "left"]
 
     async def test_the_environment_says_where_the_gateway_is(self, monkeypatch: pytest.MonkeyPatch) -> None:
         async with gateway() as running:
