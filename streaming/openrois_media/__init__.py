@@ -4,18 +4,26 @@
 
     run(engine_id="porch", streams={"camera": opencv_camera(0)})
 
-It knows no body: what a body is made of besides its streams lies above it.
+It knows no body: what a body is made of besides its streams lies above it. Names are imported on first use, because the
+media plane takes half a second, and commands read their options without it.
 """
 
-from openrois_streaming.capture.audio import AudioSource
-from openrois_streaming.capture.devices import ffmpeg_input, opencv_camera, v4l2_camera
-from openrois_streaming.capture.pipes import piped_pictures, piped_sound, piped_units
-from openrois_streaming.capture.video import EncodedSource, VideoSource
-from openrois_streaming.network.settings import NetworkSettings
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-from openrois_media.running import run, serve
-from openrois_media.streams import Stream
-from openrois_media.uplinks import AudioUplink, VideoUplink
+from openrois.extras import needing_extra
+
+if TYPE_CHECKING:
+    from openrois_streaming.capture.audio import AudioSource
+    from openrois_streaming.capture.devices import ffmpeg_input, opencv_camera, v4l2_camera
+    from openrois_streaming.capture.pipes import piped_pictures, piped_sound, piped_units
+    from openrois_streaming.capture.video import EncodedSource, VideoSource
+    from openrois_streaming.network.settings import NetworkSettings
+
+    from openrois_media.command import main
+    from openrois_media.running import run, serve
+    from openrois_media.streams import Stream
+    from openrois_media.uplinks import AudioUplink, VideoUplink
 
 __all__ = [
     "AudioSource",
@@ -26,6 +34,7 @@ __all__ = [
     "VideoSource",
     "VideoUplink",
     "ffmpeg_input",
+    "main",
     "opencv_camera",
     "piped_pictures",
     "piped_sound",
@@ -34,3 +43,29 @@ __all__ = [
     "serve",
     "v4l2_camera",
 ]
+
+_PLACES = {
+    "AudioSource": "openrois_streaming.capture.audio",
+    "AudioUplink": "openrois_media.uplinks",
+    "EncodedSource": "openrois_streaming.capture.video",
+    "NetworkSettings": "openrois_streaming.network.settings",
+    "Stream": "openrois_media.streams",
+    "VideoSource": "openrois_streaming.capture.video",
+    "VideoUplink": "openrois_media.uplinks",
+    "ffmpeg_input": "openrois_streaming.capture.devices",
+    "main": "openrois_media.command",
+    "opencv_camera": "openrois_streaming.capture.devices",
+    "piped_pictures": "openrois_streaming.capture.pipes",
+    "piped_sound": "openrois_streaming.capture.pipes",
+    "piped_units": "openrois_streaming.capture.pipes",
+    "run": "openrois_media.running",
+    "serve": "openrois_media.running",
+    "v4l2_camera": "openrois_streaming.capture.devices",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACES:
+        raise AttributeError(f"{__name__} has no {name}")
+    with needing_extra("streaming"):
+        return getattr(import_module(_PLACES[name]), name)

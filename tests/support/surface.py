@@ -28,6 +28,7 @@ PACKAGES: Final = (
     "openrois.adapter",
     "openrois.client",
     "openrois.testing",
+    "openrois_media",
     "openrois_signaling",
     "openrois_streaming.synthetic",
     "openrois_streaming.testing",
