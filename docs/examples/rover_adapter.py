@@ -1,4 +1,4 @@
-"""A rover that drives on a floor, and the camera on the ceiling above it. Ctrl-C ends it."""
+"""A rover that drives on a floor, and the camera on the ceiling above it."""
 
 import asyncio
 import math
@@ -40,8 +40,7 @@ class Rover(components.Move):
     async def pictures(self) -> AsyncIterator[Any]:
         """Draw the floor and the rover on it, while an application watches."""
         rows, columns = np.indices((SIZE[1], SIZE[0]))
-        tiles = (rows // SCALE + columns // SCALE)[..., np.newaxis] % 2
-        floor = np.where(tiles, (150, 160, 170), (120, 130, 140)).astype(np.uint8)
+        floor = np.array([(120, 130, 140), (150, 160, 170)], np.uint8)[(rows // SCALE + columns // SCALE) % 2]
         across, ahead = (columns - SIZE[0] / 2) / SCALE, (SIZE[1] / 2 - rows) / SCALE
         while True:
             picture = floor.copy()
