@@ -1,6 +1,7 @@
 """An adapter written with sources alone, without a word of WebRTC: all of them reach an application."""
 
 import itertools
+import threading
 import time
 from collections.abc import AsyncIterator, Iterator
 from typing import Final
@@ -129,3 +130,34 @@ async def _the_other_streams(app: Application, room: Room) -> None:
         heard = [await blocks.get() for _ in range(50)]
     assert max(np.abs(block.samples).max() for block in heard) > 1000
     await app.act("disconnect", mouth)
+
+
+async def test_a_camera_that_fails_is_opened_again_while_a_viewer_waits(gateway: Gateway) -> None:
+    repaired = threading.Event()
+    openings = itertools.count(1)
+
+    def pictures() -> Iterator[np.ndarray]:
+        if next(openings) > 1 and not repaired.is_set():
+            raise OSError("the cable is out")
+        for _ in range(60 if not repaired.is_set() else 3000):
+            time.sleep(1 / 30)
+            yield np.full((SIZE[1], SIZE[0], 3), 90, np.uint8)
+        raise OSError("the cable is out")
+
+    streams = {"camera": VideoSource(pictures, size=SIZE)}
+    async with serve(engine_id="robot", streams=streams, gateway=gateway.url):
+        await until(gateway.engine, lambda ids: "robot" in ids)
+        async with application(gateway.url.replace("http", "ws", 1)) as app:
+            await app.hello()
+            stream = await app.play("robot/camera")
+            await app.until_status(stream, "NOT_RUNNING")
+
+            def faults() -> list[str]:
+                return [each["error_id"] for each in app.told("rois.system.notify_error")]
+
+            await app.news.until(faults)
+            detail = await app.ask("rois.system.get_error_detail", error_id=faults()[0], condition="")
+            assert "the source of camera has failed: OSError('the cable is out')" in str(detail["results"])
+            repaired.set()
+            await app.until_status(stream, "RUNNING")
+            await app.frames(stream, 10)
