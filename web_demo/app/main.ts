@@ -5,11 +5,13 @@ import { MediaReceiver, SAME_CLOCK, decodableCodecs, isLoopback, measureOffset }
 import type { Desire, LocalStream, RemoteStream } from "../sdk/media/index.ts";
 import { AvatarDirectory, bodyOf } from "./model/avatars.ts";
 import type { Avatar } from "./model/avatars.ts";
+import { byRole } from "./dom/elements.ts";
 import { Banner } from "./panels/banner.ts";
 import { BodyControl } from "./model/body_control.ts";
 import { Captions } from "./panels/captions.ts";
 import { Control } from "./panels/control.ts";
 import { FiguresPanel } from "./panels/figures.ts";
+import { installFullscreen, toggleFullscreen } from "./panels/fullscreen.ts";
 import { Handover } from "./panels/handover.ts";
 import { Gaze } from "./panels/gaze.ts";
 import { Header } from "./panels/header.ts";
@@ -17,6 +19,7 @@ import { MessageLog } from "./panels/log.ts";
 import { MapCard } from "./map/map_card.ts";
 import { recall, remember } from "./model/memory.ts";
 import { OperatorCard } from "./panels/operator.ts";
+import { OtherBodies } from "./panels/other_bodies.ts";
 import { Overlay } from "./panels/overlay.ts";
 import { AWAY, WATCHING } from "./model/permission.ts";
 import { Reactions } from "./panels/reactions.ts";
@@ -26,6 +29,7 @@ import { installShortcuts } from "./panels/shortcuts.ts";
 import { Sound } from "./panels/sound.ts";
 import { Stage } from "./panels/stage.ts";
 import { StopButton } from "./panels/stop_button.ts";
+import type { ActingBody } from "./panels/stop_button.ts";
 import { StreamCard } from "./panels/stream_card.ts";
 import { PageToken, asksForTokens, isTurnedAway } from "./model/token.ts";
 import { findTrouble } from "./model/trouble.ts";
@@ -60,7 +64,8 @@ let before = recall(sessionStorage, Date.now());
 const directory = new AvatarDirectory(client, avatarChanged, before?.engineId);
 const header = new Header(directory);
 const banner = new Banner(() => client.retryNow(), takeToken);
-const stage = new Stage();
+const scene = byRole("scene", HTMLElement);
+const stage = new Stage(scene);
 const captions = new Captions(client);
 const sound = new Sound();
 const videoCard = new StreamCard("video");
@@ -76,9 +81,9 @@ const body = new BodyControl(client, controlChanged);
 const operator = new OperatorCard(client, receiver, () =>
   token.counts ? body.takeControl() : Promise.resolve(() => undefined),
 );
-const map = new MapCard(client);
-const control = new Control(client, receiver, body, stage.video);
-const handover = new Handover(body, (giveBack) => control.drive(giveBack));
+const map = new MapCard(client, byRole("card-map", HTMLElement), "map");
+const control = new Control(client, receiver, body, stage.video, scene);
+const handover = new Handover(body, (giveBack) => control.drive(giveBack), document);
 const stopButton = new StopButton(client, () => say.stop());
 body.onLost = (why) => {
   control.controlLost(why);
@@ -93,6 +98,7 @@ new MessageLog(client);
 let shown: Avatar | null = null;
 window.openrois = { client, video: null, audio: null, microphone: null, camera: null };
 const views = new Views(client, render);
+const others = new OtherBodies(client, receiver, (engineId) => directory.choose(engineId));
 if (before?.muted === true) sound.muted = true;
 overlay.shown = before?.statistics ?? false;
 if (before && before.picture !== "") void stage.picture.restore(before.picture).then(render, () => undefined);
@@ -146,10 +152,11 @@ function avatarChanged(): void {
   control.setComponent(present?.teleoperation ?? null);
   const moving = present && bodyOf(present);
   body.setComponents(moving);
-  stopButton.setEngine(present?.engineId ?? null, [
-    ...(present?.speech ? [present.speech] : []),
-    ...(moving ?? []),
-  ]);
+  const all = client.state.name === "connected" ? (directory.avatars ?? []) : [];
+  others.update(all, avatar?.engineId ?? "", token.mayOperate ? "" : WATCHING);
+  stopButton.setBodies(
+    [...(present ? [present] : []), ...all.filter((each) => each !== present)].map(actingBody),
+  );
   controlChanged();
   if (present) {
     void readClock(present);
@@ -157,6 +164,13 @@ function avatarChanged(): void {
   }
   views.update(directory.profile, client.state.name === "connected");
   render();
+}
+
+function actingBody(avatar: Avatar): ActingBody {
+  return {
+    engineId: avatar.engineId,
+    acting: [...(avatar.speech ? [avatar.speech] : []), ...bodyOf(avatar)],
+  };
 }
 
 /** Updates what may be used, after a change of control; disabled controls say why. */
@@ -190,7 +204,9 @@ function frameAge(): number | null {
 function show(avatar: Avatar): void {
   shown = avatar;
   const { video: oldVideo, audio: oldAudio } = window.openrois;
-  void oldVideo?.disconnect();
+  // The picture of a body that is still there goes on in a card.
+  const isThere = directory.avatars?.some(({ video }) => video === oldVideo?.componentRef) ?? false;
+  if (!isThere) void oldVideo?.disconnect();
   void oldAudio?.disconnect();
   const video = receiver.stream(avatar.video, "video");
   const audio = avatar.audio === null ? null : receiver.stream(avatar.audio, "audio");
@@ -224,7 +240,9 @@ function render(): void {
   const avatar = directory.chosen;
   header.render(client.state);
   stage.render(directory.present, readings.latency);
-  map.shown = views.current === "avatar" && document.visibilityState === "visible";
+  const visible = views.current === "avatar" && document.visibilityState === "visible";
+  map.shown = visible;
+  others.render(visible);
   const trouble = findTrouble({
     canStream,
     connection: client.state,
@@ -257,6 +275,7 @@ function toAvatar(run: (key: string) => void): (key: string) => void {
   };
 }
 
+installFullscreen();
 installShortcuts([
   { keys: ["x"], label: "STOP: everything that moves", run: () => undefined },
   {
@@ -277,7 +296,7 @@ installShortcuts([
   { keys: ["k"], label: "Captions on or off", run: toAvatar(() => captions.toggle()) },
   { keys: ["m"], label: "Sound on or off", run: () => sound.toggle() },
   { keys: ["g"], label: "Statistics of the last minute", run: toAvatar(() => overlay.toggle()) },
-  { keys: ["f"], label: "Full screen", run: toAvatar(() => stage.toggleFullscreen()) },
+  { keys: ["f"], label: "Full screen", run: toAvatar(toggleFullscreen) },
 ]);
 
 function toggleVideo(): void {

@@ -4,7 +4,7 @@ import { SystemInformation } from "../../sdk/index.ts";
 import type { Client, Subscription } from "../../sdk/index.ts";
 import type { Avatar } from "../model/avatars.ts";
 import { ComponentWatch, isUsable } from "../model/component_status.ts";
-import { byRole, icon, make, setText } from "../dom/elements.ts";
+import { icon, make, setText } from "../dom/elements.ts";
 import { Surroundings } from "../model/own_components.ts";
 import { FloorView } from "./floor_view.ts";
 import type { Ground } from "./floor_view.ts";
@@ -34,7 +34,7 @@ const NOWHERE: Ground = { outline: [], obstacles: [] };
 
 export class MapCard {
   readonly #client: Client;
-  readonly #element = byRole("card-map", HTMLElement);
+  readonly #element: HTMLElement;
   readonly #view = new FloorView();
   readonly #walk: Walk;
   readonly #viewpoint: ViewpointChoice;
@@ -53,7 +53,7 @@ export class MapCard {
     "Come back",
   );
   readonly #open: HTMLButtonElement;
-  readonly #body = make("div", { class: "map-body", id: "map-body" });
+  readonly #body: HTMLElement;
   #avatar: Avatar | null = null;
   #surroundings: Surroundings | null = null;
   #shown = false;
@@ -67,8 +67,14 @@ export class MapCard {
   #walks: boolean | null = null;
   #barred = "";
 
-  constructor(client: Client) {
+  /**
+   * @param element the card
+   * @param id begins the ids of its parts; unique in the page
+   */
+  constructor(client: Client, element: HTMLElement, id: string) {
     this.#client = client;
+    this.#element = element;
+    this.#body = make("div", { class: "map-body", id: `${id}-body` });
     this.#walk = new Walk(client, () => this.#render());
     this.#viewpoint = new ViewpointChoice(client);
     this.#watch = new ComponentWatch(client, (status) => {
@@ -85,13 +91,13 @@ export class MapCard {
         class: "disclosure",
         "data-testid": "map-open",
         "aria-expanded": "true",
-        "aria-controls": "map-body",
+        "aria-controls": this.#body.id,
       },
       icon("M4 6.500l5-2 6 2 5-2v13l-5 2-6-2-5 2ZM9 4.500v13M15 6.500v13"),
       "Floor",
       icon("M8 10l4 4 4-4"),
     );
-    const title = make("h2", { id: "map-title" }, this.#open);
+    const title = make("h2", { id: `${id}-title` }, this.#open);
     this.#body.append(this.#view.element, this.#choice, this.#words, this.#viewpoint.element);
     this.#element.append(make("header", {}, title, this.#back, this.#stop), this.#body);
     this.#open.addEventListener("click", () => {

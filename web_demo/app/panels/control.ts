@@ -38,11 +38,11 @@ export class Control {
   readonly #media: InputMedia;
   readonly #body: BodyControl;
   readonly #picture: HTMLElement;
-  readonly #button = byTestId("control-toggle", HTMLButtonElement);
-  readonly #words = byTestId("control-words", HTMLElement);
-  readonly #legend = byTestId("control-legend", HTMLElement);
+  readonly #button: HTMLButtonElement;
+  readonly #words: HTMLElement;
+  readonly #legend: HTMLElement;
   readonly #pads: GamepadWatch;
-  readonly #stick = new Stick((x, y) => this.#teleoperation?.stick(x, y));
+  readonly #stick: Stick;
   /** Whether the page is operated by touch. */
   readonly #fingers = matchMedia("(any-pointer: coarse)");
   #teleoperation: Teleoperation | null = null;
@@ -54,8 +54,13 @@ export class Control {
   /**
    * @param body is held while the avatar is driven
    * @param picture has the focus meanwhile
+   * @param root what button, words and stick are part of
    */
-  constructor(client: Client, media: InputMedia, body: BodyControl, picture: HTMLElement) {
+  constructor(client: Client, media: InputMedia, body: BodyControl, picture: HTMLElement, root: ParentNode) {
+    this.#button = byTestId("control-toggle", HTMLButtonElement, root);
+    this.#words = byTestId("control-words", HTMLElement, root);
+    this.#legend = byTestId("control-legend", HTMLElement, root);
+    this.#stick = new Stick((x, y) => this.#teleoperation?.stick(x, y), root);
     this.#client = client;
     this.#media = media;
     this.#body = body;

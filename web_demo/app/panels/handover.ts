@@ -12,10 +12,10 @@ export class Handover {
   readonly #body: BodyControl;
   /** Begins to drive with control that was granted; returns false where there is nothing to drive. */
   readonly #drive: (giveBack: GiveBack) => boolean;
-  readonly #bar = byTestId("handover", HTMLElement);
-  readonly #words = byRole("handover-words", HTMLElement);
-  readonly #yes = byTestId("handover-yes", HTMLButtonElement);
-  readonly #no = byTestId("handover-no", HTMLButtonElement);
+  readonly #bar: HTMLElement;
+  readonly #words: HTMLElement;
+  readonly #yes: HTMLButtonElement;
+  readonly #no: HTMLButtonElement;
   /** Gives back what was granted without anything to drive. */
   #giveBack: GiveBack | null = null;
   #held = "";
@@ -23,9 +23,13 @@ export class Handover {
   #shown = false;
   #press: { readonly yes: Press | null; readonly no: Press | null } = { yes: null, no: null };
 
-  constructor(body: BodyControl, drive: (giveBack: GiveBack) => boolean) {
+  constructor(body: BodyControl, drive: (giveBack: GiveBack) => boolean, root: ParentNode) {
     this.#body = body;
     this.#drive = drive;
+    this.#bar = byTestId("handover", HTMLElement, root);
+    this.#words = byRole("handover-words", HTMLElement, root);
+    this.#yes = byTestId("handover-yes", HTMLButtonElement, root);
+    this.#no = byTestId("handover-no", HTMLButtonElement, root);
     this.#yes.addEventListener("click", (event) => this.#pressed(event, this.#press.yes));
     this.#no.addEventListener("click", (event) => this.#pressed(event, this.#press.no));
   }

@@ -23,29 +23,30 @@ const FROZEN_AFTER = 1000;
 
 export class Stage {
   readonly frames: FrameWatch;
-  readonly video = byTestId("avatar-video", HTMLVideoElement);
+  readonly video: HTMLVideoElement;
   readonly picture: LastingPicture;
-  readonly #element = byTestId("stage", HTMLElement);
-  readonly #text = byRole("stage-text", HTMLElement);
-  readonly #latency = byRole("stage-latency", HTMLElement);
+  readonly #element: HTMLElement;
+  readonly #text: HTMLElement;
+  readonly #latency: HTMLElement;
   #stopListening: (() => void)[] = [];
   #stream: RemoteStream | null = null;
 
-  constructor() {
+  /** @param root what the picture and its badges are part of */
+  constructor(root: ParentNode) {
+    this.video = byTestId("avatar-video", HTMLVideoElement, root);
+    this.#element = byTestId("stage", HTMLElement, root);
+    this.#text = byRole("stage-text", HTMLElement, root);
+    this.#latency = byRole("stage-latency", HTMLElement, root);
     this.frames = new FrameWatch(this.video);
-    this.picture = new LastingPicture(this.video, byRole("last-picture", HTMLCanvasElement), this.frames);
+    this.picture = new LastingPicture(
+      this.video,
+      byRole("last-picture", HTMLCanvasElement, root),
+      this.frames,
+    );
     // An attribute alone does not mute in every browser, and only a muted video may start by itself.
     this.video.muted = true;
     // The first picture takes the placeholder's place at once; the next rendering may be half a second away.
     this.frames.onFrame(() => this.#element.classList.remove("empty"));
-    const fullscreen = byTestId("fullscreen", HTMLButtonElement);
-    fullscreen.hidden = !document.fullscreenEnabled;
-    fullscreen.addEventListener("click", () => this.toggleFullscreen());
-    document.addEventListener("fullscreenchange", () => {
-      const label = document.fullscreenElement ? "Leave full screen" : "Full screen";
-      fullscreen.setAttribute("aria-label", label);
-      fullscreen.title = `${label} (f)`;
-    });
   }
 
   get element(): HTMLElement {
@@ -78,12 +79,6 @@ export class Stage {
     setText(this.#text, awaited && this.picture.shown ? `Frozen: ${AWAITED[look]}` : WORDS[look]);
     this.#latency.hidden = look !== "live" || latency === null;
     if (latency !== null) setText(this.#latency, `${Math.max(0, Math.round(latency))} ms`);
-  }
-
-  /** Shows the picture as large as the screen is. The whole page goes with it: STOP, text box and map lie upon it. */
-  toggleFullscreen(): void {
-    if (document.fullscreenElement) void document.exitFullscreen();
-    else void document.documentElement.requestFullscreen().catch(() => undefined);
   }
 
   #currentLook(present: boolean): Look {

@@ -9,14 +9,18 @@ export function deflection(dx: number, dy: number, radius: number): readonly [nu
 }
 
 export class Stick {
-  readonly #element = byTestId("stick", HTMLElement);
+  readonly #element: HTMLElement;
   readonly #onMove: (x: number, y: number) => void;
   #pointerId: number | null = null;
 
-  /** @param onMove is called with its position; 0, 0 when it is released */
-  constructor(onMove: (x: number, y: number) => void) {
+  /**
+   * @param onMove is called with its position; 0, 0 when it is released
+   * @param root what it is part of
+   */
+  constructor(onMove: (x: number, y: number) => void, root: ParentNode) {
     this.#onMove = onMove;
-    const element = this.#element;
+    const element = byTestId("stick", HTMLElement, root);
+    this.#element = element;
     element.addEventListener("pointerdown", (event) => {
       event.preventDefault();
       if (this.#pointerId !== null) return;

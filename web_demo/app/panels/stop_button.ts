@@ -1,4 +1,4 @@
-/** The red button: everything that acts on the avatar's engine stops. It is no safety-rated emergency stop. */
+/** The red button: everything that acts on the shown bodies stops. It is no safety-rated emergency stop. */
 
 import { RoISError } from "../../sdk/index.ts";
 import type { Client } from "../../sdk/index.ts";
@@ -12,13 +12,18 @@ const LABEL = "STOP";
 /** Milliseconds for which it says that all has stopped; that something has not is said until it is pressed again. */
 const READABLE = 4000;
 
+/** A body that may act: its engine, and its actuators, of which the page has to hold one to stop the engine. */
+export interface ActingBody {
+  readonly engineId: string;
+  readonly acting: readonly string[];
+}
+
 export class StopButton {
   readonly #client: Client;
   readonly #onPress: () => void;
   readonly #button = byTestId("stop-all", HTMLButtonElement);
   readonly #title = this.#button.title;
-  #engineId: string | null = null;
-  #acting: readonly string[] = [];
+  #bodies: readonly ActingBody[] = [];
   #barred = "";
   #fading: ReturnType<typeof setTimeout> | undefined;
 
@@ -41,14 +46,10 @@ export class StopButton {
     void this.press();
   }
 
-  /**
-   * @param engineId the avatar's; null while there is none
-   * @param acting its actuators, of which the page has to hold one to stop the engine
-   */
-  setEngine(engineId: string | null, acting: readonly string[]): void {
-    this.#acting = acting;
-    if (engineId !== this.#engineId) this.#say(LABEL);
-    this.#engineId = engineId;
+  /** @param bodies those that are there, the one that is shown large first */
+  setBodies(bodies: readonly ActingBody[]): void {
+    if (bodies[0]?.engineId !== this.#bodies[0]?.engineId) this.#say(LABEL);
+    this.#bodies = bodies;
     this.#render();
   }
 
@@ -59,23 +60,22 @@ export class StopButton {
   }
 
   async press(): Promise<void> {
-    if (this.#engineId === null || this.#button.disabled) return;
+    if (this.#bodies.length === 0 || this.#button.disabled) return;
     this.#say(LABEL);
-    const stopping = this.#stop(this.#engineId);
+    // Each is told at once: one that cannot be stopped holds up no other.
+    const stopping = this.#bodies.map(async (body) => this.#stop(body));
     this.#onPress();
-    try {
-      await stopping;
-      this.#say("Stopped");
-      this.#fading = setTimeout(() => this.#say(LABEL), READABLE);
-    } catch (error) {
-      this.#say("Not stopped", sentence(describeFailure(error).text));
-    }
+    const ends = await Promise.allSettled(stopping);
+    const failed = ends.find((end) => end.status === "rejected");
+    if (failed) return this.#say("Not stopped", sentence(describeFailure(failed.reason).text));
+    this.#say("Stopped");
+    this.#fading = setTimeout(() => this.#say(LABEL), READABLE);
   }
 
-  async #stop(engineId: string): Promise<void> {
+  async #stop({ engineId, acting }: ActingBody): Promise<void> {
     const stop = (): Promise<unknown> => this.#client.control.stopAll(engineId);
     // With a token, STOP needs a binding of an actuator: without any, a free one is bound for that moment.
-    const ways = [stop, ...this.#acting.map((ref) => () => this.#client.bound(ref, stop))];
+    const ways = [stop, ...acting.map((ref) => () => this.#client.bound(ref, stop))];
     let refused: unknown;
     for (const way of ways) {
       try {
@@ -91,7 +91,7 @@ export class StopButton {
 
   /** Renders the button, which is always visible at the same place. */
   #render(): void {
-    this.#button.disabled = this.#engineId === null || this.#barred !== "";
+    this.#button.disabled = this.#bodies.length === 0 || this.#barred !== "";
     explain(this.#button, this.#barred);
   }
 

@@ -45,7 +45,13 @@ beforeEach(() => {
     return () => void (uses -= 1);
   };
   const body = { state: { kind: "mine" }, holderOf: () => "", takeControl: take } as unknown as BodyControl;
-  control = new Control({} as Client, {} as InputMedia, body, find("video") as unknown as HTMLElement);
+  control = new Control(
+    {} as Client,
+    {} as InputMedia,
+    body,
+    find("video") as unknown as HTMLElement,
+    document,
+  );
   control.setComponent("a/teleoperation");
   button = find("control-toggle");
   words = find("control-words");

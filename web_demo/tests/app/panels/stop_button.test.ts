@@ -22,11 +22,26 @@ it("has what waits on the page forgotten at once, whatever the gateway answers",
   await client.connect();
   const forget = vi.fn();
   const stop = new StopButton(client, forget);
-  stop.setEngine("a", []);
+  stop.setBodies([{ engineId: "a", acting: [] }]);
   find("stop-all").click();
   expect(forget).toHaveBeenCalledOnce();
   await vi.advanceTimersByTimeAsync(50);
   expect(gateway.called("openrois.stop_all")).toEqual([{ engine_id: "a" }]);
+  expect(find("stop-all").textContent).toBe("Not stopped");
+});
+
+it("stops every body, though one cannot be stopped, and says so", async () => {
+  const find = stubPage();
+  const gateway = new FakeGateway(["openrois.lease"]).on("openrois.stop_all", ({ engine_id }) => ({
+    return_code: engine_id === "a" ? "ERROR" : "OK",
+  }));
+  const client = new Client("ws://test/", { webSocket: gateway.webSocket });
+  await client.connect();
+  const stop = new StopButton(client, () => undefined);
+  stop.setBodies(["a", "b"].map((engineId) => ({ engineId, acting: [] })));
+  find("stop-all").click();
+  await vi.advanceTimersByTimeAsync(50);
+  expect(gateway.called("openrois.stop_all")).toEqual([{ engine_id: "a" }, { engine_id: "b" }]);
   expect(find("stop-all").textContent).toBe("Not stopped");
 });
 
@@ -48,7 +63,7 @@ describe("its key", () => {
     const gateway = new FakeGateway(["openrois.lease"]).on("openrois.stop_all", () => ({}));
     const client = new Client("ws://test/", { webSocket: gateway.webSocket });
     await client.connect();
-    new StopButton(client, () => undefined).setEngine("a", []);
+    new StopButton(client, () => undefined).setBodies([{ engineId: "a", acting: [] }]);
     const event = Object.assign(new Event("keydown", { cancelable: true }), { key });
     Object.defineProperty(event, "target", { value: document.querySelector(kind) });
     document.dispatchEvent(event);

@@ -1,0 +1,91 @@
+/** A body beside the large one: its picture, its floor map, and its control. */
+
+import type { Client } from "../../sdk/index.ts";
+import type { MediaReceiver, RemoteStream } from "../../sdk/media/index.ts";
+import { byRole, byTestId, setText } from "../dom/elements.ts";
+import { MapCard } from "../map/map_card.ts";
+import { bodyOf } from "../model/avatars.ts";
+import type { Avatar } from "../model/avatars.ts";
+import { BodyControl } from "../model/body_control.ts";
+import { Control } from "./control.ts";
+import { Handover } from "./handover.ts";
+import { Stage } from "./stage.ts";
+
+export class BodyCard {
+  readonly element: HTMLElement;
+  readonly engineId: string;
+  readonly #stage: Stage;
+  readonly #map: MapCard;
+  readonly #body: BodyControl;
+  readonly #control: Control;
+  readonly #handover: Handover;
+  readonly #video: RemoteStream;
+  #present: Avatar | null = null;
+  #watching = "";
+
+  /**
+   * @param avatar the body, which is there now
+   * @param onEnlarge is called when the visitor wants to see it large
+   */
+  constructor(client: Client, receiver: MediaReceiver, avatar: Avatar, onEnlarge: () => void) {
+    this.engineId = avatar.engineId;
+    const template = byRole("body-card", HTMLTemplateElement);
+    this.element = byTestId("body-card", HTMLElement, template.content.cloneNode(true) as DocumentFragment);
+    this.element.dataset["engine"] = avatar.engineId;
+    setText(byRole("body-name", HTMLElement, this.element), avatar.engineId);
+    byTestId("body-enlarge", HTMLButtonElement, this.element).addEventListener("click", onEnlarge);
+    this.#stage = new Stage(this.element);
+    this.#body = new BodyControl(client, () => this.#controlChanged());
+    this.#control = new Control(client, receiver, this.#body, this.#stage.video, this.element);
+    this.#handover = new Handover(this.#body, (giveBack) => this.#control.drive(giveBack), this.element);
+    this.#body.onLost = (why) => this.#control.controlLost(why);
+    const id = `map-${avatar.engineId}`;
+    const card = byRole("card-map", HTMLElement, this.element);
+    card.setAttribute("aria-labelledby", `${id}-title`);
+    this.#map = new MapCard(client, card, id);
+    this.#video = receiver.stream(avatar.video, "video");
+    this.#stage.watch(this.#video);
+    void (this.#video.desire === "suspended" ? this.#video.resume() : this.#video.connect());
+  }
+
+  /**
+   * @param present the body as it is now; null while it is away
+   * @param watching why the visitor may only watch; empty where it may operate
+   */
+  update(present: Avatar | null, watching: string): void {
+    this.#present = present;
+    this.#watching = watching;
+    this.#map.setAvatar(present);
+    this.#control.setComponent(present?.teleoperation ?? null);
+    this.#body.setComponents(present && bodyOf(present));
+    this.#controlChanged();
+  }
+
+  /** @param visible whether the card can be seen; hidden, its map asks for nothing */
+  render(visible: boolean): void {
+    this.#stage.render(this.#present !== null, null);
+    this.#map.shown = visible;
+  }
+
+  /** Ends what the card has; the stream goes on where it is shown large from now on. */
+  close(keepStream: boolean): void {
+    this.update(null, "");
+    this.#map.shown = false;
+    if (!keepStream) void this.#video.disconnect();
+    this.element.remove();
+  }
+
+  #controlChanged(): void {
+    const present = this.#present;
+    const why = (ref: string | null): string => {
+      const holder = this.#body.holderOf(ref);
+      return this.#watching || (holder && `${holder} has control`);
+    };
+    const operated = present && (bodyOf(present)[0] ?? null);
+    this.#control.barred = why(operated);
+    this.#map.viewBarred = why(operated);
+    this.#map.barred = why(present?.navigation ?? null);
+    this.#handover.watching = this.#watching !== "";
+    this.#handover.shown = present !== null && operated !== null && this.#watching === "";
+  }
+}
