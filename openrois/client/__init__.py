@@ -4,14 +4,14 @@
 from openrois.client import Client
 from openrois.client.components import Navigation
 
-async with Client("ws://127.0.0.1:8765/") as client:
-    navigation = await client.find(Navigation)
-    async with navigation.bound():
-        await navigation.set(target_positions=["lobby"])
-        await navigation.start()
+async with Client("ws://127.0.0.1:8765/") as client, client.body(Navigation) as body:
+    await body[Navigation].set(target_positions=["lobby"])
+    await body[Navigation].start()
 ```
 """
 
+from openrois.client.body import Body
+from openrois.client.body_directory import BodyComponent, BodyInfo
 from openrois.client.client import Client
 from openrois.client.commands import Command, Execution
 from openrois.client.component import ComponentProxy
@@ -23,6 +23,7 @@ from openrois.client.feed import Feed
 from openrois.client.notices import (
     BindingLost,
     BindingRestored,
+    BodyLost,
     Connected,
     ControlChanged,
     ControlDeclined,
@@ -56,6 +57,10 @@ __all__ = [
     "BadParameter",
     "BindingLost",
     "BindingRestored",
+    "Body",
+    "BodyComponent",
+    "BodyInfo",
+    "BodyLost",
     "Client",
     "Command",
     "ComponentFailed",

@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any, Final
 from weakref import WeakSet
 
+from openrois.aio.listeners import Listeners
 from openrois.aio.tasks import TaskScope
 from openrois.client.bindings import Bindings
 from openrois.client.commands import Commands
@@ -38,6 +39,7 @@ class Application:
         extensions: what the gateway speaks beyond RoIS.
         generation: counts how often components came or went, as far as that can be known.
         notices, listeners: feeds of notices, and of notifications as they come.
+        on_notice: called with each notice.
         notifications: handlers of the gateway's notifications.
     """
 
@@ -55,6 +57,7 @@ class Application:
         self.generation = 0
         self.notices: WeakSet[Feed[Any]] = WeakSet()
         self.listeners: WeakSet[Feed[Any]] = WeakSet()
+        self.on_notice: Listeners[Notice] = Listeners()
         self.notifications: Mapping[str, NotificationHandler] = _EveryName(self._handle_notification)
         self._restorer = Restorer(self.bindings, self.subscriptions, reconnect, request_timeout)
         self._resumption = Resumption(self.commands, self.bindings, request_timeout)
@@ -112,9 +115,10 @@ class Application:
             feed.end_feed(error)
 
     def handle_notice(self, notice: Notice) -> None:
-        """Put a notice into every feed of notices."""
+        """Put a notice into every feed of notices, and pass it on."""
         for feed in tuple(self.notices):
             feed.offer(notice)
+        self.on_notice.notify_all(notice)
 
     def _handle_notification(self, method: str, params: dict[str, Any]) -> None:
         for feed in tuple(self.listeners):

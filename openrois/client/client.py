@@ -1,14 +1,17 @@
 """The client: an application's connection to a gateway, from which everything else of this package is reached."""
 
 import asyncio
-from contextlib import suppress
+from collections.abc import Iterable
+from contextlib import AbstractAsyncContextManager, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Self, TypeVar, overload
 
 from openrois.catalog.component_type import ComponentType
 from openrois.client.application import Application
-from openrois.client.component import ComponentProxy
+from openrois.client.body import Body, Wanted
+from openrois.client.body_directory import BodyInfo, Kind, code_of, urn_of
+from openrois.client.component import ComponentProxy, proxy_of
 from openrois.client.connection import Connection, ConnectionState
 from openrois.client.control import Control
 from openrois.client.dialling import Dial, websocket
@@ -16,6 +19,7 @@ from openrois.client.feed import BUFFER, Feed
 from openrois.client.notices import Connected, Notice, Notification, ProfileChanged
 from openrois.client.operations import Operations
 from openrois.client.reconnect import Reconnect
+from openrois.client.reserving import WAIT, Bodies
 from openrois.client.values import where
 from openrois.errors import BadParameter, RoISError, Unsupported
 from openrois.transport.backoff import Backoff
@@ -75,6 +79,15 @@ class Client(Operations):
         )
         super().__init__(connection, self._application)
         self.control = Control(connection, self._application.bindings, self.notices)
+        self._bodies = Bodies(
+            self,
+            connection,
+            self._application.bindings,
+            self.control,
+            reconnect or _RECONNECT,
+            self._application.handle_notice,
+        )
+        self._application.on_notice.add(self._bodies.handle_notice)
 
     async def __aenter__(self) -> Self:
         return await self.connect()
@@ -154,10 +167,7 @@ class Client(Operations):
         """
         if component_ref is None:
             return ComponentProxy(self, kind)
-        if isinstance(kind, ComponentType):
-            return ComponentProxy(self, component_ref, kind)
-        proxy: ComponentProxy = kind(self, component_ref)
-        return proxy
+        return proxy_of(self, kind, component_ref)
 
     @overload
     async def find(self, kind: type[Proxy], condition: str = "", *, within: float = 0) -> Proxy: ...
@@ -174,7 +184,7 @@ class Client(Operations):
 
         Raises:
             Unsupported: there is none.
-            BadParameter: there are several.
+            BadParameter: there are several; it says which, and how to choose.
         """
         changes = self.notices(ProfileChanged, Connected)
         found: list[ComponentProxy] = await self.find_all(kind, condition)
@@ -187,12 +197,15 @@ class Client(Operations):
         except TimeoutError:
             if not limit.expired():
                 raise
-        code = _type_of(kind).code
+        code = code_of(urn_of(kind))
         if not found:
             raise Unsupported(f"there is no {code}{condition and f' where {condition}'}")
         if len(found) > 1:
-            refs = ", ".join(proxy.component_ref for proxy in found)
-            raise BadParameter(f"there are {len(found)} components {code}, say which: {refs}")
+            refs = [proxy.component_ref for proxy in found]
+            raise BadParameter(
+                f"there are {len(found)} components {code}: {', '.join(refs)}; take one that is free by"
+                f' `client.body({code})`, or name one: `where(component_ref="{refs[0]}")`'
+            )
         if within:
             with suppress(TimeoutError):
                 async with asyncio.timeout_at(limit.when()):
@@ -213,13 +226,46 @@ class Client(Operations):
         Raises:
             BadParameter: it is no condition.
         """
-        of_type = where(component_type=_type_of(kind).urn)
+        urn = urn_of(kind)
+        of_type = where(component_type=urn)
         refs = await self.search(f"{of_type} AND {condition}" if condition else of_type)
         if not refs:
             # Some gateways compare the code of the identifier alone with the URN.
             profiles = (await self.get_profile(condition)).component_profiles
-            refs = tuple(ref for ref, profile in profiles.items() if profile.component_type == _type_of(kind).urn)
+            refs = tuple(ref for ref, profile in profiles.items() if profile.component_type == urn)
         return [self.component(kind, component_ref) for component_ref in refs]
+
+    async def bodies(self) -> list[BodyInfo]:
+        """Return the bodies behind the gateway: what each can do, and whether it is free.
+
+        A body is an engine that owns components, with all that is reachable through it. A gateway that knows leases
+        reports from then on by `ControlChanged` when one of the components changes hands.
+        """
+        return await self._bodies.all()
+
+    def body(
+        self, *required: Kind, optional: Kind | Iterable[Kind] = (), condition: str = "", wait: float = WAIT
+    ) -> AbstractAsyncContextManager[Body]:
+        """Reserve a body while the block runs: `async with client.body(Navigation, SpeechSynthesis) as body:`.
+
+        All components are bound of one body, or none; the block ends with all of them released. Of several bodies the
+        first that is free is taken, those with more of the optional types first; of several components of a type in it
+        the first by reference. A body whose required component is lost is given back, and `BodyLost` tells.
+
+        Args:
+            required: the component types that it must have.
+            optional: types that it should have; it is reserved without those that are taken, or not there.
+            condition: of components, as `search` takes it: `component_ref LIKE 'avatar/%'`; see `where`.
+            wait: seconds for which it is tried again; 0 for once. An attempt that has begun is finished.
+
+        Raises:
+            OutOfResources: all that have the components are taken; it says which refused.
+            Unsupported: there is no such body; it says which there are.
+            BadParameter: it is no condition.
+            ValueError: no type is required, or one is named twice.
+            TypeError: one is no component type.
+        """
+        return self._bodies.body(Wanted.of(required, optional), condition, wait)
 
 
 async def _until_usable(component: ComponentProxy) -> None:
@@ -232,10 +278,3 @@ async def _until_usable(component: ComponentProxy) -> None:
             if answer.get("status") not in (ComponentStatus.UNINITIALIZED, ComponentStatus.ERROR):
                 return
             await asyncio.sleep(backoff.after(0))
-
-
-def _type_of(kind: type[ComponentProxy] | ComponentType) -> ComponentType:
-    found = kind if isinstance(kind, ComponentType) else kind.component_type
-    if found is None:
-        raise TypeError(f"{kind} has no component_type to look for")
-    return found

@@ -16,7 +16,7 @@ from openrois.errors import Unsupported
 from openrois.types.messages import Argument, EventNotification
 from openrois.types.profiles import HRIComponentProfile
 
-__all__ = ["ComponentProxy"]
+__all__ = ["ComponentProxy", "proxy_of"]
 
 P = TypeVar("P", bound=Payload)
 
@@ -153,6 +153,21 @@ class ComponentProxy:
             buffer: how many may wait to be read; the oldest makes room for the newest.
         """
         return self.client.listen(name, where(component_ref=self.component_ref), _data_of(self, name, results), buffer)
+
+
+def proxy_of(client: Operations, kind: Any, component_ref: str) -> ComponentProxy:
+    """Return a component by its reference, without a request.
+
+    Args:
+        client: whose component it is.
+        kind: a class for it or a `ComponentType`; for anything else its messages are read from its profile.
+        component_ref: its reference.
+    """
+    if isinstance(kind, ComponentType):
+        return ComponentProxy(client, component_ref, kind)
+    if isinstance(kind, type) and issubclass(kind, ComponentProxy):
+        return kind(client, component_ref)
+    return ComponentProxy(client, component_ref)
 
 
 def _results_of(component: ComponentProxy, name: str, kind: Any) -> Callable[[str], Awaitable[Any]]:

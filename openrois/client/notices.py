@@ -9,6 +9,7 @@ from openrois.types.leases import LeaseState
 __all__ = [
     "BindingLost",
     "BindingRestored",
+    "BodyLost",
     "Connected",
     "ControlChanged",
     "ControlDeclined",
@@ -89,6 +90,23 @@ class BindingRestored(Notice):
     """
 
     component_ref: str
+
+
+@dataclass(frozen=True, slots=True)
+class BodyLost(Notice):
+    """A body that was reserved is not any more, because a required part of it is lost; the other parts were released.
+
+    It is not reserved again: leave the block of `Client.body`, and enter another one.
+
+    Attributes:
+        engine_id: the engine that the body is.
+        component_ref: the part that was lost; empty where the client has no connection any more.
+        error: why, as the operation that found out would have raised it.
+    """
+
+    engine_id: str
+    component_ref: str
+    error: Exception
 
 
 @dataclass(frozen=True, slots=True)

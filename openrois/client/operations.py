@@ -111,7 +111,7 @@ class Operations:
         """
         async with self._bindings.turn(component_ref):
             params = ComponentParams(component_ref=component_ref)
-            await self._bind_one("rois.command.bind", params, ReturnResult, lambda _result: component_ref)
+            await self._bind_one("rois.command.bind", params, ReturnResult, lambda _result: component_ref, in_turn=True)
 
     async def bind_any(self, condition: str = "") -> str:
         """Reserve one of the components that meet a condition and return its reference; raises as `bind`."""
@@ -122,10 +122,18 @@ class Operations:
         return result.component_ref
 
     async def _bind_one(
-        self, method: str, params: Model, model: type[Outcome], taken: Callable[[Outcome], str]
+        self,
+        method: str,
+        params: Model,
+        model: type[Outcome],
+        taken: Callable[[Outcome], str],
+        *,
+        in_turn: bool = False,
     ) -> Outcome:
         """Bind, and release again when the caller was cancelled meanwhile, unless another task has bound it as well."""
         used = False
+        # The answer may come after the caller was cancelled, and before it has left its turn.
+        has_turn = in_turn
 
         def accepted(result: Outcome) -> None:
             nonlocal used
@@ -138,12 +146,16 @@ class Operations:
                 unwanted = self._bindings.unuse(component_ref)
             else:
                 # A task that binds it now would lose it to a release that is sent after its bind.
-                unwanted = not self._bindings.wants(component_ref) and not self._bindings.turn(component_ref).locked()
+                is_bound_now = self._bindings.turn(component_ref).locked() and not has_turn
+                unwanted = not self._bindings.wants(component_ref) and not is_bound_now
             if unwanted:
                 self._bindings.gave_back(component_ref)
                 self._connection.post("rois.command.release", ComponentParams(component_ref=component_ref))
 
-        return await self._connection.ask(method, params, model, accepted=accepted, too_late=too_late)
+        try:
+            return await self._connection.ask(method, params, model, accepted=accepted, too_late=too_late)
+        finally:
+            has_turn = False
 
     async def release(self, component_ref: str) -> None:
         """Release a component; one that is not bound stays so. Without a connection it is released already."""

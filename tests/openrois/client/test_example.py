@@ -7,6 +7,7 @@ from typing import Final
 
 import pytest
 
+from openrois.client import Client
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
 from tests.support.fleet import everything
@@ -24,12 +25,15 @@ async def run(example: str, *arguments: str) -> tuple[int | None, str, str]:
     return process.returncode, out.decode(), err.decode()
 
 
-async def test_the_avatar_is_made_to_speak_and_to_move() -> None:
-    robot = everything("robot")
+async def test_a_body_that_is_free_is_made_to_speak_and_to_move() -> None:
+    taken, robot = everything("avatar"), everything("robot")
     async with run_gateway(GatewaySettings(port=0)) as gateway:
+        await gateway.engine.attach(taken.registry)
         await gateway.engine.attach(robot.registry)
-        code, said, complaints = await run("talk.py", "Nice to meet you.", gateway.url)
-    assert (code, said, complaints) == (0, "robot/speech_synthesizer said: Nice to meet you.\n", "")
+        async with Client(gateway.url) as other, other.bound("avatar/reaction"):
+            code, said, complaints = await run("talk.py", "Nice to meet you.", gateway.url)
+    assert (code, said, complaints) == (0, "robot said: Nice to meet you.\n", "")
+    assert taken.parts["SpeechSynthesis"].done == []
     assert robot.parts["SpeechSynthesis"].done == ["start"]
     assert robot.parts["SpeechSynthesis"].parameters["speech_text"] == "Nice to meet you."
     assert robot.parts["Reaction"].parameters["reaction_ref"] == "nod"

@@ -136,8 +136,12 @@ async def test_a_component_that_does_not_work_says_so(ground: Ground, client: Cl
 
 async def test_of_several_the_condition_says_which(ground: Ground, client: Client) -> None:
     await ground.engine.attach(everything("second").registry)
-    with pytest.raises(BadParameter, match=r"there are 2 .*, say which: robot/navigation, second/navigation"):
+    with pytest.raises(BadParameter) as refusal:
         await client.find(Navigation)
+    assert str(refusal.value) == (
+        "there are 2 components Navigation: robot/navigation, second/navigation; take one that is free by"
+        ' `client.body(Navigation)`, or name one: `where(component_ref="robot/navigation")`'
+    )
     assert (await client.find(Navigation, "component_ref LIKE 'second/%'")).component_ref == "second/navigation"
     assert [each.component_ref for each in await client.find_all(Navigation)] == [
         "robot/navigation",

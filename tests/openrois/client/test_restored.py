@@ -126,6 +126,24 @@ async def test_a_caller_cancelled_at_the_moment_of_binding_holds_nothing(
         await other.bind(LAMP)
 
 
+async def test_a_caller_cancelled_at_any_moment_holds_nothing(line: Line) -> None:
+    async def hold(client: Client) -> None:
+        async with client.bound(LAMP):
+            await asyncio.Event().wait()
+
+    async with Client(dial=line.dial) as client:
+        for turns in range(20):
+            holding = asyncio.ensure_future(hold(client))
+            for _ in range(turns):
+                await asyncio.sleep(0)
+            holding.cancel()
+            await asyncio.wait({holding})
+            # An answer that comes after that is one more question's time away from the release.
+            for _ in range(2):
+                await client.search()
+            assert not line.host.leases.model.holding.held(), turns
+
+
 class _Held:
     """A stream that keeps requests of one method to itself until it may pass them on."""
 

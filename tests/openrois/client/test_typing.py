@@ -22,10 +22,14 @@ from typing import assert_type
 from openrois.catalog.actuation import NavigationParameters, ReachedTarget
 from openrois.catalog.sensing import PersonDetected
 from openrois.catalog.system_information import EngineStatusResult
-from openrois.client import Client, Command, ComponentProxy, Event, Fault, Feed, Notice, Step, Subscription, concurrent
+from openrois.client import Body, BodyInfo, Client, Command, ComponentProxy, Event, Fault, Feed, Notice
+from openrois.client import Step, Subscription, concurrent
 from openrois.client.components import Move, Navigation, PersonDetection, SpeechSynthesis, SystemInformation
 from openrois.client.components import VideoStreaming
+from openrois.catalog.component_type import ComponentType
 from openrois.types.codes import ComponentStatus, StreamStatus
+
+LAMP = ComponentType(code="Lamp", name="lamp", description="A lamp.", source="Example", authority="Example")
 
 
 async def right(client: Client) -> None:
@@ -47,6 +51,13 @@ async def right(client: Client) -> None:
     assert_type(await client.component(VideoStreaming, "x/y").get_stream_status("s"), StreamStatus)
     assert_type(client.notices(Fault), Feed[Fault])
     assert_type(client.notices(), Feed[Notice])
+    async with client.body(Navigation, "Bell", optional=(Move, LAMP)) as body:
+        assert_type(body, Body)
+        assert_type(body[Navigation], Navigation)
+        assert_type(body["Bell"], ComponentProxy)
+        assert_type(body.get(Move), Move | None)
+        assert_type(body.get(LAMP), ComponentProxy | None)
+    assert_type(await client.bodies(), list[BodyInfo])
     await client.run(navigation.set(target_positions=("hall",)), concurrent(navigation.start()).after(1.5))
     async with navigation.bound():
         await client.component(Move, "robot/move").set(line=[100, 0], time=2000)
@@ -68,6 +79,9 @@ async def wrong(client: Client) -> None:
     await client.find("Navigation")  # error: call-overload
     await client.execute("start")  # error: arg-type
     await client.bind(navigation)  # error: arg-type
+    client.body(1)  # error: arg-type
+    async with client.body(Navigation) as body:
+        body[1]  # error: call-overload
     Client(retries=3)  # error: call-arg
 """
 
@@ -84,8 +98,8 @@ speech: SpeechSynthesis
 
 
 def guide() -> dict[str, str]:
-    """Return the guide's pieces of Python as modules: what stands at their top, and a function with what awaits."""
-    text = (ROOT / "docs" / "how-to" / "client.md").read_text(encoding="utf-8")
+    """Return the guides' pieces of Python as modules: what stands at their top, and a function with what awaits."""
+    text = "".join((ROOT / "docs/how-to" / page).read_text(encoding="utf-8") for page in ("client.md", "bodies.md"))
     modules = {}
     for number, piece in enumerate(re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)):
         imports = "".join(re.findall(r"^from .*\n", piece, re.MULTILINE))
@@ -105,7 +119,7 @@ def mypy(folder: Path) -> str:
 @pytest.mark.timeout(300)
 def test_the_guide_is_right(tmp_path: Path) -> None:
     pieces = guide()
-    assert len(pieces) == 9
+    assert len(pieces) == 12
     for name, text in pieces.items():
         (tmp_path / f"{name}.py").write_text(text)
     assert mypy(tmp_path) == ""
