@@ -34,9 +34,9 @@ _log = logging.getLogger(__name__)
 class RtpReceiver:
     """Receiver in place of the receiver of `transceiver`; to be made before the first description.
 
-    `source` is the application's media, a `MediaSource` of `RawVideo` (I420) or `RawAudio` (stereo). It is decoded only
-    while it is open. It ends when the peer connection does. `frames` are the whole frames that arrived, decoded or not,
-    and `last_frame_at` is when the newest of them did, on `clock`.
+    `source` is the application's media, a `MediaSource` of `ReceivedVideo` (I420) or `ReceivedAudio` (stereo). It is
+    decoded only while it is open. It ends when the peer connection does. `frames` are the whole frames that arrived,
+    decoded or not, and `last_frame_at` is when the newest of them did, on `clock`.
 
     Receivers of one peer connection share `remote`, so that their capture times agree.
     """
@@ -57,10 +57,10 @@ class RtpReceiver:
         self._lane: Lane
         self.source: MediaSource[Any]
         if self._kind == "video":
-            video = VideoLane(self._inbound.captured_at, self._wake_from_anywhere)
+            video = VideoLane(self._inbound.captured, self._wake_from_anywhere)
             self._lane, self.source = video, video.source
         else:
-            audio = AudioLane(clock, self._inbound.captured_at)
+            audio = AudioLane(clock, self._inbound.captured)
             self._lane, self.source = audio, audio.source
         self._estimate = BitrateEstimate()
         self._limit = BitrateLimit()

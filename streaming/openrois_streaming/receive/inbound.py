@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from openrois_streaming.receive.reception import SourceReception
-from openrois_streaming.receive.remote_time import CaptureTimes, RemoteClock
+from openrois_streaming.receive.remote_time import CaptureTime, CaptureTimes, RemoteClock
 
 RTX = "video/rtx"
 
@@ -129,9 +129,9 @@ class Inbound:
             source.reception.reported(report.ntp, now)
             source.capture.reported(report.moment, source.timestamp.nearest(report.timestamp), now)
 
-    def captured_at(self, timestamp: int, now: float) -> float:
+    def captured(self, timestamp: int, now: float) -> CaptureTime:
         """Return the capture time of a timestamp, `now` at the latest."""
-        return now if self.source is None else self.source.capture.captured_at(timestamp, now)
+        return CaptureTime(now, None) if self.source is None else self.source.capture.captured(timestamp, now)
 
     def _repaired(self, packet: Arrived, codec: Codec) -> MediaPacket | None:
         """Return the packet in a retransmission (RFC 4588 section 4)."""

@@ -10,13 +10,14 @@ from openrois_streaming.receive.assembly import Picture, Request, VideoAssembly,
 from openrois_streaming.receive.inbound import MediaPacket
 from openrois_streaming.receive.payloads import Depacketizer, h264_piece, vp8_piece
 from openrois_streaming.receive.playout import SoundPacket
+from openrois_streaming.receive.remote_time import CaptureTime
 from openrois_streaming.receive.source_audio import AudioSource
 from openrois_streaming.receive.source_video import EncodedPicture, VideoSource
 from openrois_streaming.source.source import SAMPLE_RATE
 
 _DEPACKETIZERS: dict[str, Depacketizer] = {H264: h264_piece, VP8: vp8_piece}
 
-CaptureTime = Callable[[int, float], float]
+Captured = Callable[[int, float], CaptureTime]
 """Returns the capture time of an unwrapped timestamp, given the present time."""
 
 NOTHING = Request((), key_frame=False)
@@ -69,9 +70,9 @@ class VideoLane:
     `on_wish` is called, from any thread, when there is a request to the sender.
     """
 
-    def __init__(self, captured_at: CaptureTime, on_wish: Callable[[], None]) -> None:
+    def __init__(self, captured: Captured, on_wish: Callable[[], None]) -> None:
         self.source = VideoSource(self._opened, self._lost, self._closed)
-        self._captured_at = captured_at
+        self._captured = captured
         self._on_wish = on_wish
         self._assembly = VideoAssembly(vp8_piece)
         self._reference_lost = False
@@ -120,8 +121,8 @@ class VideoLane:
         for picture in pictures:
             self._key_frames += picture.key_frame
             if picture.decodable and self._assembly.watched:
-                captured_at = self._captured_at(picture.timestamp, now)
-                self.source.offer(EncodedPicture(picture.data, picture.key_frame, captured_at))
+                captured = self._captured(picture.timestamp, now)
+                self.source.offer(EncodedPicture(picture.data, picture.key_frame, captured))
         return len(pictures)
 
     def _opened(self) -> None:
@@ -139,8 +140,8 @@ class VideoLane:
 class AudioLane:
     """Lane of sound: played out while `source` is open."""
 
-    def __init__(self, clock: MediaClock, captured_at: CaptureTime) -> None:
-        self.source = AudioSource(clock, captured_at)
+    def __init__(self, clock: MediaClock, captured: Captured) -> None:
+        self.source = AudioSource(clock, captured)
 
     def add(self, packet: MediaPacket, arrival: float) -> int:
         """Add a packet."""

@@ -1,5 +1,7 @@
 """Capture times of received media on our clock, from the sender's reports (RFC 3550 section 6.4.1). Pure."""
 
+from typing import NamedTuple
+
 _WINDOW = 30.0
 # A greater change is a stepped clock, or a sender whose reports are not credible.
 _STEP = 1.0
@@ -64,6 +66,13 @@ class RemoteClock:
         return None if offset is None else remote + offset
 
 
+class CaptureTime(NamedTuple):
+    """Capture time `at` on our clock, and `reported` on theirs; None without a credible report."""
+
+    at: float
+    reported: float | None
+
+
 class CaptureTimes:
     """Capture times of the RTP timestamps of one source; `clock_rate` in ticks a second."""
 
@@ -86,12 +95,13 @@ class CaptureTimes:
             self._offset.reset()
         self._offset.add(offset, arrival)
 
-    def captured_at(self, timestamp: int, now: float) -> float:
+    def captured(self, timestamp: int, now: float) -> CaptureTime:
         """Return the capture time, `now` at the latest; without a credible report by the fastest packet."""
         if self._report is not None:
             remote, reference = self._report
-            moment = self._remote.local(remote + (timestamp - reference) / self._clock_rate)
+            reported = remote + (timestamp - reference) / self._clock_rate
+            moment = self._remote.local(reported)
             if moment is not None and now - _OLDEST <= moment <= now + _STEP:
-                return min(moment, now)
+                return CaptureTime(min(moment, now), reported)
         offset = self._offset.value
-        return now if offset is None else min(timestamp / self._clock_rate + offset, now)
+        return CaptureTime(now if offset is None else min(timestamp / self._clock_rate + offset, now), None)

@@ -7,8 +7,9 @@ from contextlib import asynccontextmanager
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.receive.decoders import OpusDecoder
 from openrois_streaming.receive.playout import Block, Playout, PlayoutFigures, SoundPacket
+from openrois_streaming.receive.remote_time import CaptureTime
 from openrois_streaming.receive.worker import Handover, Worker
-from openrois_streaming.source.source import SAMPLE_RATE, RawAudio
+from openrois_streaming.source.source import SAMPLE_RATE, ReceivedAudio
 
 _BLOCKS_WAITING = 20
 # A thread that is later than this does not catch up: the playout skips what it missed.
@@ -20,12 +21,12 @@ _BEGINNING = 0.001
 class AudioSource:
     """`MediaSource` of sound, stereo, in blocks of 10 ms at most that come at a steady pace from the first packet on.
 
-    `captured_at` turns the timestamp of a block into a capture time; it is called in the thread.
+    `captured` turns the timestamp of a block into a capture time; it is called in the thread.
     """
 
-    def __init__(self, clock: MediaClock, captured_at: Callable[[int, float], float]) -> None:
+    def __init__(self, clock: MediaClock, captured: Callable[[int, float], CaptureTime]) -> None:
         self._clock = clock
-        self._captured_at = captured_at
+        self._captured = captured
         self._playing: _Playing | None = None
         self._ended = False
         self.decoded = 0
@@ -34,7 +35,7 @@ class AudioSource:
         """Number of blocks not read in time."""
 
     @asynccontextmanager
-    async def open(self) -> AsyncIterator[AsyncIterator[RawAudio]]:
+    async def open(self) -> AsyncIterator[AsyncIterator[ReceivedAudio]]:
         """Play while the context lasts; the iterator ends when the sender is gone for good.
 
         Raises:
@@ -42,7 +43,7 @@ class AudioSource:
         """
         if self._playing is not None:
             raise RuntimeError("the source is open already: close it first")
-        blocks = Handover[RawAudio](_BLOCKS_WAITING)
+        blocks = Handover[ReceivedAudio](_BLOCKS_WAITING)
         playing = self._playing = _Playing(self, blocks)
         try:
             async with Worker("decode audio", playing.run, playing.stop, blocks.end_input):
@@ -78,16 +79,16 @@ class AudioSource:
         """Return the time of the media clock."""
         return self._clock.now()
 
-    def date(self, block: Block, now: float) -> RawAudio:
+    def date(self, block: Block, now: float) -> ReceivedAudio:
         """Return the block as the source yields it."""
         self.decoded += 1
-        return RawAudio(block.samples, self._captured_at(block.timestamp, now))
+        return ReceivedAudio(block.samples, *self._captured(block.timestamp, now))
 
 
 class _Playing:
     """One opening of the source: its thread and its playout buffer."""
 
-    def __init__(self, source: AudioSource, blocks: Handover[RawAudio]) -> None:
+    def __init__(self, source: AudioSource, blocks: Handover[ReceivedAudio]) -> None:
         self.blocks = blocks
         self.delay = 0.0
         self._source = source

@@ -8,8 +8,9 @@ from contextlib import asynccontextmanager
 from typing import NamedTuple
 
 from openrois_streaming.receive.decoders import UndecodablePicture, VideoDecoder
+from openrois_streaming.receive.remote_time import CaptureTime
 from openrois_streaming.receive.worker import Handover, Worker
-from openrois_streaming.source.source import RawVideo
+from openrois_streaming.source.source import ReceivedVideo
 
 WAITING_LIMIT = 16
 """Pictures that wait to be decoded. If there are more the decoder is too slow, and goes on with a key frame."""
@@ -22,7 +23,7 @@ class EncodedPicture(NamedTuple):
 
     data: bytes
     key_frame: bool
-    captured_at: float
+    captured: CaptureTime
 
 
 class VideoSource:
@@ -44,7 +45,7 @@ class VideoSource:
         self._ended = False
 
     @asynccontextmanager
-    async def open(self) -> AsyncIterator[AsyncIterator[RawVideo]]:
+    async def open(self) -> AsyncIterator[AsyncIterator[ReceivedVideo]]:
         """Decode while the context lasts; the iterator ends when the sender is gone for good.
 
         Raises:
@@ -52,7 +53,7 @@ class VideoSource:
         """
         if self._decoding is not None:
             raise RuntimeError("the source is open already: close it first")
-        pictures = Handover[RawVideo](1)
+        pictures = Handover[ReceivedVideo](1)
         decoding = self._decoding = _Decoding(self, pictures)
         try:
             async with Worker("decode video", decoding.run, decoding.stop, pictures.end_input):
@@ -84,7 +85,7 @@ class VideoSource:
 class _Decoding:
     """One opening of the source: its thread, and the pictures that wait for it."""
 
-    def __init__(self, source: VideoSource, pictures: Handover[RawVideo]) -> None:
+    def __init__(self, source: VideoSource, pictures: Handover[ReceivedVideo]) -> None:
         self.pictures = pictures
         self._source = source
         self._sequence = 0
@@ -135,7 +136,8 @@ class _Decoding:
         for data in self._decoder.decode(picture.data):
             height, width = data.shape[0] * 2 // 3, data.shape[1]
             self._source.decoded += 1
-            self.pictures.put(RawVideo(data, "i420", width, height, self._sequence, picture.captured_at))
+            at, reported = picture.captured
+            self.pictures.put(ReceivedVideo(data, "i420", width, height, self._sequence, at, reported))
             self._sequence += 1
 
     def _fail(self, error: UndecodablePicture) -> None:

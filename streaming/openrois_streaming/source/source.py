@@ -82,6 +82,25 @@ class RawAudio:
             raise ValueError(f"a block of sound cannot be {self.samples.dtype} {self.samples.shape}")
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class ReceivedVideo(RawVideo):
+    """Raw picture that came from another machine; `captured_at` is estimated on this machine's media clock.
+
+    `reported_at` is when it was captured by the sender's own reports, in epoch seconds of the sender's clock (RFC 3550
+    section 6.4.1); None while there is no report that could be true. Without one `captured_at` counts from the fastest
+    packet, with one it is late by the least travel time of a packet.
+    """
+
+    reported_at: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReceivedAudio(RawAudio):
+    """Block of raw sound that came from another machine; its times are as in `ReceivedVideo`."""
+
+    reported_at: float | None = None
+
+
 class MediaSource(Protocol[FrameT_co]):
     """Source of media, which owns a device or a renderer, and its pace.
 

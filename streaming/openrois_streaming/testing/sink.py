@@ -12,13 +12,11 @@ import asyncio
 from collections.abc import Callable
 from typing import Self, TypeVar
 
-from aiortc import MediaStreamTrack, RTCConfiguration, RTCPeerConnection, RTCSessionDescription
-from aiortc.rtcconfiguration import RTCBundlePolicy
+from aiortc import RTCPeerConnection
 from openrois_signaling.messages import Answer, Offer
 
 from openrois_streaming.clock import MediaClock, SystemClock, wall_at
 from openrois_streaming.peer.receiver import RtpReceiver
-from openrois_streaming.receive.remote_time import RemoteClock
 from openrois_streaming.source import stamp
 from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.stats import ReceiverFigures
@@ -28,6 +26,7 @@ from openrois_streaming.testing.lipsync import LipSync, LipSyncFigures
 from openrois_streaming.testing.path import ImpairedPath
 from openrois_streaming.testing.pictures import PictureFigures, PictureLog, SeenPicture
 from openrois_streaming.testing.sounds import SoundFigures, SoundLog
+from openrois_streaming.viewing.answering import AnsweringConnection, ViewedSection
 
 T = TypeVar("T")
 
@@ -62,13 +61,12 @@ class MeasuringSink:
         self._path = path
         self._on_picture = on_picture
         self._on_media = on_media
-        self._connection: RTCPeerConnection | None = None
+        self._connection: AnsweringConnection | None = None
         self._pictures: dict[str, PictureLog] = {}
         self._sounds: dict[str, SoundLog] = {}
         self._receivers: dict[str, RtpReceiver] = {}
         self._before: dict[str, ReceiverFigures] = {}
         """Figures of receivers before the count began."""
-        self._remote = RemoteClock()
         self._lipsync, self._reported_lipsync = LipSync(), LipSync()
         self._news = asyncio.Event()
         self._failure: BaseException | None = None
@@ -103,11 +101,7 @@ class MeasuringSink:
         """Answer the SDP of an offer; returns the answer as SDP, candidates included."""
         connection = self._connection or self._open()
         offer = sdp if self._path is None else self._path.to_viewer(sdp)
-        await connection.setRemoteDescription(RTCSessionDescription(offer, "offer"))
-        if connection.sctp is not None and self.input is None:
-            self.input = InputSender(connection, self._news.set)
-        await connection.setLocalDescription(await connection.createAnswer())
-        answer: str = connection.localDescription.sdp
+        answer = await connection.answer(offer)
         return answer if self._path is None else self._path.to_engine(answer)
 
     def pictures(self, mid: str | None = None) -> PictureFigures:
@@ -208,12 +202,14 @@ class MeasuringSink:
         goal = count() + more
         await self.until(lambda: count() >= goal, within=within)
 
-    def _open(self) -> RTCPeerConnection:
-        connection = RTCPeerConnection(RTCConfiguration(iceServers=[], bundlePolicy=RTCBundlePolicy.MAX_BUNDLE))
-        connection.on("track", self._watch)
-        connection.on("connectionstatechange", lambda: self._become(connection.connectionState))
-        self._connection = connection
-        return connection
+    def _open(self) -> AnsweringConnection:
+        self._connection = AnsweringConnection(
+            self._clock, on_state=self._become, on_received=self._watch, on_channels=self._open_input
+        )
+        return self._connection
+
+    def _open_input(self, connection: RTCPeerConnection) -> None:
+        self.input = InputSender(connection, self._news.set)
 
     def _become(self, state: str) -> None:
         self.states.append(state)
@@ -223,14 +219,11 @@ class MeasuringSink:
         self._failure = failure
         self._news.set()
 
-    def _watch(self, track: MediaStreamTrack) -> None:
-        assert self._connection is not None
-        transceivers = self._connection.getTransceivers()
-        (transceiver,) = (each for each in transceivers if each.receiver.track is track)
-        mid = str(transceiver.mid)
-        receiver = self._receivers[mid] = RtpReceiver(transceiver, self._clock, self._remote)
-        self._before[mid] = receiver.figures
-        if track.kind == "video":
+    def _watch(self, section: ViewedSection) -> None:
+        mid, receiver = section.mid, section.receiver
+        assert receiver is not None, "its media is received"
+        self._receivers[mid], self._before[mid] = receiver, receiver.figures
+        if section.kind == "video":
             seen = self._pictures[mid] = PictureLog(self._clock.now())
             self._tasks.start(self._see(receiver.source, seen), f"pictures of {mid}")
         else:

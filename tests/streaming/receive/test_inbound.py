@@ -117,12 +117,12 @@ class TestSources:
     def test_reports_of_the_source_date_what_it_sends(self) -> None:
         inbound = Receiver().inbound
         inbound.reported(SenderReport(1, 0, 1000.0, 0), 0.0)
-        assert inbound.captured_at(5, 7.0) == 7.0
+        assert inbound.captured(5, 7.0).at == 7.0
         first = inbound.receive_packet(packet(5), 10.0)
         assert first is not None
         inbound.reported(SenderReport(1, 1 << 16, 1000.0, 15_000), 10.0)
         inbound.reported(SenderReport(9, 1 << 16, 2000.0, 15_000), 10.0)
-        assert inbound.captured_at(first.timestamp + 90_000, 12.0) == pytest.approx(11.0)
+        assert inbound.captured(first.timestamp + 90_000, 12.0).at == pytest.approx(11.0)
         assert inbound.source is not None
         report = inbound.source.reception.report(10.5)
         assert report is not None

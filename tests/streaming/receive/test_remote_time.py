@@ -41,20 +41,20 @@ class TestRemoteClock:
 
 class TestCaptureTimes:
     def test_nothing_has_come(self) -> None:
-        assert CaptureTimes(RATE, RemoteClock()).captured_at(7, 5.0) == 5.0
+        assert CaptureTimes(RATE, RemoteClock()).captured(7, 5.0).at == 5.0
 
     def test_without_a_report_the_fastest_packet_counts(self) -> None:
         times = CaptureTimes(RATE, RemoteClock())
         times.arrived(0, 100.05)
         times.arrived(RATE, 101.02)
-        assert times.captured_at(2 * RATE, 102.5) == pytest.approx(102.02)
-        assert times.captured_at(3 * RATE, 103.0) == 103.0
+        assert times.captured(2 * RATE, 102.5).at == pytest.approx(102.02)
+        assert times.captured(3 * RATE, 103.0).at == 103.0
 
     def test_a_source_that_starts_anew(self) -> None:
         times = CaptureTimes(RATE, RemoteClock())
         times.arrived(0, 100.0)
         times.arrived(100 * RATE, 101.0)
-        assert times.captured_at(101 * RATE, 102.5) == pytest.approx(102.0)
+        assert times.captured(101 * RATE, 102.5).at == pytest.approx(102.0)
 
     def test_two_sources_of_one_sender_are_in_time(self) -> None:
         remote = RemoteClock()
@@ -62,8 +62,15 @@ class TestCaptureTimes:
         # At their time 1000.0 the timestamps are 500 and 7000; ours is 900 less, and the reports take 20 and 70 ms.
         video.reported(1000.0, 500, 100.02)
         audio.reported(1000.0, 7000, 100.07)
-        assert video.captured_at(500 + RATE, 102.0) == pytest.approx(101.02)
-        assert audio.captured_at(7000 + 48_000, 102.0) == pytest.approx(101.02)
+        assert video.captured(500 + RATE, 102.0).at == pytest.approx(101.02)
+        assert audio.captured(7000 + 48_000, 102.0).at == pytest.approx(101.02)
+
+    def test_the_sender_says_when_on_its_own_clock(self) -> None:
+        times = CaptureTimes(RATE, RemoteClock())
+        times.arrived(500, 100.02)
+        assert times.captured(500 + RATE, 102.0).reported is None
+        times.reported(1000.0, 500, 100.02)
+        assert times.captured(500 + RATE, 102.0).reported == pytest.approx(1001.0)
 
     @pytest.mark.parametrize("remote", [1000.0 - 50, 1000.0 + 50])
     def test_a_report_that_cannot_be_is_not_believed(self, remote: float) -> None:
@@ -72,9 +79,9 @@ class TestCaptureTimes:
         times.arrived(0, 100.0)
         times.reported(1000.0, 0, 100.0)
         times.reported(remote, 100 * RATE, 100.0)
-        assert times.captured_at(RATE, 101.5) == pytest.approx(101.0)
+        assert times.captured(RATE, 101.5) == (pytest.approx(101.0), None)
 
     def test_nothing_is_captured_after_it_came(self) -> None:
         times = CaptureTimes(RATE, RemoteClock())
         times.reported(1000.0, 0, 100.0)
-        assert times.captured_at(RATE, 100.9) == 100.9
+        assert times.captured(RATE, 100.9).at == 100.9

@@ -10,6 +10,7 @@ from openrois_streaming.codecs import VP8
 from openrois_streaming.publish.audio_encoder import OpusEncoder
 from openrois_streaming.publish.video_encoder import VideoEncoder
 from openrois_streaming.receive.playout import SoundPacket
+from openrois_streaming.receive.remote_time import CaptureTime
 from openrois_streaming.receive.source_audio import AudioSource
 from openrois_streaming.receive.source_video import WAITING_LIMIT, EncodedPicture, VideoSource
 from openrois_streaming.source.source import RawAudio, RawVideo
@@ -38,7 +39,7 @@ def pictures(count: int) -> list[EncodedPicture]:
     for number in range(count):
         raw = RawVideo(np.full((72, 64), 60 + number, np.uint8), "i420", 64, 48, number, number / 30)
         (chunk,) = encoder.encode(raw, key_frame=number == 0)
-        made.append(EncodedPicture(bytes(chunk.data), number == 0, 100.0 + number))
+        made.append(EncodedPicture(bytes(chunk.data), number == 0, CaptureTime(100.0 + number, None)))
     return made
 
 
@@ -48,7 +49,7 @@ async def taken(items: AsyncIterator[Any]) -> Any:
 
 
 async def test_a_reader_hears_of_a_decoder_that_fails_in_an_unknown_way() -> None:
-    def fail(timestamp: int, now: float) -> float:
+    def fail(timestamp: int, now: float) -> CaptureTime:
         raise RuntimeError("a mistake")
 
     source = AudioSource(SystemClock(), fail)
@@ -88,7 +89,7 @@ class TestVideo:
         told = Told()
         first, second, _ = pictures(3)
         async with told.source.open() as shown:
-            told.source.offer(EncodedPicture(b"\x00nonsense", True, 5.0))
+            told.source.offer(EncodedPicture(b"\x00nonsense", True, CaptureTime(5.0, None)))
             async with asyncio.timeout(PATIENCE):
                 await told.lost.wait()
             told.source.offer(second)
@@ -104,7 +105,7 @@ class TestVideo:
         )
         async with told.source.open():
             for _ in range(WAITING_LIMIT + 3):
-                told.source.offer(EncodedPicture(b"x", True, 5.0))
+                told.source.offer(EncodedPicture(b"x", True, CaptureTime(5.0, None)))
             assert "lost" in told.calls
             assert told.source.dropped > WAITING_LIMIT
             go_on.set()
@@ -139,7 +140,7 @@ def sound(count: int) -> list[SoundPacket]:
 class TestAudio:
     async def test_offered_sound_is_played_while_open(self) -> None:
         clock = SystemClock()
-        source = AudioSource(clock, lambda timestamp, now: float(timestamp))
+        source = AudioSource(clock, lambda timestamp, now: CaptureTime(float(timestamp), None))
         packets = sound(3)
         source.offer(packets[0], clock.now())
         assert source.delay == 0.0
@@ -158,7 +159,7 @@ class TestAudio:
         assert not [each for each in threading.enumerate() if each.name == "decode audio"]
 
     async def test_the_end_is_the_end(self) -> None:
-        source = AudioSource(SystemClock(), lambda timestamp, now: now)
+        source = AudioSource(SystemClock(), lambda timestamp, now: CaptureTime(now, None))
         async with source.open() as heard:
             source.end_input()
             assert [each async for each in heard] == []
