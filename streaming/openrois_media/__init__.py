@@ -1,8 +1,11 @@
-"""Streams of any body, for its adapter: `run` and `serve` with sources, over the RoIS Streaming Interface.
+"""Streams of any body, at both ends of the RoIS Streaming Interface: sources of an adapter, media of an application.
 
-    from openrois_media import opencv_camera, run
+    from openrois_media import Media, opencv_camera, run
 
-    run(engine_id="porch", streams={"camera": opencv_camera(0)})
+    run(engine_id="porch", streams={"camera": opencv_camera(0)})        # in the adapter
+
+    async with Client() as client, Media(client) as media:              # in the application
+        picture = await media.snapshot("porch/camera")
 
 It knows no body: what a body is made of besides its streams lies above it. Names are imported on first use, because the
 media plane takes half a second, and commands read their options without it.
@@ -20,6 +23,7 @@ if TYPE_CHECKING:
     from openrois_streaming.capture.video import EncodedSource, VideoSource
     from openrois_streaming.network.settings import NetworkSettings
 
+    from openrois_media.client.media import Media
     from openrois_media.command import main
     from openrois_media.running import run, serve
     from openrois_media.streams import Stream
@@ -29,6 +33,7 @@ __all__ = [
     "AudioSource",
     "AudioUplink",
     "EncodedSource",
+    "Media",
     "NetworkSettings",
     "Stream",
     "VideoSource",
@@ -48,6 +53,7 @@ _PLACES = {
     "AudioSource": "openrois_streaming.capture.audio",
     "AudioUplink": "openrois_media.uplinks",
     "EncodedSource": "openrois_streaming.capture.video",
+    "Media": "openrois_media.client.media",
     "NetworkSettings": "openrois_streaming.network.settings",
     "Stream": "openrois_media.streams",
     "VideoSource": "openrois_streaming.capture.video",

@@ -101,7 +101,7 @@ class MeasuringSink:
         """Answer the SDP of an offer; returns the answer as SDP, candidates included."""
         connection = self._connection or self._open()
         offer = sdp if self._path is None else self._path.to_viewer(sdp)
-        answer = await connection.answer(offer)
+        answer = await connection.answer_offer(offer)
         return answer if self._path is None else self._path.to_engine(answer)
 
     def pictures(self, mid: str | None = None) -> PictureFigures:

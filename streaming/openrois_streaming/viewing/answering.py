@@ -112,7 +112,7 @@ class AnsweringConnection:
         """Name of the first section, to which candidates of this end belong; empty before the first offer."""
         return next(iter(self.sections), "")
 
-    async def answer(self, sdp: str, directions: Mapping[str, Direction] | None = None) -> str:
+    async def answer_offer(self, sdp: str, directions: Mapping[str, Direction] | None = None) -> str:
         """Answer the SDP of an offer; returns the answer, with the candidates known by now.
 
         Args:

@@ -41,7 +41,7 @@ class Far:
 
     async def respond(self, offer: Offer) -> None:
         directions = {each.mid: each.direction for each in offer.streams}
-        await self.engine.answer(offer, await self.connection.answer(offer.sdp, directions))
+        await self.engine.answer(offer, await self.connection.answer_offer(offer.sdp, directions))
 
 
 @asynccontextmanager
@@ -106,7 +106,7 @@ async def test_candidates_of_servers_follow_the_answer() -> None:
         try:
             one.connect("s", "video")
             await one.news.until(lambda: one.offers)
-            answer = await connection.answer(one.offers[0].sdp)
+            answer = await connection.answer_offer(one.offers[0].sdp)
             assert "a=candidate:" in answer
             assert "a=end-of-candidates" not in answer
         finally:
@@ -117,7 +117,7 @@ async def test_candidates_of_servers_follow_the_answer() -> None:
 async def test_what_cannot_be_applied_is_refused() -> None:
     async with far() as viewer:
         with pytest.raises(InvalidDescription):
-            await viewer.connection.answer("v=0\r\nm=nonsense\r\n")
+            await viewer.connection.answer_offer("v=0\r\nm=nonsense\r\n")
         viewer.engine.connect("s", "video")
         await viewer.engine.until("s", StreamStatus.RUNNING)
         with pytest.raises(InvalidCandidate):

@@ -1,0 +1,375 @@
+"""Media of an application: pictures and sound of components, and its own camera and microphone."""
+
+import asyncio
+import json
+from collections.abc import AsyncIterator, Callable
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass, field
+from types import TracebackType
+from typing import Any, Final, Literal, Self, TypeVar, overload
+
+import numpy as np
+from numpy.typing import NDArray
+from openrois_signaling.messages import MediaKind
+from openrois_streaming.clock import MediaClock, SystemClock
+from openrois_streaming.recording.jpeg import jpeg_of
+from openrois_streaming.source.av_frames import FrameFormat, pixels_of
+from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
+
+from openrois.aio.tasks import TaskScope
+from openrois.client import BadParameter, Client, ComponentProxy, Unsupported
+from openrois.client.components import AudioStreaming, VideoStreaming
+from openrois.types.codes import StreamStatus
+from openrois.types.references import engine_of
+from openrois_media.client.readers import Block, Frame, StreamReader, block_of, frame_of
+from openrois_media.client.stream import AUDIO_BLOCKS, ReceivedStream, SentStream
+from openrois_media.client.stream_state import Desire
+from openrois_media.client.streams import Streams
+
+__all__ = ["Media", "Sending"]
+
+CONNECT_TIMEOUT: Final = 10.0
+"""Default seconds that connecting a stream, or taking a snapshot, may take."""
+
+SNAPSHOT_AGE: Final = 1.0
+"""Seconds that may have passed since a snapshot was captured."""
+
+_TYPES: Final[dict[MediaKind, type[VideoStreaming] | type[AudioStreaming]]] = {
+    "video": VideoStreaming,
+    "audio": AudioStreaming,
+}
+_METHODS: Final[dict[MediaKind, str]] = {"video": "frames", "audio": "blocks"}
+
+T = TypeVar("T")
+
+
+@dataclass(eq=False)
+class _Shared:
+    """A received stream and its readers."""
+
+    stream: ReceivedStream
+    readers: list[StreamReader[Any]] = field(default_factory=list)
+    users: int = 0
+
+    def follow(self) -> None:
+        """Run the stream while a reader wants it to."""
+        runs = any(reader.desire is Desire.RUNNING for reader in self.readers)
+        desire = Desire.RUNNING if runs or not self.readers else Desire.SUSPENDED
+        if desire is not self.stream.state.desire:
+            self.stream.want(desire)
+
+
+class Sending:
+    """What an application sends, inside its `async with` block.
+
+    Attributes:
+        component_refs: the components that it is sent to.
+    """
+
+    def __init__(self, streams: list[SentStream]) -> None:
+        self.component_refs = tuple(stream.component_ref for stream in streams)
+        self._streams = streams
+
+    @property
+    def status(self) -> dict[str, StreamStatus | None]:
+        """Status of each stream by its component; None without a connection to the gateway."""
+        return {stream.component_ref: stream.state.status for stream in self._streams}
+
+    @property
+    def problem(self) -> str:
+        """What keeps a stream from running, in a sentence; it is tried again. Empty for nothing."""
+        return next((each.state.problem.detail for each in self._streams if each.state.problem is not None), "")
+
+    async def suspend(self) -> None:
+        """Stop reading the sources, and sending, until `resume`."""
+        await self._want(Desire.SUSPENDED)
+
+    async def resume(self) -> None:
+        """Go on."""
+        await self._want(Desire.RUNNING)
+
+    async def finished(self) -> None:
+        """Wait until every source has ended, such as one that plays a file.
+
+        Raises:
+            Exception: what a source has raised.
+        """
+        for stream in self._streams:
+            await stream.news.until(lambda stream=stream: stream.ended)  # type: ignore[misc]
+            if stream.failure is not None:
+                raise stream.failure
+
+    async def _want(self, desire: Desire) -> None:
+        for stream in self._streams:
+            stream.want(desire)
+        for stream in self._streams:
+            await stream.settled()
+
+
+class Media:
+    """Pictures and sound of components, and what an application sends them: `async with Media(client) as media`.
+
+    Readers of one component share one stream and one decoder; it is decoded only while it is read, and disconnected
+    when its last reader has left. What is lost with the gateway, an adapter or the network is connected again, and a
+    suspended stream comes back suspended.
+
+    Args:
+        client: an open client; it must stay open for as long as the block runs.
+        clock: the clock of `local_time` and of all waits; this machine's unless given.
+    """
+
+    def __init__(self, client: Client, *, clock: MediaClock | None = None) -> None:
+        self._client = client
+        self._clock = clock or SystemClock()
+        self._stack = AsyncExitStack()
+        self._streams: Streams | None = None
+        self._shared: dict[tuple[str, MediaKind], _Shared] = {}
+
+    async def __aenter__(self) -> Self:
+        self._streams = await self._stack.enter_async_context(Streams(self._client, self._clock))
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Disconnect every stream and close every peer connection."""
+        for shared in self._shared.values():
+            shared.stream.end()
+        self._streams = None
+        await self._stack.aclose()
+
+    @asynccontextmanager
+    async def frames(
+        self, camera: str | ComponentProxy, format: FrameFormat = "rgb24", *, timeout: float = CONNECT_TIMEOUT
+    ) -> AsyncIterator[StreamReader[Frame]]:
+        """Yield the pictures of a component, the newest one at each step: `async for frame in frames`.
+
+        Args:
+            camera: a component with a stream of pictures, such as VideoStreaming, or its reference.
+            format: how the pixels come: `rgb24`, `bgr24`, or `i420`, which costs least.
+            timeout: seconds that connecting the stream may take.
+
+        Raises:
+            ValueError: there is no such format, or the component has no pictures.
+            RoISError: the engine refuses.
+            TimeoutError: it is not connected in time.
+        """
+        if format not in ("i420", "rgb24", "bgr24"):
+            raise ValueError(f"{format!r} is not a format of pictures: use i420, rgb24 or bgr24")
+        async with self._reading(camera, "video", 1, lambda raw: frame_of(raw, format), timeout) as reader:
+            yield reader
+
+    @asynccontextmanager
+    async def blocks(
+        self, microphone: str | ComponentProxy, *, timeout: float = CONNECT_TIMEOUT
+    ) -> AsyncIterator[StreamReader[Block]]:
+        """Yield the sound of a component without a break, in blocks: `async for block in blocks`.
+
+        Lost sound is concealed. A reader that is slow loses the oldest when a second of sound waits.
+
+        Args:
+            microphone: a component with a stream of sound, such as AudioStreaming, or its reference.
+            timeout: seconds that connecting the stream may take.
+
+        Raises:
+            ValueError: the component has no sound.
+            RoISError: the engine refuses.
+            TimeoutError: it is not connected in time.
+        """
+        async with self._reading(microphone, "audio", AUDIO_BLOCKS, block_of, timeout) as reader:
+            yield reader
+
+    @overload
+    async def snapshot(
+        self, camera: str | ComponentProxy, format: Literal["jpeg"] = "jpeg", *, timeout: float = CONNECT_TIMEOUT
+    ) -> bytes: ...
+    @overload
+    async def snapshot(
+        self, camera: str | ComponentProxy, format: FrameFormat, *, timeout: float = CONNECT_TIMEOUT
+    ) -> NDArray[np.uint8]: ...
+    async def snapshot(
+        self,
+        camera: str | ComponentProxy,
+        format: Literal["jpeg"] | FrameFormat = "jpeg",
+        *,
+        timeout: float = CONNECT_TIMEOUT,
+    ) -> bytes | NDArray[np.uint8]:
+        """Return one picture of a component, captured a second ago at most.
+
+        For several pictures keep `frames` open: a stream is connected for each snapshot that finds none.
+
+        Args:
+            camera: as in `frames`.
+            format: `jpeg` for the bytes of a JPEG file, or a pixel format of `frames` for an array as `Frame.data`.
+            timeout: seconds that it may take in all.
+
+        Raises:
+            ValueError: there is no such format, or the component has no pictures.
+            RoISError: the engine refuses.
+            TimeoutError: no picture comes in time; the text says what is wrong.
+        """
+        if format not in ("jpeg", "i420", "rgb24", "bgr24"):
+            raise ValueError(f"{format!r} is not a format of snapshots: use jpeg, i420, rgb24 or bgr24")
+        deadline = self._clock.now() + timeout
+        async with self._reading(camera, "video", 1, _as_it_is, timeout) as reader:
+            try:
+                async with asyncio.timeout(max(deadline - self._clock.now(), 0.0)):
+                    raw: RawVideo = await anext(reader)
+                    while self._clock.now() - raw.captured_at > SNAPSHOT_AGE:
+                        raw = await anext(reader)
+            except TimeoutError:
+                told = reader.problem or f"its stream is {_said(reader.status)}"
+                raise TimeoutError(f"{reader.component_ref} gave no picture within {timeout:g} s: {told}") from None
+            except StopAsyncIteration:
+                raise TimeoutError(f"{reader.component_ref} gave no picture: the client is closed") from None
+        return jpeg_of(raw) if format == "jpeg" else np.array(pixels_of(raw, format))
+
+    @asynccontextmanager
+    async def send(
+        self,
+        *,
+        camera: MediaSource[RawVideo] | None = None,
+        microphone: MediaSource[RawAudio] | None = None,
+        to: str | ComponentProxy | None = None,
+        timeout: float = CONNECT_TIMEOUT,
+    ) -> AsyncIterator[Sending]:
+        """Send pictures, sound or both to a body, for as long as the block runs.
+
+        Where the gateway asks for tokens, an actuation component of the body has to be bound, as for operating it. One
+        application at a time sends to a component.
+
+        Args:
+            camera: source of the pictures, open while they can be sent.
+            microphone: source of the sound, likewise.
+            to: any component of the body; needed where several bodies take what applications send.
+            timeout: seconds that connecting may take.
+
+        Raises:
+            ValueError: there is nothing to send.
+            Unsupported: no component takes it.
+            BadParameter: several do.
+            RoISError: the engine refuses, such as OutOfResources without control.
+            TimeoutError: it is not connected in time.
+        """
+        streams = self._require_open()
+        sources: dict[MediaKind, MediaSource[Any] | None] = {"video": camera, "audio": microphone}
+        if not any(sources.values()):
+            raise ValueError("there is nothing to send: give a camera, a microphone or both")
+        sent = [
+            SentStream(await self._destination(kind, to), kind, source, streams, self._clock)
+            for kind, source in sources.items()
+            if source is not None
+        ]
+        async with AsyncExitStack() as stack:
+            tasks = await stack.enter_async_context(TaskScope())
+            for stream in sent:
+                streams.add(stream)
+                stack.push_async_callback(streams.remove, stream)
+                stream.want(Desire.RUNNING)
+            for stream in sent:
+                await _established(stream, timeout)
+                tasks.start(stream.run_source())
+            yield Sending(sent)
+
+    @asynccontextmanager
+    async def _reading(
+        self,
+        component: str | ComponentProxy,
+        kind: MediaKind,
+        waiting: int,
+        convert: Callable[[Any], T],
+        timeout: float,
+    ) -> AsyncIterator[StreamReader[T]]:
+        component_ref = await self._require_kind(component, kind)
+        shared = self._share(component_ref, kind)
+        try:
+            async with shared.stream.fanout.subscribe(waiting) as subscription:
+                reader = StreamReader(shared.stream, subscription, convert, self._clock, shared.follow)
+                shared.readers.append(reader)
+                try:
+                    shared.follow()
+                    await _established(shared.stream, timeout)
+                    yield reader
+                finally:
+                    shared.readers.remove(reader)
+                    if shared.readers:
+                        shared.follow()
+        finally:
+            await self._release(component_ref, kind, shared)
+
+    def _share(self, component_ref: str, kind: MediaKind) -> _Shared:
+        streams = self._require_open()
+        shared = self._shared.get((component_ref, kind))
+        if shared is None:
+            shared = _Shared(ReceivedStream(component_ref, kind, streams, self._clock))
+            self._shared[component_ref, kind] = shared
+            streams.add(shared.stream)
+        shared.users += 1
+        return shared
+
+    async def _release(self, component_ref: str, kind: MediaKind, shared: _Shared) -> None:
+        shared.users -= 1
+        if shared.users == 0:
+            del self._shared[component_ref, kind]
+            if self._streams is not None:
+                await self._streams.remove(shared.stream)
+
+    def _require_open(self) -> Streams:
+        if self._streams is None:
+            raise RuntimeError("use a Media inside its block: async with Media(client) as media")
+        return self._streams
+
+    async def _require_kind(self, component: str | ComponentProxy, kind: MediaKind) -> str:
+        """Return the reference of a component, unless its type has streams of the other kind alone."""
+        self._require_open()
+        component_ref = component if isinstance(component, str) else component.component_ref
+        if (component_ref, kind) in self._shared:
+            return component_ref
+        urn = (await self._client.component(component_ref).profile()).component_type
+        for other, proxy in _TYPES.items():
+            if other != kind and proxy.component_type is not None and urn == proxy.component_type.urn:
+                raise ValueError(f"{component_ref} has {other}, not {kind}: use media.{_METHODS[other]}")
+        return component_ref
+
+    async def _destination(self, kind: MediaKind, to: str | ComponentProxy | None) -> str:
+        """Return the component that takes what an application sends."""
+        known = await self._client.find_all(_TYPES[kind])
+        if to is not None:
+            ref = to if isinstance(to, str) else to.component_ref
+            exact = [each for each in known if each.component_ref == ref]
+            known = exact or [each for each in known if engine_of(each.component_ref) == engine_of(ref)]
+        taking = [each.component_ref for each in known if await _takes(each)]
+        where = "" if to is None else f" of {to if isinstance(to, str) else to.component_ref}"
+        if not taking:
+            raise Unsupported(f"no component{where} takes the {kind} of an application")
+        if len(taking) > 1:
+            raise BadParameter(f"several components take the {kind} of an application, say which: {', '.join(taking)}")
+        return taking[0]
+
+
+async def _established(stream: ReceivedStream | SentStream, timeout: float) -> None:
+    try:
+        async with asyncio.timeout(timeout):
+            await stream.established()
+    except TimeoutError:
+        raise TimeoutError(f"the stream of {stream.component_ref} is not connected within {timeout:g} s") from None
+
+
+async def _takes(component: ComponentProxy) -> bool:
+    """Tell whether a component says that applications may send to it."""
+    parameters = await component.client.get_parameter(component.component_ref)
+    text = next((each.value for each in parameters if each.name == "available_transports"), "")
+    try:
+        transports = json.loads(text) if text else {}
+        directions = transports.get("direction", [])
+    except (ValueError, AttributeError):
+        return False
+    return "sendonly" in directions
+
+
+def _as_it_is(raw: Any) -> Any:
+    return raw
+
+
+def _said(status: StreamStatus | None) -> str:
+    return "unknown, without the gateway" if status is None else status.value

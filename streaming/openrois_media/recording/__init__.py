@@ -1,0 +1,1 @@
+"""Commands that write received media into files."""
