@@ -134,7 +134,7 @@ class Media:
     ) -> None:
         """Disconnect every stream and close every peer connection."""
         for shared in self._shared.values():
-            shared.stream.end()
+            shared.stream.end_frames()
         self._streams = None
         await self._stack.aclose()
 

@@ -1,18 +1,22 @@
 """One peer connection of an application with an engine, and the streams in its sections."""
 
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 from openrois_signaling.messages import IceServer, Offer
 from openrois_streaming.clock import MediaClock
+from openrois_streaming.errors import SessionError
 from openrois_streaming.viewing.answering import AnsweringConnection, ViewedSection
 
 from openrois_media.client.path_watch import PathWatch
 
 __all__ = ["Attachment", "MediaPeer", "Place"]
 
-CONNECTED: Final = "connected"
+_CONNECTED: Final = "connected"
+
+_log = logging.getLogger(__name__)
 
 
 class MediaPeer:
@@ -49,7 +53,7 @@ class MediaPeer:
     @property
     def is_connected(self) -> bool:
         """Whether media can pass."""
-        return self.connection.state == CONNECTED
+        return self.connection.state == _CONNECTED
 
     @property
     def stream_ids(self) -> tuple[str, ...]:
@@ -70,6 +74,13 @@ class MediaPeer:
         known = self.connection.sections
         self._sections = {each.stream_id: known[each.mid] for each in offer.streams if each.mid in known}
         return answer
+
+    async def add_candidate(self, candidate: str | None) -> None:
+        """Add a candidate of the engine; an unusable one is skipped, as in ICE."""
+        try:
+            await self.connection.add_candidate(candidate)
+        except SessionError as error:
+            _log.info("a candidate of the engine is not used: %s", error)
 
     async def close(self) -> None:
         """Close the connection."""

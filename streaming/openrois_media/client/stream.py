@@ -26,12 +26,12 @@ _log = logging.getLogger(__name__)
 
 
 class News:
-    """Waiters of conditions, woken by each `tell`."""
+    """Waiters of conditions, woken by each `notify`."""
 
     def __init__(self) -> None:
         self._event = asyncio.Event()
 
-    def tell(self) -> None:
+    def notify(self) -> None:
         """Wake all waiters, which look at their conditions again."""
         self._event.set()
         self._event = asyncio.Event()
@@ -108,7 +108,7 @@ class ClientStream:
                     await self._perform(verb)
                 finally:
                     self._busy = False
-                self.news.tell()
+                self.news.notify()
             else:
                 await self._rest()
 
@@ -177,7 +177,7 @@ class ClientStream:
 
     def _changed(self) -> None:
         self._wake.set()
-        self.news.tell()
+        self.news.notify()
 
     async def _rest(self) -> None:
         """Wait for a change, or for the next attempt."""
@@ -238,7 +238,7 @@ class ReceivedStream(ClientStream):
         delay = current.section.receiver.figures.playout_delay
         return self._reports.due(self.state.stream_id, delay, self._clock.now())
 
-    def end(self) -> None:
+    def end_frames(self) -> None:
         """End the frames: the stream will not be connected again."""
         self._source.end_input()
 
@@ -293,7 +293,7 @@ class SentStream(ClientStream):
             self.failure = error
         finally:
             self.ended = True
-            self.news.tell()
+            self.news.notify()
 
     @property
     def _sends(self) -> bool:

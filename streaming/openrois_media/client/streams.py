@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import Any, Final, Self
 
-from openrois_signaling.messages import Bye, Candidate, IceServer, Offer
+from openrois_signaling.messages import Bye, Candidate, Offer
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.codecs import H264, OPUS, VP8
 from openrois_streaming.errors import SessionError
@@ -27,10 +27,10 @@ from openrois.client import (
     RoISError,
     RpcError,
 )
-from openrois.jsonrpc.protocol import METHOD_NOT_FOUND
 from openrois.types.codes import StreamStatus
 from openrois.types.messages import Parameter
 from openrois.types.streams import StreamStatusNotification
+from openrois_media.client.ice_servers import IceServers
 from openrois_media.client.negotiation import (
     AddCandidate,
     Apply,
@@ -62,8 +62,6 @@ _LEAVE_TIMEOUT: Final = 2.0
 """Seconds that the engine has to disconnect streams, when they are left."""
 
 _MESSAGES: Final = 1024
-_CREDENTIAL_MARGIN: Final = 30.0
-"""Seconds before their end at which credentials of TURN servers are asked for anew."""
 
 _log = logging.getLogger(__name__)
 
@@ -84,8 +82,7 @@ class Streams:
         self._clock = clock
         self._negotiation = Negotiation()
         self._peers: dict[str, MediaPeer] = {}
-        self._ice_servers: tuple[IceServer, ...] = ()
-        self._ice_stale_at = float("-inf")
+        self._ice_servers = IceServers(client, clock)
         self._running: dict[ClientStream, asyncio.Task[None]] = {}
         self._closing: set[asyncio.Task[None]] = set()
         self._tasks = TaskScope()
@@ -127,7 +124,7 @@ class Streams:
         stream.place.drop()
         self._running.pop(stream).cancel()
         if isinstance(stream, ReceivedStream):
-            stream.end()
+            stream.end_frames()
         self._close_empty_peers()
 
     @property
@@ -142,7 +139,7 @@ class Streams:
 
     async def connect(self, stream: ClientStream) -> str:
         """Connect a stream; returns its id."""
-        await self._refresh_ice_servers()
+        await self._ice_servers.refresh()
         parameters = (
             _json_parameter("encoding_parameters", {"codecs": CODECS[stream.kind]}),
             _json_parameter("transport_parameters", {"direction": stream.direction}),
@@ -160,7 +157,7 @@ class Streams:
             if section is not None and section.kind == stream.kind:
                 stream.place.attach(peer, section)
                 break
-        stream.news.tell()
+        stream.news.notify()
         self._close_empty_peers()
         self._soon.set()
 
@@ -198,7 +195,7 @@ class Streams:
         for stream in self._streams:
             stream.lost(None)
             if isinstance(stream, ReceivedStream):
-                stream.end()
+                stream.end_frames()
 
     def _notice(self, notice: Notice) -> None:
         match notice:
@@ -208,7 +205,7 @@ class Streams:
             case Disconnected():
                 # Media may go on: the engine waits a while for its application to come back.
                 self._negotiation.abandon()
-                self._ice_stale_at = float("-inf")
+                self._ice_servers.expire()
                 for peer in self._peers.values():
                     peer.leaving = True
                 for stream in self._streams:
@@ -233,7 +230,9 @@ class Streams:
                 case SendCandidate():
                     self._tasks.start(self._tell(effect.candidate.method, effect.candidate.wire()))
                 case AddCandidate():
-                    self._tasks.start(self._add_candidate(effect))
+                    peer = self._peers.get(effect.peer_id)
+                    if peer is not None:
+                        self._tasks.start(peer.add_candidate(effect.candidate))
                 case Close():
                     self._peer_ended(effect.peer_id)
 
@@ -242,7 +241,7 @@ class Streams:
         self._peers[peer_id] = MediaPeer(
             peer_id,
             self._clock,
-            self._ice_servers,
+            self._ice_servers.current,
             lambda candidate: self._run(self._negotiation.gathered(peer_id, candidate)),
             self._state_changed,
         )
@@ -252,7 +251,7 @@ class Streams:
 
     def _state_changed(self) -> None:
         for stream in self._streams:
-            stream.news.tell()
+            stream.news.notify()
         self._soon.set()
 
     async def _apply(self, offer: Offer) -> None:
@@ -270,14 +269,6 @@ class Streams:
         self._run(self._negotiation.answered(offer.peer_id, offer.generation, sdp, peer.connection.mid))
         for stream in self._streams:
             self.relocate(stream)
-
-    async def _add_candidate(self, effect: AddCandidate) -> None:
-        peer = self._peers.get(effect.peer_id)
-        if peer is not None:
-            try:
-                await peer.connection.add_candidate(effect.candidate)
-            except SessionError as error:
-                _log.info("a candidate of the engine is not used: %s", error)
 
     def _peer_ended(self, peer_id: str) -> None:
         """Close a peer that has ended; streams that it alone carried are lost."""
@@ -364,7 +355,7 @@ class Streams:
     async def _restart(self, peer_id: str) -> None:
         """Ask the engine for a new peer connection in place of one that has failed."""
         try:
-            await self._refresh_ice_servers()
+            await self._ice_servers.refresh()
             await self._client.call("signaling.restart", peer_id=peer_id)
         except (OutOfResources, ConnectionLost, TimeoutError) as error:
             _log.info("a new peer connection is asked for later: %s", error)
@@ -379,19 +370,6 @@ class Streams:
             await self._client.call(method, **params)
         except (RoISError, RpcError, ConnectionLost, TimeoutError) as error:
             _log.debug("%s: %s", method, error)
-
-    async def _refresh_ice_servers(self) -> None:
-        """Ask the gateway for STUN and TURN servers, unless they are still valid. A gateway may have none."""
-        if self._clock.now() < self._ice_stale_at:
-            return
-        try:
-            answer = await self._client.call("signaling.ice_servers")
-            self._ice_servers = tuple(IceServer.model_validate(each) for each in answer.get("ice_servers", ()))
-        except RpcError as error:
-            if error.code != METHOD_NOT_FOUND:
-                raise
-            answer = {}
-        self._ice_stale_at = self._clock.now() + max(float(answer.get("ttl", 0)) - _CREDENTIAL_MARGIN, 0.0)
 
     async def _leave(self, *streams: ClientStream) -> None:
         for stream in streams:
