@@ -12,7 +12,7 @@ from openrois_body import body
 from openrois_body.components import follow, navigation
 from openrois_body.hearing import ear, noise_floor, voice_activity
 from openrois_body.messages import gestures, motion, reading
-from openrois_body.motion import ground, moves, planning, targets, wayfinding
+from openrois_body.motion import ground, legs, moves, planning, targets, wayfinding
 from openrois_body.processes import child
 from openrois_body.sound import engine_sound
 from openrois_body.speech import markup, playout_delay
@@ -49,7 +49,7 @@ AVATAR = (
     f"Ways keep {wayfinding.BODY} m from every edge",
     f"at most {math.degrees(ground._ARC):.0f} degrees of turn apart",
     f"more than {planning._MOST_STEPS:,} steps",
-    f"more than {moves.TOP_SPEED:g} m/s or less than {moves._SLOWEST:g} m/s, more than {moves._MOST_DEGREES:,} degrees",
+    f"more than {legs.TOP_SPEED:g} m/s or less than {moves._SLOWEST:g} m/s, more than {moves._MOST_DEGREES:,} degrees",
     f"from a person {follow._APART * 1000:g} at least",
     f"round all obstacles and at {follow._SPEED} m/s",
     f"when that has moved by {follow._MOVED * 100:g} cm",

@@ -72,9 +72,9 @@ class Body:
         finally:
             del self._reactions[reaction_id]
         if completed.status == "ABORT":
-            raise Aborted(f"{reaction} was stopped")
+            raise Aborted(completed.reason or f"{reaction} was stopped")
         if completed.status == "ERROR":
-            raise ComponentFailed(f"the game engine could not play {reaction}")
+            raise ComponentFailed(completed.reason or f"the body could not play {reaction}")
 
     def speak(self, speech_id: str, movements: Iterable[Speak]) -> None:
         """Move the mouth until `spoken` or `silence`; a game engine that connects later moves it too.
@@ -139,7 +139,7 @@ class Body:
         """Fail the running reactions: the game engine is disconnected."""
         for done in self._reactions.values():
             if not done.done():
-                done.set_exception(ComponentFailed("the game engine is disconnected; try again when it is back"))
+                done.set_exception(ComponentFailed("the body is disconnected; try again when it is back"))
 
     def _send_command(self, command: Command) -> None:
         try:

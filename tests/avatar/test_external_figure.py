@@ -62,7 +62,7 @@ async def test_components_follow_the_capabilities_of_each_engine(tmp_path: Path)
                 assert isinstance(walk, Walk)
                 if ends == "by dying":
                     await asyncio.to_thread(engine.close, "a fault")
-                    with pytest.raises(ComponentFailed, match="the game engine is disconnected"):
+                    with pytest.raises(ComponentFailed, match="the body is disconnected"):
                         await going
                     assert (status(), scene.place()) == (ComponentStatus.ERROR, None)
                     continue

@@ -91,7 +91,7 @@ class Follow(Moving, components.Follow):
             ended = await motion.walk(path[:MAX_PATH], _SPEED)
             tries = tries + 1 if ended == "ABORT" else 0
             if tries == _TRIES:
-                raise ComponentFailed(f"{self.name}: the game engine broke the walk off {_TRIES} times")
+                raise ComponentFailed(f"{self.name}: the body broke the motion off {_TRIES} times")
             if tries:
                 await self.figure.rest(_BETWEEN_TRIES)
 

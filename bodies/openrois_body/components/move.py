@@ -36,14 +36,14 @@ class Move(Moving, components.Move):
         elif bent is not None:
             changes = {**changes, "line": None}
         wanted = {"line": self.line, "curve": self.curve, "time": self.time, **changes}
-        _speed(wanted["line"], wanted["curve"], wanted["time"])
+        self._speed(wanted["line"], wanted["curve"], wanted["time"])
         return changes
 
     async def start(self) -> None:
         """Walk the line or curve to its end."""
         if self.line is None and self.curve is None:
             raise BadParameter("neither line nor curve is set; set one of them before start")
-        speed = _speed(self.line, self.curve, self.time)
+        speed = self._speed(self.line, self.curve, self.time)
         place = self.figure.place()
         path = line(place, self.line) if self.line is not None else curve(place, self.curve or ())
         async with self.moving() as motion:
@@ -72,7 +72,7 @@ class Move(Moving, components.Move):
             if ended == "OK":
                 return
             if ended == "ABORT":
-                raise Aborted("the game engine broke the motion off")
+                raise Aborted("the body broke the motion off")
             path = path[gone:]
 
     async def _check(self, path: list[Waypoint]) -> None:
@@ -83,13 +83,13 @@ class Move(Moving, components.Move):
             except ComponentFailed as error:
                 raise ComponentFailed(f"{self.name}: {error}") from error
 
-
-def _speed(straight: tuple[int, ...] | None, bent: tuple[int, ...] | None, time: int | None) -> float:
-    """Return the speed in m/s; raises BadParameter where the figure cannot walk so."""
-    if straight is not None:
-        line(_HERE, straight)
-        return speed_for(straight[0] / 1000, time)
-    if bent is not None:
-        curve(_HERE, bent)
-        return speed_for(curve_length(bent), time)
-    return speed_for(0.0, time)
+    def _speed(self, straight: tuple[int, ...] | None, bent: tuple[int, ...] | None, time: int | None) -> float:
+        """Return the speed in m/s; raises BadParameter where the body cannot go so."""
+        metres = 0.0
+        if straight is not None:
+            line(_HERE, straight)
+            metres = straight[0] / 1000
+        elif bent is not None:
+            curve(_HERE, bent)
+            metres = curve_length(bent)
+        return speed_for(metres, time, self.figure.legs.top_speed)

@@ -46,7 +46,7 @@ class Figure:
             ComponentFailed: the game engine has not reported a place.
         """
         if self.world.place is None:
-            raise ComponentFailed("the game engine has not reported where its figure is: it has to send `place`")
+            raise ComponentFailed("the body has not reported where it is; a game engine has to send `place`")
         return self.world.place
 
     async def rest(self, seconds: float) -> None:

@@ -67,7 +67,7 @@ class Navigation(Moving, components.Navigation):
                 tour.reached(len(path) - 1)
             tries = 0 if len(tour.left) < before else tries + (ended == "ABORT")
             if tries == _TRIES:
-                raise ComponentFailed(f"{tour.left[0]!r}: the game engine broke the walk off {_TRIES} times")
+                raise ComponentFailed(f"{tour.left[0]!r}: the body broke the motion off {_TRIES} times")
             if ended == "ABORT":
                 await self.figure.rest(_BETWEEN_TRIES)
 

@@ -20,7 +20,7 @@ _CHANGES: Final = 0.1
 
 
 class FloorResult(Payload):
-    """The floor on which the figure can go: corners `x,y` in metres. Without an outline there are no limits."""
+    """The floor on which the body can go: corners `x,y` in metres. Without an outline there are no limits."""
 
     outline: tuple[str, ...]
     obstacles: tuple[tuple[str, ...], ...]
@@ -36,7 +36,7 @@ class ThingsResult(Payload):
 
 
 class Surroundings(Component, authority="OpenRoIS", function="sensing"):
-    """Announces changes of the game engine's scene.
+    """Announces changes of the scene around the body.
 
     Args:
         world: the scene.
@@ -71,7 +71,7 @@ class Surroundings(Component, authority="OpenRoIS", function="sensing"):
 
     @query
     async def floor(self) -> FloorResult:
-        """Return where the figure can go."""
+        """Return where the body can go."""
         floor = self._world.floor
         if floor is None:
             return FloorResult(outline=(), obstacles=())
@@ -79,7 +79,7 @@ class Surroundings(Component, authority="OpenRoIS", function="sensing"):
 
     @query
     async def things(self) -> ThingsResult:
-        """Return the things of the scene beside the figure."""
+        """Return the things of the scene beside the body."""
         things = self._world.things
         return ThingsResult(
             thing_ref=tuple(map(self._world.ref, things)),
@@ -90,7 +90,7 @@ class Surroundings(Component, authority="OpenRoIS", function="sensing"):
 
     @event
     def figure_moved(self, position_data: str) -> None:
-        """The figure is somewhere else: `x,y,th`; up to 20 times a second.
+        """The body is somewhere else: `x,y,th`; up to 20 times a second.
 
         Args:
             position_data: where it is

@@ -36,7 +36,7 @@ class OperationResult(Payload):
 
 
 class Teleoperation(Component, authority="OpenRoIS", function="actuation"):
-    """Lets the application that has bound it drive the figure and turn its eyes, over the data channels of its streams.
+    """Lets the application that has bound it drive the body and turn its eyes, over the data channels of its streams.
 
     Args:
         operator_control: knows which application operates.
@@ -93,11 +93,11 @@ class Teleoperation(Component, authority="OpenRoIS", function="actuation"):
 
     @command
     async def stop(self) -> None:
-        """Accept no more input; the figure stands."""
+        """Accept no more input; the body stands."""
 
     @query
     async def operation(self) -> OperationResult:
-        """Return whether the figure is operated, how it moves, and counts of input messages."""
+        """Return whether the body is operated, how it moves, and counts of input messages."""
         pilot, figures = self._pilot, self.operator_control.figures
         velocity = pilot.velocity if pilot is not None else STANDING
         return OperationResult(
@@ -116,7 +116,7 @@ class Teleoperation(Component, authority="OpenRoIS", function="actuation"):
 
     @event
     def stopped(self, reason: str) -> None:
-        """The figure was stopped, or held keys count no more, although the operator did not release them.
+        """The body was stopped, or held keys count no more, although the operator did not release them.
 
         Args:
             reason: a sentence for a person

@@ -14,14 +14,19 @@ _STATUSES: Final[Mapping[str, Status]] = {"OK": "OK", "ABORT": "ABORT", "ERROR":
 
 @dataclass(frozen=True, slots=True)
 class Completed:
-    """The outcome of a reaction or a walk: done to its end (OK), stopped (ABORT), or not possible (ERROR)."""
+    """The outcome of a reaction or a walk: done to its end (OK), stopped (ABORT), or not possible (ERROR).
+
+    `reason` says to a person why it was not done to its end; empty where the engine has no more to say.
+    """
 
     id: str
     status: Status
+    reason: str = ""
 
     def to_json(self) -> dict[str, Any]:
-        """The body of EVENT."""
-        return {"event": "completed", "id": self.id, "status": self.status}
+        """The body of EVENT; a reason that is too long is cut."""
+        said = {"reason": self.reason[:MAX_TEXT]} if self.reason else {}
+        return {"event": "completed", "id": self.id, "status": self.status, **said}
 
     @classmethod
     def from_json(cls, body: Mapping[str, Any]) -> Completed:
@@ -29,7 +34,8 @@ class Completed:
         status = _STATUSES.get(text(body, "status", MAX_NAME))
         if status is None:
             raise LinkError("status: expected OK, ABORT or ERROR")
-        return cls(text(body, "id", MAX_NAME), status)
+        reason = text(body, "reason", MAX_TEXT) if "reason" in body else ""
+        return cls(text(body, "id", MAX_NAME), status, reason)
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,7 +37,7 @@ def approach(
     if ground is not None:
         clear = ground.nearest_clear(np.asarray(centre))
         if clear is None:
-            raise NoWay("cannot be reached: the figure has no room on this floor")
+            raise NoWay("cannot be reached: the body has no room on this floor")
         goal = float(clear[0]), float(clear[1])
     way: list[Point] = []
     for at, point in pairwise([start, *plan(ground, start, heading, goal, policy)]):
@@ -67,7 +67,7 @@ def check_path(floor: Floor, ground: Ground, start: Point, path: list[Point]) ->
         at = np.asarray([start])
         room = float(ground.distances(at)[0]) - _FINE if ground.inside(at)[0] else 0.0
         if room <= 0:
-            raise ComponentFailed("the figure stands in an obstacle, or outside of the floor")
+            raise ComponentFailed("the body stands in an obstacle, or outside of the floor")
         ground = Ground(floor, room)
     gone = 0.0
     for here, end in pairwise([start, *path]):

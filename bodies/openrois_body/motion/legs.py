@@ -28,7 +28,10 @@ from openrois_body.messages import (
     Waypoint,
 )
 
-__all__ = ["Ended", "Legs", "Motion"]
+__all__ = ["TOP_SPEED", "Ended", "Legs", "Motion"]
+
+TOP_SPEED: Final = 2.0
+"""Metres a second that a body can reach unless it says otherwise."""
 
 _log = logging.getLogger(__name__)
 
@@ -106,7 +109,7 @@ class Motion:
 
         Args:
             path: the points, at least one and at most `MAX_PATH`.
-            speed: metres a second.
+            speed: metres a second; the body goes no faster than it can.
             reached: called with the index of each point when the figure is there.
 
         Raises:
@@ -114,6 +117,7 @@ class Motion:
                 about twice the time that it should take.
         """
         loop = asyncio.get_running_loop()
+        speed = min(speed, self._legs.top_speed)
         walking = _Walking(secrets.token_hex(8), reached, loop.create_future())
         self._legs.send(Walk(walking.id, tuple(path), speed))
         self._walking, self._under_way = walking, walking.id
@@ -149,18 +153,18 @@ class Motion:
         match event:
             case Reached(id=walk_id, index=index) if walk_id == self._under_way and self._walking is not None:
                 self._walking.reached(index)
-            case Completed(id=walk_id, status=status) if walk_id == self._under_way:
+            case Completed(id=walk_id, status=status, reason=reason) if walk_id == self._under_way:
                 self._under_way = ""
                 if self._walking is None:
                     return
                 if status == "ERROR":
-                    self._walking.fail(ComponentFailed("the game engine cannot walk there"))
+                    self._walking.fail(ComponentFailed(reason or "the body cannot go there"))
                 else:
                     self._walking.finish(status)
 
     async def _lose_patience(self, walking: _Walking, seconds: float) -> None:
         await self._legs.clock.sleep_until(self._legs.clock.now() + seconds)
-        walking.fail(ComponentFailed(f"the game engine has not ended a walk for {seconds:.0f} s"))
+        walking.fail(ComponentFailed(f"the body has not ended a walk for {seconds:.0f} s"))
 
 
 class Legs:
@@ -174,6 +178,7 @@ class Legs:
         walks: returns whether the game engine said that its figure walks.
         place: returns where the figure is, if that is known.
         clock: the media clock.
+        top_speed: metres a second that the body can reach.
 
     Raises:
         LinkError: out of `send`, while no game engine is connected.
@@ -185,11 +190,13 @@ class Legs:
         walks: Callable[[], bool],
         place: Callable[[], Place | None],
         clock: MediaClock,
+        top_speed: float = TOP_SPEED,
     ) -> None:
         self._send = send
         self._walks = walks
         self.place = place
         self.clock = clock
+        self.top_speed = top_speed
         self._motion: Motion | None = None
 
     @property
@@ -207,7 +214,7 @@ class Legs:
         Raises:
             ComponentFailed: the game engine is gone, or has no figure that walks.
         """
-        self._replace("an operator drives the figure by hand")
+        self._replace("an operator drives the body by hand")
         self.send(Drive(ahead, left, turn))
 
     def halt(self, reason: str) -> None:
@@ -234,11 +241,11 @@ class Legs:
     def engine_lost(self) -> None:
         """Fail the motion: the game engine is disconnected."""
         if self._motion is not None:
-            self._motion.fail(ComponentFailed("the game engine is disconnected; try again when it is back"))
+            self._motion.fail(ComponentFailed("the body is disconnected; try again when it is back"))
 
     def begin(self, motion: Motion) -> None:
         """Make a motion the current one; called by the motion."""
-        self._replace(f"{motion.name} has the figure now")
+        self._replace(f"{motion.name} has the body now")
         self._motion = motion
 
     def leave(self, motion: Motion) -> None:
@@ -253,7 +260,7 @@ class Legs:
             ComponentFailed: the game engine is gone, or has no figure that walks.
         """
         if not self._walks():
-            raise ComponentFailed("no game engine with a walking figure is connected; its HELLO has to say `walks`")
+            raise ComponentFailed("no body that moves is connected; the HELLO of a game engine has to say `walks`")
         try:
             self._send(command)
         except LinkError as error:

@@ -8,10 +8,8 @@ from openrois.errors import BadParameter
 from openrois_body.messages import FAR, MAX_PATH, Place, Waypoint
 from openrois_body.motion.planning import SPEED
 
-__all__ = ["TOP_SPEED", "curve", "curve_length", "line", "speed_for"]
+__all__ = ["curve", "curve_length", "line", "speed_for"]
 
-TOP_SPEED: Final = 2.0
-"""Metres a second: the fastest that the figure walks."""
 _SLOWEST: Final = 0.01
 _MOST_DEGREES: Final = 3600
 _TURN: Final = pi / 2
@@ -64,18 +62,18 @@ def curve_length(values: tuple[int, ...]) -> float:
     return abs(_metres("curve", millimetres) * turn)
 
 
-def speed_for(metres: float, milliseconds: int | None) -> float:
+def speed_for(metres: float, milliseconds: int | None, top_speed: float) -> float:
     """Return the speed (m/s) for so many metres in this time; `SPEED` without a time or a way.
 
     Raises:
-        BadParameter: the figure cannot be so fast or so slow.
+        BadParameter: the body cannot be so fast, which reaches `top_speed`, or so slow.
     """
     if not milliseconds or not metres:
         return SPEED
     speed = abs(metres) / milliseconds * _MILLIMETRES
-    if not _SLOWEST <= speed <= TOP_SPEED:
+    if not _SLOWEST <= speed <= top_speed:
         asked = f"{abs(metres):.2f} m in {milliseconds} ms are {speed:.2g} m/s"
-        raise BadParameter(f"time: {asked}; the speed must be between {_SLOWEST:g} and {TOP_SPEED:g} m/s")
+        raise BadParameter(f"time: {asked}; the speed must be between {_SLOWEST:g} and {top_speed:g} m/s")
     return speed
 
 

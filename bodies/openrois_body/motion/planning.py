@@ -54,12 +54,12 @@ def plan(ground: Ground | None, start: Point, heading: float, goal: Point, polic
         return [goal]
     clear = ground.nearest_clear(np.asarray(start))
     if clear is None:
-        raise NoWay("cannot be reached: the figure has no room on this floor")
+        raise NoWay("cannot be reached: the body has no room on this floor")
     check(ground, goal)
     search = _Search(ground, clear, np.asarray(goal), heading)
     found = (search.fastest() if policy == "time" else None) or search.shortest()
     if found is None:
-        raise NoWay("cannot be reached: obstacles are all around it, or around the figure")
+        raise NoWay("cannot be reached: obstacles are all around it, or around the body")
     way = [(float(x), float(y)) for x, y in found]
     return way if np.array_equal(clear, start) else [(float(clear[0]), float(clear[1])), *way]
 
@@ -75,7 +75,7 @@ def check(ground: Ground, goal: Point) -> None:
         return
     if not ground.inside(point)[0]:
         raise NoWay("is outside of the floor or inside an obstacle")
-    raise NoWay(f"is only {ground.distances(point)[0]:.2f} m from an edge; the figure needs {ground.radius:.2f} m")
+    raise NoWay(f"is only {ground.distances(point)[0]:.2f} m from an edge; the body needs {ground.radius:.2f} m")
 
 
 def length(start: Point, way: list[Point]) -> float:

@@ -153,10 +153,10 @@ class Pilot:
         self.pace = pace(round_trip)
         if self.pace == 1.0 and self._is_slow:
             self._is_slow = False
-            self._paced("the figure goes at full speed again")
+            self._paced("the body goes at full speed again")
         elif self.pace < SLOW and not self._is_slow:
             self._is_slow = True
-            self._paced(f"the round trip to the body takes {round_trip:.1f} s: the figure goes slower")
+            self._paced(f"the round trip to the body takes {round_trip:.1f} s: it goes slower")
 
     def _fail(self, reason: str) -> None:
         """Stop after a failure of the game engine, reported once; each message tries again."""

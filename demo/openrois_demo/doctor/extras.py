@@ -17,6 +17,7 @@ PURPOSES: Final = {
     "hearing": "no speech recognition",
     "panda3d": "no avatar in 3D",
     "puppet": "no avatar as a 2D puppet",
+    "robot": "no simulated robot",
     "demo": "no demo, which needs all of them",
 }
 """What is missing without each extra."""

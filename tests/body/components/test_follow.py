@@ -236,7 +236,7 @@ async def test_walks_that_the_engine_breaks_off_are_tried_again_and_not_for_ever
         stage.engine.break_off()
         await stage.run(0.6)
     assert running.done()
-    with pytest.raises(ComponentFailed, match="broke the walk off 3 times"):
+    with pytest.raises(ComponentFailed, match="broke the motion off 3 times"):
         await running
 
 
@@ -276,7 +276,7 @@ async def test_suspended_while_it_plans_it_does_not_begin(stage: Stage, monkeypa
 async def test_a_lost_engine_fails_it_also_while_it_stands(stage: Stage) -> None:
     running = await stage.begin(5000)
     stage.lose()
-    with pytest.raises(ComponentFailed, match="the game engine is disconnected"):
+    with pytest.raises(ComponentFailed, match="the body is disconnected"):
         await running
 
 

@@ -151,8 +151,14 @@ async def test_figure_at_a_wall_can_turn_and_leave(stage: Stage) -> None:
 async def test_figure_in_an_obstacle_can_turn(stage: Stage) -> None:
     stage.build(Floor(SQUARE, (rectangle(-0.1, -1, 0.2, 1),)))
     await stage.ends_at(await stage.begin(line="[0,180]"), 0, 0, pi)
-    with pytest.raises(ComponentFailed, match="the figure stands in an obstacle"):
+    with pytest.raises(ComponentFailed, match="the body stands in an obstacle"):
         await (await stage.begin(line="[1000,0]"))
+
+
+async def test_a_time_that_the_body_is_too_slow_for_is_refused(stage: Stage) -> None:
+    stage.move.figure.legs.top_speed = 0.5
+    with pytest.raises(BadParameter, match=r"the speed must be between 0\.01 and 0\.5 m/s"):
+        await stage.begin(line="[1000,0]", time="1000")
 
 
 async def test_suspended_it_goes_on_where_it_was(stage: Stage) -> None:
@@ -202,14 +208,14 @@ async def test_stop_halts_a_figure_that_turns_by_itself(stage: Stage) -> None:
 async def test_walk_that_the_engine_aborts_is_aborted(stage: Stage) -> None:
     running = await stage.begin(line="[3000,0]")
     stage.engine.break_off()
-    with pytest.raises(Aborted, match="the game engine broke the motion off"):
+    with pytest.raises(Aborted, match="the body broke the motion off"):
         await running
 
 
 async def test_a_hand_that_drives_comes_first(stage: Stage) -> None:
     running = await stage.begin(line="[3000,0]")
     stage.legs.drive(0, 1, 0)
-    with pytest.raises(Aborted, match="an operator drives the figure by hand"):
+    with pytest.raises(Aborted, match="an operator drives the body by hand"):
         await running
     await stage.run(1)
     assert (stage.engine.x, stage.engine.y) == pytest.approx((0, 0.5))

@@ -172,14 +172,14 @@ async def test_walk_aborted_repeatedly_fails(stage: Stage) -> None:
     for _ in range(3):
         stage.engine.break_off()
         await stage.run(0.6)
-    with pytest.raises(ComponentFailed, match="'2,0': the game engine broke the walk off 3 times"):
+    with pytest.raises(ComponentFailed, match="'2,0': the body broke the motion off 3 times"):
         await running
 
 
 async def test_walk_that_the_engine_refuses_fails(stage: Stage) -> None:
     running = await stage.begin(target_positions=["2,0"])
     stage.engine.refuse()
-    with pytest.raises(ComponentFailed, match="the game engine cannot walk there"):
+    with pytest.raises(ComponentFailed, match="the body cannot go there"):
         await running
 
 
@@ -271,7 +271,7 @@ async def test_a_move_ends_it_and_it_says_why(stage: Stage) -> None:
     )
     moving = asyncio.ensure_future(stage.registry.invoke("avatar/move", "start"))
     await settle()
-    with pytest.raises(Aborted, match="navigation was ended: move has the figure now"):
+    with pytest.raises(Aborted, match="navigation was ended: move has the body now"):
         await running
     await stage.run_until(moving)
 
@@ -279,7 +279,7 @@ async def test_a_move_ends_it_and_it_says_why(stage: Stage) -> None:
 async def test_a_lost_engine_fails_it_and_the_component_says_so(stage: Stage) -> None:
     running = await stage.begin(target_positions=["5,0"])
     stage.lose()
-    with pytest.raises(ComponentFailed, match="the game engine is disconnected"):
+    with pytest.raises(ComponentFailed, match="the body is disconnected"):
         await running
     with pytest.raises(ComponentFailed, match="does not work now"):
         await stage.command("start")
@@ -295,7 +295,7 @@ async def test_a_lost_engine_fails_it_and_the_component_says_so(stage: Stage) ->
 
 async def test_an_engine_that_goes_while_a_way_is_planned_has_told_of_no_place(stage: Stage) -> None:
     stage.world.clear()
-    with pytest.raises(ComponentFailed, match="has not reported where its figure is"):
+    with pytest.raises(ComponentFailed, match="the body has not reported where it is"):
         stage.navigation.figure.place()
 
 

@@ -93,8 +93,23 @@ async def test_walk_that_the_engine_cannot_do_fails(stage: Stage) -> None:
     walking = stage.run("Navigation")
     await settle()
     stage.legs.handle_event(Completed(stage.walk_id, "ERROR"))
-    with pytest.raises(ComponentFailed, match="cannot walk there"):
+    with pytest.raises(ComponentFailed, match="the body cannot go there"):
         await walking
+
+
+async def test_a_walk_fails_with_the_reason_that_the_body_gives(stage: Stage) -> None:
+    walking = stage.run("Navigation")
+    await settle()
+    stage.legs.handle_event(Completed(stage.walk_id, "ERROR", "stuck 0.46 m before the goal"))
+    with pytest.raises(ComponentFailed, match=r"^stuck 0\.46 m before the goal$"):
+        await walking
+
+
+async def test_a_walk_is_no_faster_than_the_body(stage: Stage) -> None:
+    stage.legs.top_speed = 0.3
+    stage.run("Navigation", lambda motion: motion.walk((Waypoint(6, 0),), 1.0))
+    await settle()
+    assert stage.told == [Walk(stage.walk_id, (Waypoint(6, 0),), 0.3)]
 
 
 async def test_cancelling_a_motion_halts_the_figure(stage: Stage) -> None:
@@ -112,7 +127,7 @@ async def test_a_new_motion_ends_the_one_before(stage: Stage) -> None:
     old = stage.walk_id
     second = stage.run("Move")
     await settle()
-    with pytest.raises(Aborted, match="Navigation was ended: Move has the figure now"):
+    with pytest.raises(Aborted, match="Navigation was ended: Move has the body now"):
         await first
     assert stage.kinds() == ["Walk", "Halt", "Walk"]
     stage.legs.handle_event(Completed(old, "ABORT"))
@@ -124,7 +139,7 @@ async def test_a_hand_comes_first(stage: Stage) -> None:
     walking = stage.run("Follow")
     await settle()
     stage.legs.drive(0.5, 0.0, -0.25)
-    with pytest.raises(Aborted, match="an operator drives the figure by hand"):
+    with pytest.raises(Aborted, match="an operator drives the body by hand"):
         await walking
     assert stage.told[1:] == [Halt(), Drive(0.5, 0.0, -0.25)]
 
@@ -163,16 +178,16 @@ async def test_a_lost_engine_fails_a_motion_also_while_it_waits(stage: Stage) ->
     stage.gone = True
     stage.legs.engine_lost()
     stage.legs.engine_lost()
-    with pytest.raises(ComponentFailed, match="the game engine is disconnected"):
+    with pytest.raises(ComponentFailed, match="the body is disconnected"):
         await waiting
 
 
 async def test_without_an_engine_that_walks_nothing_is_sent(stage: Stage) -> None:
     stage.walks = False
     assert not stage.legs.can_walk
-    with pytest.raises(ComponentFailed, match="no game engine with a walking figure"):
+    with pytest.raises(ComponentFailed, match="no body that moves"):
         await stage.run("Move")
-    with pytest.raises(ComponentFailed, match="no game engine with a walking figure"):
+    with pytest.raises(ComponentFailed, match="no body that moves"):
         stage.legs.drive(1, 0, 0)
     stage.legs.halt("no viewer is there")
     assert stage.told == []

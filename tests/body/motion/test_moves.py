@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from openrois_body.messages import Place, Waypoint
-from openrois_body.motion.moves import TOP_SPEED, curve, curve_length, line, speed_for
+from openrois_body.motion.legs import TOP_SPEED
+from openrois_body.motion.moves import curve, curve_length, line, speed_for
 from openrois_body.motion.planning import SPEED, angle
 
 from openrois.errors import BadParameter
@@ -82,12 +83,12 @@ def test_a_radius_is_not_negative() -> None:
 
 
 def test_a_time_sets_the_speed() -> None:
-    assert speed_for(-3.0, 2_000) == 1.5
-    assert speed_for(3.0, None) == speed_for(3.0, 0) == speed_for(0.0, 5) == SPEED
-    assert speed_for(TOP_SPEED, 1_000) == TOP_SPEED
+    assert speed_for(-3.0, 2_000, TOP_SPEED) == 1.5
+    assert speed_for(3.0, None, TOP_SPEED) == speed_for(3.0, 0, TOP_SPEED) == speed_for(0.0, 5, TOP_SPEED) == SPEED
+    assert speed_for(TOP_SPEED, 1_000, TOP_SPEED) == TOP_SPEED
 
 
 @pytest.mark.parametrize(("metres", "time"), [(3.0, 1_000), (0.001, 1_000)])
 def test_too_fast_or_too_slow_motion_is_refused(metres: float, time: int) -> None:
     with pytest.raises(BadParameter, match=r"time: .* the speed must be between 0\.01 and 2 m/s"):
-        speed_for(metres, time)
+        speed_for(metres, time, TOP_SPEED)

@@ -51,7 +51,7 @@ def test_standing_where_one_wants_to_be_is_a_way() -> None:
     [
         ((7, 0), "is outside of the floor or inside an obstacle"),
         ((0, 0), "is outside of the floor or inside an obstacle"),
-        ((0.2, 0), r"is only 0\.10 m from an edge; the figure needs 0\.25 m"),
+        ((0.2, 0), r"is only 0\.10 m from an edge; the body needs 0\.25 m"),
         ((3, 3), "cannot be reached: obstacles are all around it"),
     ],
 )
@@ -64,7 +64,7 @@ def test_unreachable_goal_is_refused_with_the_reason(goal: Point, reason: str) -
 
 def test_a_floor_without_room_for_the_figure_is_no_way() -> None:
     narrow = Ground(Floor(rectangle(0, 0, 1, 0.4)), RADIUS)
-    with pytest.raises(NoWay, match="the figure has no room on this floor"):
+    with pytest.raises(NoWay, match="the body has no room on this floor"):
         plan(narrow, (0.2, 0.2), 0, (0.8, 0.2), "distance")
 
 

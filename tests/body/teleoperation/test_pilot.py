@@ -153,7 +153,7 @@ async def test_on_a_long_way_it_goes_slower_and_says_so_once(flight: Flight) -> 
     driven = [how.ahead for _, _, how in flight.controls.done if isinstance(how, Velocity)]
     assert driven == pytest.approx([1, 1, 0.5 / 0.52, 0.5, 0.5, 0.25, 0.5 / 0.52, 1, 1])
     assert flight.paced == [
-        "the round trip to the body takes 1.0 s: the figure goes slower",
-        "the figure goes at full speed again",
+        "the round trip to the body takes 1.0 s: it goes slower",
+        "the body goes at full speed again",
     ]
     assert flight.reasons == []

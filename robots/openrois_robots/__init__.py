@@ -1,0 +1,1 @@
+"""Robots behind RoIS, each an adapter of its own, and the command that runs them."""

@@ -1,0 +1,33 @@
+"""`openrois robot NAME`: run the adapter of a robot until a signal stops it."""
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Final
+
+from openrois.cli.command_line import CommandLine
+from openrois.extras import MissingExtra, needing_extra
+
+__all__ = ["ROBOTS", "main"]
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run the command and return its exit status: 0 when stopped, 1 when it could not start, 2 for wrong usage."""
+    parser = CommandLine("openrois robot", description="A robot behind a gateway.")
+    parser.add_argument("name", choices=tuple(ROBOTS), metavar="NAME", help=f"the robot: {', '.join(ROBOTS)}")
+    chosen = parser.parse_args(arguments[:1])
+    try:
+        return ROBOTS[chosen.name](arguments[1:])
+    except MissingExtra as error:
+        print(f"openrois robot {chosen.name}: {error}", file=sys.stderr)
+        return 1
+
+
+def _simulated(arguments: Sequence[str]) -> int:
+    with needing_extra("robot"):
+        from openrois_robots.simulated import command
+    return command.main(arguments)
+
+
+ROBOTS: Final[Mapping[str, Callable[[Sequence[str]], int]]] = MappingProxyType({"simulated": _simulated})
+"""The robots, and the function that runs each; its libraries are imported then."""

@@ -1,0 +1,122 @@
+"""The adapter of the simulated robot: one engine with its components and its streams."""
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
+
+from openrois_body.body import Body
+from openrois_body.camera_senses import camera_senses
+from openrois_body.components.follow import Follow
+from openrois_body.components.gaze import Gaze
+from openrois_body.components.move import Move
+from openrois_body.components.moving import Figure
+from openrois_body.components.persons import PersonDetection, PersonLocalization
+from openrois_body.components.speech_synthesis import SpeechSynthesis
+from openrois_body.components.surroundings import Surroundings
+from openrois_body.components.teleoperation import Teleoperation
+from openrois_body.messages import Event
+from openrois_body.motion.legs import Legs
+from openrois_body.motion.wayfinding import Ways
+from openrois_body.motion.world import World
+from openrois_body.sound.mixer import BodySound
+from openrois_body.speech.synthesizer import Synthesizer
+from openrois_body.speech.voice import Voice
+from openrois_body.teleoperation.figure_controls import FigureControls
+from openrois_body.teleoperation.operator_control import OperatorControl
+from openrois_media.devices import Camera
+from openrois_streaming.clock import MediaClock
+
+from openrois.aio.tasks import TaskScope
+from openrois.component.component import Component
+from openrois.types.codes import ComponentStatus
+from openrois.types.references import reference
+from openrois_robots.simulated.camera import RobotCamera
+from openrois_robots.simulated.components.dock import Dock
+from openrois_robots.simulated.components.navigation import Navigation
+from openrois_robots.simulated.components.system_information import SystemInformation
+from openrois_robots.simulated.simulation import Simulation, SimulationSettings
+from openrois_robots.simulated.world.plan import APARTMENT, Plan
+
+__all__ = ["Robot", "simulated_robot"]
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """A running simulated robot: its components, and the sources of its streams.
+
+    Attributes:
+        components: all but those of the streams.
+        camera: its pictures.
+        sound: its voice.
+        operator_control: which application operates it by hand.
+        simulation: of the robot and its rooms.
+        voice: speaks.
+    """
+
+    components: tuple[Component, ...]
+    camera: RobotCamera
+    sound: BodySound
+    operator_control: OperatorControl
+    simulation: Simulation
+    voice: Voice
+
+
+@asynccontextmanager
+async def simulated_robot(
+    engine_id: str, settings: SimulationSettings, clock: MediaClock, plan: Plan = APARTMENT
+) -> AsyncIterator[Robot]:
+    """Simulate a robot for as long as the block runs.
+
+    Args:
+        engine_id: leads every ref.
+        settings: what is simulated.
+        clock: the media clock.
+        plan: of its rooms.
+    """
+    async with AsyncExitStack() as stack:
+        world = World(engine_id)
+
+        # Simulation and body need each other: events go to parts that are made after it.
+        def told(event: Event) -> None:
+            for handle in (world.handle_event, legs.handle_event, body.handle_event):
+                handle(event)
+
+        simulation = Simulation(plan, settings, clock, told)
+        body = Body(simulation.send)
+        legs = Legs(simulation.send, lambda: True, lambda: world.place, clock, settings.base.speed)
+        simulation.begin()
+
+        def status() -> ComponentStatus:
+            if simulation.battery.is_empty:
+                return ComponentStatus.ERROR
+            return ComponentStatus.WARNING if simulation.battery.is_low else ComponentStatus.READY
+
+        sound = BodySound(clock)
+        voice = Voice(await stack.enter_async_context(Synthesizer(clock)), sound, body)
+        camera = await stack.enter_async_context(RobotCamera(plan, simulation.view, clock))
+        eye = Camera()
+        eye.inlet.plug("own camera", camera)
+        senses = camera_senses(engine_id, eye, clock)
+        # What else can be sensed with a camera is for the face of an operator before it.
+        sensing = tuple(each for each in senses.components if isinstance(each, PersonDetection | PersonLocalization))
+        operator_control = OperatorControl(reference(engine_id, Teleoperation.component_type.name), clock)
+        figure = Figure(legs, world, Ways(world), status)
+        controls = FigureControls(legs, body, simulation.send, lambda: False)
+        components = (
+            SystemInformation(engine_id, status, lambda: world.place, simulation.battery),
+            Navigation(figure, simulation.battery, plan.mat),
+            Move(figure),
+            Follow(figure),
+            Gaze(body, status),
+            Teleoperation(operator_control, controls, status, clock),
+            SpeechSynthesis(voice),
+            Surroundings(world, clock, status),
+            Dock(simulation),
+            *sensing,
+        )
+        tasks = await stack.enter_async_context(TaskScope())
+        tasks.start(simulation.run())
+        tasks.start(senses.run())
+        yield Robot(components, camera, sound, operator_control, simulation, voice)

@@ -1,0 +1,1 @@
+"""Components that only the simulated robot has, or has otherwise than other bodies."""

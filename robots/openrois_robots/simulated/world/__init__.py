@@ -1,0 +1,1 @@
+"""What is in the simulated rooms: their plan, and the person who walks about in them. Pure."""
