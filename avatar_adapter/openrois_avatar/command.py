@@ -1,10 +1,7 @@
 """`openrois avatar`: run an avatar adapter until a signal stops it."""
 
 import argparse
-import asyncio
 import logging
-import os
-import signal
 import sys
 from collections.abc import Sequence
 from contextlib import AsyncExitStack
@@ -17,10 +14,7 @@ from openrois_media.running import prepare_process
 from openrois_streaming.adaptation.rung import MIN_BITRATE
 from openrois_streaming.aiortc_internals.trial import UnsupportedLibrary
 
-from openrois.adapter.dialer import serve_parent
-from openrois.aio.memory_return import returning_memory
-from openrois.aio.supervisor import Supervisor
-from openrois.aio.tasks import TaskScope
+from openrois.adapter.process import AdapterProcess, run_until_stopped
 from openrois.cli.command_line import CommandLine
 from openrois.errors import BadParameter
 from openrois.metrics.server import LOOPBACK, MetricsUnavailable, metrics_address, serving_metrics
@@ -124,7 +118,7 @@ def main(arguments: Sequence[str]) -> int:
         credentials=shown,
     )
     try:
-        uvloop.run(_run(settings))
+        uvloop.run(run_until_stopped(_serve(settings)))
     except (NoGameEngine, LinkError, UnsupportedLibrary, BadParameter, FacadeUnavailable, MetricsUnavailable) as error:
         print(f"openrois avatar: {error}", file=sys.stderr)
         return 1
@@ -143,21 +137,6 @@ def _encoders(text: str) -> int:
     return int(text)
 
 
-async def _run(settings: AvatarSettings) -> None:
-    running = asyncio.create_task(_serve(settings))
-
-    def stop() -> None:
-        # Once is enough: a second cancellation would cut off the orderly end that the first one began.
-        if not running.cancelling():
-            running.cancel()
-
-    for name in (signal.SIGINT, signal.SIGTERM):
-        asyncio.get_running_loop().add_signal_handler(name, stop)
-    await asyncio.wait({running})
-    if not running.cancelled():
-        running.result()
-
-
 async def _serve(settings: AvatarSettings) -> None:
     async with AsyncExitStack() as stack:
         avatar: Avatar | FacadeAvatar
@@ -165,39 +144,14 @@ async def _serve(settings: AvatarSettings) -> None:
             avatar = await stack.enter_async_context(run_facade(settings))
         else:
             avatar = await stack.enter_async_context(run_avatar(settings))
-        attachment = _Attachment(settings.engine_id, Supervisor(os.environ))
+        process = AdapterProcess(settings.engine_id)
         if settings.metrics is not None:
             readiness = Readiness()
-            readiness.require("the gateway: it has not accepted this adapter", lambda: attachment.is_there)
+            readiness.require("the gateway: it has not accepted this adapter", lambda: process.is_attached)
             serving = serving_metrics(
                 *settings.metrics,
                 partial(scraped, avatar.collect_figures),
                 beside={"/healthz": healthz, "/readyz": partial(readyz, readiness, "")},
             )
             _log.info("metrics: %s", await stack.enter_async_context(serving))
-        tasks = await stack.enter_async_context(TaskScope())
-        tasks.start(attachment.supervisor.watch())
-        tasks.start(returning_memory())
-        stack.callback(attachment.supervisor.notify_state, "STOPPING=1")
-        await serve_parent(
-            avatar.host, settings.gateway, credentials=settings.credentials, attached=attachment.set_attached
-        )
-
-
-class _Attachment:
-    """The adapter's connection to its gateway, reported on standard output and to the service manager."""
-
-    def __init__(self, engine_id: str, supervisor: Supervisor) -> None:
-        self.supervisor = supervisor
-        self.is_there = False
-        self._engine_id = engine_id
-        self._was_there = False
-
-    def set_attached(self, is_attached: bool) -> None:
-        """Note that the gateway has accepted the adapter, or that the connection has ended."""
-        self.is_there = is_attached
-        if is_attached and not self._was_there:
-            self._was_there = True
-            print(f"ready {self._engine_id}", flush=True)
-            self.supervisor.notify_state("READY=1")
-        self.supervisor.notify_state(f"STATUS={'behind its gateway' if is_attached else 'waits for its gateway'}")
+        await process.serve(avatar.host, settings.gateway, settings.credentials)

@@ -1,9 +1,8 @@
 """The adapter of the simulated robot: one engine with its components and its streams."""
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
-from functools import partial
 from typing import Final
 
 from openrois_body.body import Body
@@ -25,21 +24,31 @@ from openrois_body.speech.synthesizer import Synthesizer
 from openrois_body.speech.voice import Voice
 from openrois_body.teleoperation.figure_controls import FigureControls
 from openrois_body.teleoperation.operator_control import OperatorControl
+from openrois_media import AudioSource, NetworkSettings, VideoSource
+from openrois_media.components import AudioStreaming, VideoStreaming
 from openrois_media.devices import Camera
+from openrois_media.streams import AdapterStreams
 from openrois_streaming.clock import MediaClock
 
+from openrois.adapter.running import hosted
 from openrois.aio.tasks import TaskScope
 from openrois.component.component import Component
-from openrois.types.codes import ComponentStatus
+from openrois.session.session import EngineHost
+from openrois.types.codes import ComponentStatus, ErrorType
 from openrois.types.references import reference
-from openrois_robots.simulated.camera import RobotCamera
+from openrois_robots.simulated.battery import Battery
+from openrois_robots.simulated.camera import FRAME_RATE, SIZE, RobotCamera
 from openrois_robots.simulated.components.dock import Dock
 from openrois_robots.simulated.components.navigation import Navigation
 from openrois_robots.simulated.components.system_information import SystemInformation
 from openrois_robots.simulated.simulation import Simulation, SimulationSettings
 from openrois_robots.simulated.world.plan import APARTMENT, Plan
 
-__all__ = ["Robot", "simulated_robot"]
+__all__ = ["AUDIO", "VIDEO", "Robot", "hosted_robot", "simulated_robot"]
+
+VIDEO: Final = VideoStreaming.component_type.name
+AUDIO: Final = AudioStreaming.component_type.name
+"""The names of the streaming components."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,9 +98,7 @@ async def simulated_robot(
         simulation.begin()
 
         def status() -> ComponentStatus:
-            if simulation.battery.is_empty:
-                return ComponentStatus.ERROR
-            return ComponentStatus.WARNING if simulation.battery.is_low else ComponentStatus.READY
+            return ComponentStatus.ERROR if simulation.battery.is_empty else ComponentStatus.READY
 
         sound = BodySound(clock)
         voice = Voice(await stack.enter_async_context(Synthesizer(clock)), sound, body)
@@ -104,13 +111,17 @@ async def simulated_robot(
         operator_control = OperatorControl(reference(engine_id, Teleoperation.component_type.name), clock)
         figure = Figure(legs, world, Ways(world), status)
         controls = FigureControls(legs, body, simulation.send, lambda: False)
-        components = (
-            SystemInformation(engine_id, status, lambda: world.place, simulation.battery),
+        moving = (
             Navigation(figure, simulation.battery, plan.mat),
             Move(figure),
             Follow(figure),
-            Gaze(body, status),
             Teleoperation(operator_control, controls, status, clock),
+        )
+        _report_empty(simulation, moving)
+        components = (
+            SystemInformation(engine_id, status, lambda: world.place, simulation.battery),
+            *moving,
+            Gaze(body, status),
             SpeechSynthesis(voice),
             Surroundings(world, clock, status),
             Dock(simulation),
@@ -120,3 +131,49 @@ async def simulated_robot(
         tasks.start(simulation.run())
         tasks.start(senses.run())
         yield Robot(components, camera, sound, operator_control, simulation, voice)
+
+
+def _report_empty(simulation: Simulation, moving: Sequence[Component]) -> None:
+    """Report to the applications that have bound what moves when the battery is used up."""
+    was_empty = simulation.battery.is_empty
+
+    def note(battery: Battery) -> None:
+        nonlocal was_empty
+        if battery.is_empty and not was_empty:
+            for component in moving:
+                component.report(ErrorType.COMPONENT_INTERNAL_ERROR, battery.refusal)
+        was_empty = battery.is_empty
+
+    simulation.battery_changed.add(note)
+
+
+@asynccontextmanager
+async def hosted_robot(
+    engine_id: str, robot: Robot, clock: MediaClock, network: NetworkSettings | None = None
+) -> AsyncIterator[EngineHost]:
+    """Make an engine of a robot: its components, and the streams of its camera and its voice.
+
+    Args:
+        engine_id: leads every ref.
+        robot: that was made with this engine_id and clock.
+        clock: the media clock.
+        network: how the streams use the network.
+
+    Raises:
+        BadParameter: `engine_id` cannot be part of a reference.
+        UnsupportedLibrary: the installed version of aiortc is not supported.
+    """
+    streams = AdapterStreams(
+        engine_id,
+        {
+            VIDEO: VideoSource(robot.camera, size=SIZE, frame_rate=FRAME_RATE, clock=clock),
+            AUDIO: AudioSource(robot.sound, clock=clock),
+        },
+        clock=clock,
+        network=network,
+        operator=robot.operator_control,
+    )
+    async with streams as interface:
+        robot.voice.playout_delay.observe_sessions(interface.sessions, reference(engine_id, AUDIO))
+        async with hosted(engine_id, *robot.components, *streams.components.values(), extension=interface) as host:
+            yield host

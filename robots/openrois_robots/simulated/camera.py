@@ -4,10 +4,12 @@ import asyncio
 from collections.abc import AsyncGenerator, AsyncIterator, Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import aclosing, asynccontextmanager
-from typing import Final
+from typing import Final, Self
 
+import numpy as np
+from numpy.typing import NDArray
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.source.fanout import Fanout, SourceEnded
+from openrois_streaming.source.fanout import Fanout, SourceEnded, Subscription
 from openrois_streaming.source.source import RawVideo
 
 from openrois_robots.simulated.drawing.renderer import Renderer
@@ -25,8 +27,8 @@ SIZE: Final = 640, 360
 class RobotCamera:
     """The camera; `async with` it. It is a `MediaSource`, and any number of readers share its pictures.
 
-    A thread draws, because a picture takes some milliseconds; Panda3D lets other threads run meanwhile. Without a reader
-    nothing is drawn, and the rooms are built for the first one.
+    A thread draws, because a picture takes some milliseconds; Panda3D lets other threads run meanwhile. Without a
+    reader nothing is drawn, and the rooms are built for the first one.
 
     Args:
         plan: of the rooms.
@@ -43,7 +45,7 @@ class RobotCamera:
         self._thread = ThreadPoolExecutor(1, "camera")
         self._pictures: Fanout[RawVideo] = Fanout(_Drawn(self._draw), name="camera")
 
-    async def __aenter__(self) -> "RobotCamera":
+    async def __aenter__(self) -> Self:
         return self
 
     async def __aexit__(self, *_error: object) -> None:
@@ -59,7 +61,7 @@ class RobotCamera:
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[RawVideo]]:
         """Yield the pictures from now on; a slow reader gets the newest."""
-        async with self._pictures.subscribe(1) as pictures, aclosing(_until_end(pictures.get)) as items:
+        async with self._pictures.subscribe(1) as pictures, aclosing(_until_end(pictures)) as items:
             yield items
 
     async def _draw(self) -> AsyncGenerator[RawVideo, None]:
@@ -75,7 +77,7 @@ class RobotCamera:
             self._sequence += 1
             due = max(due + 1 / FRAME_RATE, self._clock.now() - 1 / FRAME_RATE)
 
-    def _picture(self, view: View) -> "Pixels":
+    def _picture(self, view: View) -> NDArray[np.uint8]:
         if self._renderer is None:
             self._renderer = Renderer(self._plan, *SIZE)
         return self._renderer.draw(view)
@@ -97,10 +99,10 @@ class _Drawn:
             yield pictures
 
 
-async def _until_end(get: Callable[[], "asyncio.Future[RawVideo]"]) -> AsyncGenerator[RawVideo, None]:
+async def _until_end(pictures: Subscription[RawVideo]) -> AsyncGenerator[RawVideo, None]:
     try:
         while True:
-            yield await get()
+            yield await pictures.get()
     except SourceEnded as end:
         if end.__cause__ is not None:
             raise end.__cause__ from None

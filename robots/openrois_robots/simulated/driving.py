@@ -3,7 +3,7 @@
 The base is omnidirectional: it can go sideways and backwards, and turns on the spot.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from math import atan2, cos, hypot, inf, remainder, sin, sqrt, tau
 from typing import Final, NamedTuple

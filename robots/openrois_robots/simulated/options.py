@@ -108,9 +108,8 @@ def _of_file(path: Path) -> tuple[BaseSettings, BatterySettings]:
     if unknown:
         raise ValueError(f"--config: {path}: there is no table {min(unknown)!r}; there are base and battery")
     try:
-        return BaseSettings(**_numbers("base", tables, BaseSettings)), BatterySettings(
-            **_numbers("battery", tables, BatterySettings)
-        )
+        base, battery = _numbers("base", tables, BaseSettings), _numbers("battery", tables, BatterySettings)
+        return BaseSettings(**base), BatterySettings(**battery)
     except ValueError as error:
         raise ValueError(f"--config: {path}: {error}") from None
 

@@ -91,7 +91,7 @@ class Physics:
         return most * float(ahead.get_hit_fraction()) if ahead.has_hit() else most
 
     def place_visitor(self, place: Place) -> None:
-        """Set the walking visitor there."""
+        """Set the walking visitor there, from the next step on."""
         if self._visitor is None:
             self._visitor = self._person("visitor")
             self._visitor.node().set_kinematic(True)

@@ -9,13 +9,13 @@ from dataclasses import dataclass, field
 from math import hypot, remainder, tau
 from typing import Final
 
-from openrois_body.messages import Command, Completed, Drive, Event, Halt, Place, React, Thing, Things, Walk
+from openrois_body.messages import Command, Completed, Drive, Event, Halt, Look, Place, React, Thing, Things, Walk
 from openrois_streaming.clock import MediaClock
 
 from openrois.aio.listeners import Listeners
 from openrois_robots.simulated.battery import Battery, BatterySettings
-from openrois_robots.simulated.driving import Base, BaseSettings
 from openrois_robots.simulated.drawing.view import View
+from openrois_robots.simulated.driving import Base, BaseSettings
 from openrois_robots.simulated.physics import STEP, Physics
 from openrois_robots.simulated.world.plan import Plan
 from openrois_robots.simulated.world.visitor import Visitor
@@ -29,6 +29,10 @@ _AHEAD: Final = 1.0
 _PLACES: Final = 0.05
 _THINGS: Final = 0.1
 """Seconds between two events on the robot's place, and on the things around it."""
+_PAN, _TILT = 0.7, 0.35
+"""Radians by which the camera turns to the side, and up or down, for the furthest gaze."""
+_LEVEL: Final = -0.1
+"""Radians by which the camera looks up without a gaze: a little down, so that it sees the floor ahead."""
 _TICK: Final = 0.02
 _IDLE: Final = 0.5
 """Seconds between two steps of the simulation while something moves, and while nothing does."""
@@ -60,7 +64,7 @@ class Simulation:
 
     Attributes:
         battery: of the robot.
-        battery_changed: called when its percentage, or whether it is charged, has changed.
+        battery_changed: called when its percentage, or whether it is charged or empty, has changed.
     """
 
     def __init__(
@@ -75,12 +79,13 @@ class Simulation:
         self._base = Base(settings.base)
         self._physics = Physics(plan)
         self._th = plan.start.th
+        self._gaze = 0.0, 0.0
         self._now = clock.now()
         self._visitor = Visitor(plan.visitor.place, plan.round) if settings.visitor else None
         self._woken = asyncio.Event()
         self._told_place: tuple[Place | None, float] = None, 0.0
         self._told_things: tuple[tuple[Thing, ...], float] = (), 0.0
-        self._told_battery: tuple[int, bool] = -1, False
+        self._told_battery = -1, False, False
 
     @property
     def place(self) -> Place:
@@ -99,9 +104,11 @@ class Simulation:
     def view(self) -> View:
         """Let time pass up to now, and return what the robot's camera sees."""
         self.advance()
+        at, (x, y) = self.place, self._gaze
+        camera = Place(at.x, at.y, remainder(at.th - _PAN * x, tau))
         if self._visitor is None:
-            return View(self.place)
-        return View(self.place, self._visitor.place, self._visitor.walked)
+            return View(camera, _LEVEL + _TILT * y)
+        return View(camera, _LEVEL + _TILT * y, self._visitor.place, self._visitor.walked)
 
     def begin(self) -> None:
         """Report the floor, the place, and what is around."""
@@ -109,7 +116,7 @@ class Simulation:
         self._report()
 
     def send(self, command: Command) -> None:
-        """Obey a command; those that concern a face or game have no effect on a robot without one."""
+        """Obey a command; those for a mouth, a game or a scene have no effect on a robot that has none."""
         self.advance()
         match command:
             case Walk():
@@ -118,9 +125,11 @@ class Simulation:
                 self._base.drive(command, self._now)
             case Drive() | Halt():
                 self._base.end("ABORT")
+            case Look(x=x, y=y):
+                self._gaze = x, y
             case React():
-                self._on_event(Completed(command.id, "ERROR", "the robot has no reactions"))
-        self._tell_news()
+                self._base.news.append(Completed(command.id, "ERROR", "the robot has no reactions"))
+        # What became of it is told later: the sender has to know first that it was sent.
         self._woken.set()
 
     def push_to_dock(self) -> None:
@@ -128,7 +137,7 @@ class Simulation:
         self.advance()
         self._base.end("ABORT", "the robot was pushed to its dock")
         self._physics.put(self.plan.mat.x, self.plan.mat.y)
-        self._report()
+        self._report_place()
         self._woken.set()
 
     async def run(self) -> None:
@@ -152,6 +161,7 @@ class Simulation:
             self._now += steps * STEP
         while self._now + STEP <= now:
             self._step()
+        self._tell_news()
         self._report()
 
     @property
@@ -172,7 +182,7 @@ class Simulation:
         refusal = self.battery.refusal
         if refusal and (self.battery.is_empty or not self.plan.mat.holds(end.x, end.y)):
             self._base.end("ABORT")
-            self._on_event(Completed(walk.id, "ERROR", refusal))
+            self._base.news.append(Completed(walk.id, "ERROR", refusal))
         else:
             self._base.walk(walk, self.place, self._now)
 
@@ -215,7 +225,7 @@ class Simulation:
         if self._now >= at + _THINGS and (now := self.things) != things:
             self._told_things = now, self._now
             self._on_event(Things(now))
-        level = self.battery.percent, self.battery.is_charging
+        level = self.battery.percent, self.battery.is_charging, self.battery.is_empty
         if level != self._told_battery:
             self._told_battery = level
             self.battery_changed.notify_all(self.battery)

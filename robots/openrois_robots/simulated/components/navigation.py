@@ -3,7 +3,7 @@
 from openrois_body.components import navigation
 from openrois_body.components.moving import Figure
 from openrois_body.messages import Thing
-from openrois_body.motion.targets import read_targets
+from openrois_body.motion.targets import Position, read_targets
 
 from openrois.adapter import ComponentFailed
 from openrois_robots.simulated.battery import Battery
@@ -38,8 +38,5 @@ class Navigation(navigation.Navigation):
                 raise ComponentFailed(refusal)
         await super().start()
 
-    def _is_dock(self, target: object) -> bool:
-        at = target
-        if isinstance(at, Thing):
-            return at.id == self._mat.name
-        return self._mat.holds(at.x, at.y)
+    def _is_dock(self, target: Position | Thing) -> bool:
+        return target.id == self._mat.name if isinstance(target, Thing) else self._mat.holds(target.x, target.y)

@@ -6,6 +6,7 @@ from openrois_body.components import system_information
 from openrois_body.messages import Place
 
 from openrois.adapter import ComponentStatus, Payload, query
+from openrois.catalog.system_information import EngineStatusResult
 from openrois_robots.simulated.battery import Battery
 
 __all__ = ["SystemInformation"]
@@ -22,11 +23,11 @@ class BatteryResult(Payload):
 class SystemInformation(system_information.SystemInformation, function="sensing"):
     """Reports the robot's place, its status and its battery.
 
-    The status is WARNING while the battery is low, and ERROR while it is empty.
+    The status is WARNING while the battery is low: all components work, and refuse goals other than the dock.
 
     Args:
         body_ref: the id by which the robot is known.
-        engine_status: returns the robot's status.
+        engine_status: returns the status of what moves.
         place: returns where the robot is.
         battery: the robot's battery.
     """
@@ -40,6 +41,12 @@ class SystemInformation(system_information.SystemInformation, function="sensing"
     ) -> None:
         super().__init__(body_ref, engine_status, place)
         self._battery = battery
+
+    async def engine_status(self) -> EngineStatusResult:
+        """Return whether the robot works, and since when the adapter has been operable."""
+        told = await super().engine_status()
+        is_warning = self._battery.is_low and told.status is ComponentStatus.READY
+        return told.model_copy(update={"status": ComponentStatus.WARNING}) if is_warning else told
 
     @query
     async def battery(self) -> BatteryResult:

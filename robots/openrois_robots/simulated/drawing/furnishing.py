@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
+from openrois_body.messages import Point
 
 from openrois_robots.simulated.drawing.meshes import Mesh, ball, box, disc, plane, tube
 from openrois_robots.simulated.world.plan import Furniture, Mat, Person, Plan, Room, Wall
@@ -37,19 +38,27 @@ def floor_mesh(room: Room) -> Mesh:
     mesh = plane((room.left, room.bottom, 0), (wide, 0, 0), (0, deep, 0), room.floor, _STEP)
     share = 1 - np.abs(mesh.places * 2 - 1).max(axis=1)
     colours = mesh.colours * (0.9 + 0.35 * np.clip(share, 0, 0.7))[:, None]
-    return Mesh(mesh.vertices, np.clip(colours, 0, 1).astype(np.float32), mesh.vertices[:, :2] / 2, mesh.faces)
+    places = (mesh.vertices[:, :2] / 2).astype(np.float32)
+    return Mesh(mesh.vertices, np.clip(colours, 0, 1).astype(np.float32), places, mesh.faces)
 
 
 def walls_mesh(plan: Plan) -> Mesh:
     """Return all walls, each side in the colour of its room, with skirting boards, and the ceilings."""
-    parts = [
-        _side(plan, (plan.left, plan.bottom), (plan.right, plan.bottom)),
-        _side(plan, (plan.right, plan.bottom), (plan.right, plan.top)),
-        _side(plan, (plan.right, plan.top), (plan.left, plan.top)),
-        _side(plan, (plan.left, plan.top), (plan.left, plan.bottom)),
-    ]
-    return Mesh.joined([*(mesh for part in parts for mesh in part), *(m for wall in plan.walls for m in _sides(plan, wall)),
-        *(_ceiling(room) for room in plan.rooms)])
+    outer = (mesh for room in plan.rooms for start, end in _edges(plan, room) for mesh in _side(plan, start, end))
+    inner = (mesh for wall in plan.walls for start, end in _around(wall) for mesh in _side(plan, start, end))
+    return Mesh.joined([*outer, *inner, *map(_ceiling, plan.rooms)])
+
+
+def _edges(plan: Plan, room: Room) -> Iterator[tuple[Point, Point]]:
+    """Yield the sides of a room that are outer walls, with the room on the left."""
+    if room.bottom == plan.bottom:
+        yield (room.left, room.bottom), (room.right, room.bottom)
+    if room.right == plan.right:
+        yield (room.right, room.bottom), (room.right, room.top)
+    if room.top == plan.top:
+        yield (room.right, room.top), (room.left, room.top)
+    if room.left == plan.left:
+        yield (room.left, room.top), (room.left, room.bottom)
 
 
 def _ceiling(room: Room) -> Mesh:
@@ -58,20 +67,24 @@ def _ceiling(room: Room) -> Mesh:
     return Mesh(mesh.vertices, np.full_like(mesh.colours, 0.86), mesh.places, mesh.faces)
 
 
-def _sides(plan: Plan, wall: Wall) -> Iterator[Mesh]:
+def _around(wall: Wall) -> Iterator[tuple[Point, Point]]:
+    """Yield the sides of a wall, with the outside on the left."""
     corners = [(wall.left, wall.bottom), (wall.left, wall.top), (wall.right, wall.top), (wall.right, wall.bottom)]
-    for start, end in zip(corners, (*corners[1:], corners[0]), strict=True):
-        yield from _side(plan, start, end)
+    yield from zip(corners, (*corners[1:], corners[0]), strict=True)
 
 
-def _side(plan: Plan, start: tuple[float, float], end: tuple[float, float]) -> Iterator[Mesh]:
+def _side(plan: Plan, start: Point, end: Point) -> Iterator[Mesh]:
     """Yield one side of a wall, seen with its room on the left of the way from `start` to `end`."""
     (x, y), (along, across) = start, (end[0] - start[0], end[1] - start[1])
     length = float(np.hypot(along, across))
     inwards = -across / length, along / length
     beside = (x + along / 2 + inwards[0] * 0.1, y + across / 2 + inwards[1] * 0.1)
     colour = next(
-        (each.walls for each in plan.rooms if each.left <= beside[0] <= each.right and each.bottom <= beside[1] <= each.top),
+        (
+            each.walls
+            for each in plan.rooms
+            if each.left <= beside[0] <= each.right and each.bottom <= beside[1] <= each.top
+        ),
         (0.8, 0.8, 0.8),
     )
     # Seen from inside the end is on the left: the front of a plane is where `along` turns to `up`.
@@ -115,12 +128,17 @@ def furniture_mesh(piece: Furniture) -> Mesh:
         case "plant":
             pot = tube([(0, 0.14, 0), (0.35, 0.2, 0)], (0.7, 0.4, 0.28))
             leaves = [
-                ball(0.5 + 0.17 * n, 0.1 + 0.13 * (n % 3), 0.2, piece.colour).turned(n * 2.1, 0.08 * (n % 2), 0.05 * (n % 3))
+                ball(0.5 + 0.17 * n, 0.1 + 0.13 * (n % 3), 0.2, piece.colour).turned(
+                    n * 2.1, 0.08 * (n % 2), 0.05 * (n % 3)
+                )
                 for n in range(5)
             ]
             return Mesh.joined([pot, *leaves]).turned(0, piece.x, piece.y)
         case "lamp":
-            foot, pole = tube([(0, 0.16, 0), (0.04, 0.15, 0)], (0.3, 0.3, 0.32)), tube([(0, 0.02, 0), (1.4, 0.02, 0)], (0.3, 0.3, 0.32), 6)
+            foot, pole = (
+                tube([(0, 0.16, 0), (0.04, 0.15, 0)], (0.3, 0.3, 0.32)),
+                tube([(0, 0.02, 0), (1.4, 0.02, 0)], (0.3, 0.3, 0.32), 6),
+            )
             shade = tube([(1.3, 0.2, 0), (1.7, 0.13, 0)], piece.colour)
             return Mesh.joined([foot, pole, shade]).turned(0, piece.x, piece.y)
         case "box":
@@ -139,7 +157,13 @@ def _shelf(piece: Furniture) -> Mesh:
     # The open side faces the middle of the building.
     front, back = (y, top) if piece.y > 0 else (top, y)
     inwards = 1 if back > front else -1
-    parts = [box((x, min(front + inwards * 0.04, back), 0), (right, max(front + inwards * 0.04, back), piece.height), _darker(piece.colour))]
+    parts = [
+        box(
+            (x, min(front + inwards * 0.04, back), 0),
+            (right, max(front + inwards * 0.04, back), piece.height),
+            _darker(piece.colour),
+        )
+    ]
     random = np.random.default_rng(len(piece.name))
     height = piece.height / _SHELVES
     low, high = sorted((front, front + inwards * 0.06))
@@ -152,7 +176,9 @@ def _shelf(piece: Furniture) -> Mesh:
             wide, tall = random.uniform(0.08, 0.22), random.uniform(0.55, 0.82) * height
             tint = tuple(float(each) for each in random.uniform(0.25, 0.8, 3))
             level = number * height + _THIN
-            parts.append(box((at, low + 0.01, level), (at + wide, high - 0.01, level + tall), (tint[0], tint[1], tint[2]), 2.0))
+            parts.append(
+                box((at, low + 0.01, level), (at + wide, high - 0.01, level + tall), (tint[0], tint[1], tint[2]), 2.0)
+            )
             at += wide + random.uniform(0.01, 0.12)
     return Mesh.joined(parts)
 
@@ -160,7 +186,15 @@ def _shelf(piece: Furniture) -> Mesh:
 def person_body(person: Person) -> Mesh:
     """Return a person's body without head and legs, at the origin and facing along x."""
     trunk = tube(
-        [(0.8, 0.15, 0), (0.86, 0.165, 0), (1.0, 0.155, 0), (1.2, 0.175, 0), (1.34, 0.185, 0), (1.42, 0.13, 0), (1.46, 0.06, 0)],
+        [
+            (0.8, 0.15, 0),
+            (0.86, 0.165, 0),
+            (1.0, 0.155, 0),
+            (1.2, 0.175, 0),
+            (1.34, 0.185, 0),
+            (1.42, 0.13, 0),
+            (1.46, 0.06, 0),
+        ],
         person.clothes,
         flat=0.62,
     )
@@ -168,7 +202,11 @@ def person_body(person: Person) -> Mesh:
     arms = [
         Mesh.joined(
             [
-                tube([(0.9, 0.035, 0.06), (1.14, 0.043, 0), (1.3, 0.055, 0), (1.38, 0.05, 0), (1.41, 0.01, 0)], person.clothes, 8),
+                tube(
+                    [(0.9, 0.035, 0.06), (1.14, 0.043, 0), (1.3, 0.055, 0), (1.38, 0.05, 0), (1.41, 0.01, 0)],
+                    person.clothes,
+                    8,
+                ),
                 ball(0.86, 0.04, 0.065, person.skin, ahead=0.065),
             ]
         ).turned(0, 0, side * 0.205)
@@ -187,7 +225,7 @@ def person_leg(person: Person, side: int) -> Mesh:
 
 def person_head() -> Mesh:
     """Return a head in white, for a texture, at the origin and facing along x."""
-    head = ball(HEAD, 0.088, 0.125, (1.0, 1.0, 1.0), deep=0.1, ahead=0.015)
+    head = ball(HEAD, 0.08, 0.118, (1.0, 1.0, 1.0), deep=0.095, ahead=0.015)
     # The light of a room comes from all sides: a chin is not as dark as the underside of a shelf.
     return Mesh(head.vertices, (0.45 + 0.55 * head.colours).astype(np.float32), head.places, head.faces)
 

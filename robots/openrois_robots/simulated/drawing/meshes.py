@@ -60,7 +60,7 @@ def lit(vertices: Floats, normals: Floats, colour: Colour, room_light: bool = Tr
     light = _AMBIENT + (1 - _AMBIENT) * towards
     if room_light:
         light = light * (_LOW + (1 - _LOW) * np.clip(vertices[:, 2] / _HIGH, 0.0, 1.0))
-    return np.clip(light[:, None] * np.asarray(colour, np.float32), 0.0, 1.0).astype(np.float32)
+    return np.asarray(np.clip(light[:, None] * np.asarray(colour, np.float32), 0.0, 1.0), np.float32)
 
 
 def plane(corner: Sequence[float], along: Sequence[float], up: Sequence[float], colour: Colour, step: float) -> Mesh:
@@ -75,11 +75,15 @@ def plane(corner: Sequence[float], along: Sequence[float], up: Sequence[float], 
     """
     origin, a, b = (np.asarray(each, np.float32) for each in (corner, along, up))
     columns, rows = (max(1, int(np.ceil(np.linalg.norm(each) / step))) for each in (a, b))
-    v, u = (each.ravel() for each in np.meshgrid(np.linspace(0, 1, rows + 1), np.linspace(0, 1, columns + 1), indexing="ij"))
+    v, u = (
+        each.ravel() for each in np.meshgrid(np.linspace(0, 1, rows + 1), np.linspace(0, 1, columns + 1), indexing="ij")
+    )
     vertices = (origin + u[:, None] * a + v[:, None] * b).astype(np.float32)
     normal = np.cross(a, b)
     normals = np.broadcast_to(normal / np.linalg.norm(normal), vertices.shape).astype(np.float32)
-    return Mesh(vertices, lit(vertices, normals, colour), np.stack([u, v], axis=1).astype(np.float32), _grid(rows, columns))
+    return Mesh(
+        vertices, lit(vertices, normals, colour), np.stack([u, v], axis=1).astype(np.float32), _grid(rows, columns)
+    )
 
 
 def box(low: Sequence[float], high: Sequence[float], colour: Colour, step: float = 0.6) -> Mesh:
@@ -130,7 +134,9 @@ def tube(profile: Sequence[tuple[float, float, float]], colour: Colour, sides: i
     return Mesh(vertices, lit(vertices, normals, colour), places, _grid(len(profile) - 1, sides))
 
 
-def ball(height: float, wide: float, tall: float, colour: Colour, deep: float | None = None, ahead: float = 0.0) -> Mesh:
+def ball(
+    height: float, wide: float, tall: float, colour: Colour, deep: float | None = None, ahead: float = 0.0
+) -> Mesh:
     """Return an ellipsoid over the origin; its texture's middle is ahead, along x.
 
     Args:

@@ -28,7 +28,7 @@ from openrois_robots.simulated.world.plan import Person, Plan
 
 __all__ = ["CAMERA_HEIGHT", "Renderer"]
 
-CAMERA_HEIGHT: Final = 1.45
+CAMERA_HEIGHT: Final = 1.5
 """Metres of the camera above the floor: the robot has a mast, for it looks people in the face."""
 _NEAR, _FAR = 0.12, 14.0
 _SKY: Final = (0.75, 0.76, 0.78, 1)
@@ -76,7 +76,7 @@ class Renderer:
     def draw(self, view: View) -> NDArray[np.uint8]:
         """Return the picture as BGRA, (height, width, 4), top row first; an array of its own."""
         at = view.camera
-        self._camera.set_pos_hpr(at.x, at.y, CAMERA_HEIGHT, degrees(at.th) - 90, 0, 0)
+        self._camera.set_pos_hpr(at.x, at.y, CAMERA_HEIGHT, degrees(at.th) - 90, degrees(view.tilt), 0)
         self._place_visitor(view.visitor, view.step)
         self._engine.render_frame()
         rows = np.frombuffer(self._texture.get_ram_image(), np.uint8).reshape(self._height, self._width, 4)

@@ -13,10 +13,12 @@ class View:
 
     Attributes:
         camera: over which place of the floor the camera is, and where it looks.
+        tilt: by how many radians it looks up.
         visitor: where the walking visitor is; None without one.
         step: metres that the visitor has walked.
     """
 
     camera: Place
+    tilt: float = 0.0
     visitor: Place | None = None
     step: float = 0.0

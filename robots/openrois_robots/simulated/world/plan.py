@@ -149,8 +149,12 @@ class Plan:
     @property
     def things(self) -> tuple[Thing, ...]:
         """What is on the map, by name: persons, furniture and the charging mat."""
-        persons = (Thing(each.name, "person", each.place.x, each.place.y, each.place.th, each.name) for each in self.persons)
-        pieces = (Thing(each.name, "object", each.x, each.y, 0.0, each.name) for each in self.furniture if each.is_mapped)
+        persons = (
+            Thing(each.name, "person", each.place.x, each.place.y, each.place.th, each.name) for each in self.persons
+        )
+        pieces = (
+            Thing(each.name, "object", each.x, each.y, 0.0, each.name) for each in self.furniture if each.is_mapped
+        )
         return (*persons, *pieces, Thing(self.mat.name, "object", self.mat.x, self.mat.y, 0.0, self.mat.name))
 
 
@@ -193,9 +197,15 @@ APARTMENT: Final = Plan(
         Furniture("parcel", 4.6, -3.1, 0.7, 0.7, 0.6, "box", (0.7, 0.52, 0.3), is_mapped=False),
     ),
     persons=(
-        Person("reader", Place(-1.1, 1.9, -2.2), (0.72, 0.2, 0.22), (0.2, 0.22, 0.3), (0.2, 0.13, 0.08), (0.9, 0.72, 0.6)),
-        Person("cook", Place(1.5, 2.45, -2.6), (0.93, 0.93, 0.95), (0.3, 0.3, 0.34), (0.1, 0.08, 0.07), (0.84, 0.64, 0.5)),
-        Person("clerk", Place(2.7, -2.2, 2.6), (0.2, 0.5, 0.42), (0.35, 0.3, 0.25), (0.5, 0.36, 0.18), (0.95, 0.79, 0.68)),
+        Person(
+            "reader", Place(-1.1, 1.9, -2.2), (0.72, 0.2, 0.22), (0.2, 0.22, 0.3), (0.2, 0.13, 0.08), (0.9, 0.72, 0.6)
+        ),
+        Person(
+            "cook", Place(1.5, 2.45, -2.6), (0.93, 0.93, 0.95), (0.3, 0.3, 0.34), (0.1, 0.08, 0.07), (0.84, 0.64, 0.5)
+        ),
+        Person(
+            "clerk", Place(2.7, -2.2, 2.6), (0.2, 0.5, 0.42), (0.35, 0.3, 0.25), (0.34, 0.2, 0.1), (0.9, 0.73, 0.61)
+        ),
     ),
     mat=Mat("dock", -4.0, -2.5, 0.85),
     rooms=(
