@@ -3,7 +3,7 @@
 import argparse
 import asyncio
 import time
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,7 +22,7 @@ _TTL: Final = int(MAX_LIFETIME)
 """Lifetime of each token in seconds."""
 
 _RENEWAL: Final = 1200.0
-"""Seconds between two tokens of the avatar, well within the lifetime of one."""
+"""Seconds between two tokens of an adapter, well within the lifetime of one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,38 +65,52 @@ class DemoAccess:
             given += ["--auth-key", str(self.key if shared else self.key.with_name(f"{self.key.name}.pub"))]
         return tuple(given)
 
-    def token(self, role: Role) -> str:
-        """Return a new token of the demo's own.
+    def viewer_token(self) -> str:
+        """Return a new token for a program that only looks.
 
         Raises:
             ValueError: the key cannot be used.
         """
-        assert self.key is not None
-        return issue_token(self.key, f"demo-{role.value}", [role], ["*"], now=int(time.time()), ttl=_TTL)
+        return self._token("demo-viewer", Role.VIEWER, "*")
+
+    def adapter_token(self, engine_id: str) -> str:
+        """Return a new token for an adapter, which may offer the components of this engine and no others.
+
+        Raises:
+            ValueError: the key cannot be used.
+        """
+        return self._token(f"demo-{engine_id}", Role.ADAPTER, f"{engine_id}/*")
 
     @contextmanager
-    def token_file(self) -> Iterator[Path | None]:
-        """Yield a file with a token of the avatar, for as long as the block runs; None without authentication."""
+    def token_files(self, engine_ids: Iterable[str]) -> Iterator[Mapping[str, Path]]:
+        """Yield a file with a token for each adapter, for as long as the block runs; none without authentication."""
         if self.key is None:
-            yield None
+            yield {}
             return
         with TemporaryDirectory(prefix="openrois-demo-") as folder:
-            path = Path(folder, "avatar.token")
-            self._write_token(path)
-            yield path
+            paths = {engine_id: Path(folder, f"{engine_id}.token") for engine_id in engine_ids}
+            self._write_tokens(paths)
+            yield paths
 
-    async def keep_token(self, path: Path | None, sleep: Callable[[float], Awaitable[None]] = asyncio.sleep) -> None:
-        """Write new tokens into the file until cancelled, each long before the last one expires."""
-        while path is not None:
+    async def keep_tokens(
+        self, paths: Mapping[str, Path], sleep: Callable[[float], Awaitable[None]] = asyncio.sleep
+    ) -> None:
+        """Write new tokens into the files until cancelled, each long before the last one expires."""
+        while paths:
             await sleep(_RENEWAL)
-            self._write_token(path)
+            self._write_tokens(paths)
 
-    def _write_token(self, path: Path) -> None:
-        new = path.with_name(f"{path.name}.new")
-        new.touch(0o600)
-        new.write_text(f"{self.token(Role.ADAPTER)}\n", encoding="ascii")
-        # A reader always finds a whole token.
-        new.replace(path)
+    def _token(self, subject: str, role: Role, scope: str) -> str:
+        assert self.key is not None
+        return issue_token(self.key, subject, [role], [scope], now=int(time.time()), ttl=_TTL)
+
+    def _write_tokens(self, paths: Mapping[str, Path]) -> None:
+        for engine_id, path in paths.items():
+            new = path.with_name(f"{path.name}.new")
+            new.touch(0o600)
+            new.write_text(f"{self.adapter_token(engine_id)}\n", encoding="ascii")
+            # A reader always finds a whole token.
+            new.replace(path)
 
 
 def add_access_options(parser: argparse.ArgumentParser) -> None:
@@ -131,7 +145,7 @@ def demo_access(chosen: argparse.Namespace) -> DemoAccess:
             f"--host {chosen.host} is every address; it requires --allow-host with the name of this machine"
         )
     if chosen.auth_key is not None and chosen.token_file is not None:
-        raise ValueError("--token-file cannot be used with --auth-key: the demo issues the avatar's token itself")
+        raise ValueError("--token-file cannot be used with --auth-key: the demo issues the tokens itself")
     name = chosen.allow_host or chosen.host
     access = DemoAccess(chosen.host, name.lower(), chosen.tls_cert, chosen.tls_key, chosen.auth_key)
     access.gateway_arguments()

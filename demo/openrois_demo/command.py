@@ -1,20 +1,21 @@
-"""`openrois demo`: run a gateway and an avatar, as two supervised processes, until a signal stops them."""
+"""`openrois demo`: run a gateway with an avatar, and a robot if wanted, as processes, until a signal stops them."""
 
+import argparse
 import asyncio
 import errno
 import signal
 import socket
 import sys
-from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import Final
 
 from openrois_avatar.options.engine_options import add_engine_options, engine_arguments
 from openrois_avatar.options.link_options import add_facade_option, add_link_options, link_arguments
 from openrois_media.network_options import add_host_options, add_session_options, host_arguments, session_arguments
 
-from openrois.auth.principal import Role
 from openrois.cli.command_line import CommandLine, port_number
 from openrois.observability.logs import set_up_logging
 from openrois.transport.credential_options import add_credential_options, credential_arguments, credentials
@@ -26,6 +27,8 @@ from openrois_demo.watchdog import Watchdog
 __all__ = ["main"]
 
 _START_TIMEOUT: Final = 60.0
+_AVATAR, _ROBOT = "avatar", "robot"
+"""The engine ids of the bodies."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,23 +37,31 @@ class _Demo:
 
     Attributes:
         gateway: its gateway.
-        avatar: the avatar behind it.
+        adapters: the bodies behind it, by their engine ids.
         watchdog: restarts them when they hang.
         page: URL of its page.
-        keep_token: renews the avatar's token until cancelled.
+        keep_tokens: renews the tokens of the adapters until cancelled.
     """
 
     gateway: Program
-    avatar: Program
+    adapters: Mapping[str, Program]
     watchdog: Watchdog
     page: str
-    keep_token: Callable[[], Coroutine[object, object, None]]
+    keep_tokens: Callable[[], Coroutine[object, object, None]]
 
 
 def main(arguments: Sequence[str]) -> int:
     """Run the command and return its exit status: 0 when stopped, 1 when it could not start, 2 for wrong usage."""
-    parser = CommandLine("openrois demo", description="A live avatar on a page of this machine.")
+    parser = CommandLine("openrois demo", description="A live avatar on a page of this machine, and a robot beside it.")
     parser.add_argument("--port", type=port_number, default=8765, help="TCP port of the page (%(default)s)")
+    parser.add_argument(
+        "--with",
+        dest="beside",
+        action="append",
+        choices=(_ROBOT,),
+        default=[],
+        help="puts a simulated robot beside the avatar (`openrois robot simulated --help`)",
+    )
     add_engine_options(parser)
     add_link_options(parser, when=" if it is external or a facade")
     add_facade_option(parser)
@@ -73,23 +84,44 @@ def main(arguments: Sequence[str]) -> int:
         )
         return 1
     more = ("--verbose",) if chosen.verbose else ()
-    with access.token_file() as issued:
+    engine_ids = (_AVATAR, *dict.fromkeys(chosen.beside))
+    with access.token_files(engine_ids) as issued:
         shown = credentials(chosen)
-        if issued is not None:
-            chosen.token_file = issued
-            shown = replace(shown, token=partial(access.token, Role.VIEWER))
+        if issued:
+            shown = replace(shown, token=access.viewer_token)
         url = access.url("ws", chosen.port)
-        of_avatar = (*link_arguments(chosen), *host_arguments(chosen), *credential_arguments(chosen), *more)
         gateway = ("gateway", "--port", str(chosen.port), "--drain", "0", *access.gateway_arguments(), *more)
-        avatar = ("avatar", "--gateway", f"{url}adapter", *of_engine, *of_avatar)
+        bodies = {
+            _AVATAR: ("avatar", *of_engine, *link_arguments(chosen)),
+            _ROBOT: ("robot", "simulated", *(("--visitor",) if chosen.visitor else ()), *session_arguments(chosen)),
+        }
         demo = _Demo(
             Program(gateway, announces="listening "),
-            Program(avatar, announces="ready "),
-            Watchdog(url, connect=partial(dial, credentials=shown)),
+            {
+                engine_id: Program(
+                    (
+                        *bodies[engine_id],
+                        *("--gateway", f"{url}adapter"),
+                        *host_arguments(chosen),
+                        *_credentials(chosen, issued.get(engine_id)),
+                        *more,
+                    ),
+                    announces="ready ",
+                )
+                for engine_id in engine_ids
+            },
+            Watchdog(url, engine_ids, connect=partial(dial, credentials=shown)),
             access.url("http", chosen.port),
-            partial(access.keep_token, issued),
+            partial(access.keep_tokens, issued),
         )
         return asyncio.run(_run(demo))
+
+
+def _credentials(chosen: argparse.Namespace, token_file: Path | None) -> Sequence[str]:
+    """Return the options for an adapter, with the token that was issued to it, if one was."""
+    if token_file is None:
+        return credential_arguments(chosen)
+    return credential_arguments(argparse.Namespace(**{**vars(chosen), "token_file": token_file}))
 
 
 def _is_free(host: str, port: int) -> bool:
@@ -121,12 +153,12 @@ async def _run(demo: _Demo) -> int:
 
 async def _keep_running(demo: _Demo) -> None:
     async with asyncio.TaskGroup() as tasks:
-        tasks.create_task(demo.keep_token())
-        for program in (demo.gateway, demo.avatar):
+        tasks.create_task(demo.keep_tokens())
+        for program in (demo.gateway, *demo.adapters.values()):
             tasks.create_task(program.keep_running())
             await _in_time(program.ready.wait(), f"{program.name} is not ready")
-        tasks.create_task(demo.watchdog.watch(demo.gateway, demo.avatar))
-        await _in_time(demo.watchdog.until_there(), "no avatar has connected to the gateway")
+        tasks.create_task(demo.watchdog.watch(demo.gateway, demo.adapters))
+        await _in_time(demo.watchdog.until_there(), f"{' or '.join(demo.adapters)} has not connected to the gateway")
         print(f"ready {demo.page}", flush=True)
 
 

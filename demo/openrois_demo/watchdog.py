@@ -1,8 +1,8 @@
-"""The watchdog of a demo: restarts a gateway that does not answer, and an avatar that is not connected to it."""
+"""The watchdog of a demo: restarts a gateway that does not answer, and an adapter that is not connected to it."""
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterable, Mapping
 from contextlib import AbstractAsyncContextManager
 from typing import Any, Final, Protocol
 
@@ -11,6 +11,7 @@ from websockets.exceptions import InvalidHandshake
 from openrois.jsonrpc.session import RpcError, RpcSession, SessionClosed
 from openrois.transport.stream import MessageStream
 from openrois.transport.websocket import dial
+from openrois.types.profiles import HRIEngineProfile
 
 __all__ = ["Restartable", "Watchdog"]
 
@@ -60,10 +61,11 @@ class _Presence:
 
 
 class Watchdog:
-    """Checks, as an application, whether a gateway answers and has an engine behind it.
+    """Checks, as an application, whether a gateway answers and has all engines behind it.
 
     Args:
         url: `ws://host:port/` of the gateway.
+        engine_ids: of the adapters that have to be there.
         connect: opens a connection to an address.
         sleep: waits for some seconds; all waits use it.
     """
@@ -71,6 +73,7 @@ class Watchdog:
     def __init__(
         self,
         url: str,
+        engine_ids: Iterable[str],
         *,
         connect: Callable[[str], AbstractAsyncContextManager[MessageStream]] = dial,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
@@ -79,18 +82,25 @@ class Watchdog:
         self._connect = connect
         self._sleep = sleep
         self._gateway = _Presence()
-        self._avatar = _Presence()
+        self._adapters = {engine_id: _Presence() for engine_id in engine_ids}
 
     async def until_there(self) -> None:
-        """Wait until there is an engine behind the gateway: before that its page shows no avatar."""
-        await self._avatar.there.wait()
+        """Wait until all engines are behind the gateway: before that its page lacks a body."""
+        for presence in self._adapters.values():
+            await presence.there.wait()
 
-    async def watch(self, gateway: Restartable, avatar: Restartable) -> None:
-        """Check until cancelled, and kill a program that is missing for too long."""
+    async def watch(self, gateway: Restartable, adapters: Mapping[str, Restartable]) -> None:
+        """Check until cancelled, and kill a program that is missing for too long.
+
+        Args:
+            gateway: the program of the gateway.
+            adapters: those of the adapters, by their engine ids.
+        """
         async with asyncio.TaskGroup() as tasks:
             tasks.create_task(self._check_components())
             tasks.create_task(self._end_when_missing(self._gateway, gateway))
-            tasks.create_task(self._end_when_missing(self._avatar, avatar))
+            for engine_id, adapter in adapters.items():
+                tasks.create_task(self._end_when_missing(self._adapters[engine_id], adapter))
 
     async def _check_components(self) -> None:
         while True:
@@ -100,8 +110,9 @@ class Watchdog:
             except (OSError, ValueError, TimeoutError, InvalidHandshake, SessionClosed, RpcError) as error:
                 _log.debug("the gateway is not there: %s", error)
             self._gateway.note(there=False)
-            # Without the gateway the presence of the avatar is unknown.
-            self._avatar.note(there=None)
+            # Without the gateway the presence of an adapter is unknown.
+            for presence in self._adapters.values():
+                presence.note(there=None)
             await self._sleep(_PAUSE)
 
     async def _look_over(self, stream: MessageStream) -> None:
@@ -114,7 +125,9 @@ class Watchdog:
                 changed.clear()
                 profile = (await session.call("rois.system.get_profile", {}))["profile"]
                 self._gateway.note(there=True)
-                self._avatar.note(there=bool(profile["sub_profiles"]))
+                there = set(HRIEngineProfile.model_validate(profile).engine_ids())
+                for engine_id, presence in self._adapters.items():
+                    presence.note(there=engine_id in there)
                 await changed.wait()
         finally:
             running.cancel()

@@ -46,11 +46,11 @@ async def test_a_demo_for_other_machines(algorithm: str, tmp_path: Path) -> None
     assert (settings.host, settings.allow_hosts) == ("0.0.0.0", ("avatar.example.org",))
     assert settings.tls_cert == tmp_path / "cert.pem"
     assert settings.auth_keys == (public,)
-    viewer = await whose(access.token(Role.VIEWER), public)
+    viewer = await whose(access.viewer_token(), public)
     assert (viewer.roles, viewer.is_application, viewer.sees("avatar/move")) == ({Role.VIEWER}, True, True)
 
 
-async def test_the_avatar_gets_a_new_token_in_time(tmp_path: Path) -> None:
+async def test_each_adapter_gets_a_new_token_in_time(tmp_path: Path) -> None:
     make_key_files(tmp_path / "key", "HS256")
     access = chosen("--auth-key", str(tmp_path / "key"))
     waited: list[float] = []
@@ -60,20 +60,33 @@ async def test_the_avatar_gets_a_new_token_in_time(tmp_path: Path) -> None:
         if len(waited) > 1:
             raise TimeoutError
 
-    with access.token_file() as path:
-        assert path is not None
+    def secret(path: Path) -> str:
         assert path.stat().st_mode & 0o077 == 0
-        first = await whose(path.read_text().strip(), tmp_path / "key")
-        assert first.roles == {Role.ADAPTER}
-        assert first.expires is not None
+        return path.read_text().strip()
+
+    async def read(path: Path) -> Principal:
+        return await whose(secret(path), tmp_path / "key")
+
+    with access.token_files(["avatar", "robot"]) as paths:
+        first = {engine_id: await read(path) for engine_id, path in paths.items()}
+        assert [each.subject for each in first.values()] == ["demo-avatar", "demo-robot"]
+        assert {frozenset(each.roles) for each in first.values()} == {frozenset({Role.ADAPTER})}
+        assert first["robot"].sees("robot/move")
+        assert not first["robot"].sees("avatar/move"), "it cannot stand in for the other one"
         with pytest.raises(TimeoutError):
-            await access.keep_token(path, sleep)
-        second = await whose(path.read_text().strip(), tmp_path / "key")
-        assert second.token_id != first.token_id
-        assert waited[0] < first.expires - time.time()
-    assert not path.parent.exists()
-    with chosen().token_file() as nothing:
-        await chosen().keep_token(nothing, sleep)
+            await access.keep_tokens(paths, sleep)
+        for engine_id, path in paths.items():
+            second, expires = await read(path), first[engine_id].expires
+            assert second.token_id != first[engine_id].token_id
+            assert expires is not None
+            assert waited[0] < expires - time.time()
+    assert not paths["robot"].parent.exists()
+
+
+async def test_without_authentication_there_are_no_tokens() -> None:
+    with chosen().token_files(["avatar"]) as paths:
+        assert paths == {}
+        await chosen().keep_tokens(paths)
 
 
 @pytest.mark.parametrize(

@@ -168,6 +168,57 @@ def test_limits_of_applications_are_passed_to_the_avatar(monkeypatch: pytest.Mon
     assert list(avatar[(start := avatar.index("--applications")) : start + len(given)]) == given
 
 
+def test_a_robot_beside_the_avatar_gets_what_concerns_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(demo_module, "set_up_logging", lambda *, verbose: None)
+    monkeypatch.setattr(demo_module, "Program", Unready)
+    monkeypatch.setattr(Unready, "made", {})
+    make_key_files(tmp_path / "key", "HS256")
+    network = ["--interface", "lo", "--udp-ports", "50000-50100", "--applications", "8"]
+    given = ["--with", "robot", "--visitor", "--size", "640x360", "--auth-key", str(tmp_path / "key"), *network]
+    demo_module.main(["--port", str(port := free_port()), *given])
+    assert Unready.made.keys() == {"gateway", "avatar", "robot"}
+    robot, avatar = list(Unready.made["robot"]), list(Unready.made["avatar"])
+    assert robot[:3] == ["robot", "simulated", "--visitor"]
+    for option, value in zip(network[::2], network[1::2], strict=True):
+        assert robot[robot.index(option) + 1] == avatar[avatar.index(option) + 1] == value
+    assert robot[robot.index("--gateway") + 1] == f"ws://127.0.0.1:{port}/adapter"
+    tokens = [each[each.index("--token-file") + 1] for each in (robot, avatar)]
+    assert [Path(token).name for token in tokens] == ["robot.token", "avatar.token"]
+    assert "--size" not in robot
+
+
+def test_without_a_wish_there_is_no_robot(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(demo_module, "set_up_logging", lambda *, verbose: None)
+    monkeypatch.setattr(demo_module, "Program", Unready)
+    monkeypatch.setattr(Unready, "made", {})
+    demo_module.main(["--port", str(free_port())])
+    assert Unready.made.keys() == {"gateway", "avatar"}
+
+
+@pytest.mark.engine
+def test_a_robot_beside_the_avatar_is_started_again_when_it_is_killed(tmp_path: Path) -> None:
+    with running_demo(tmp_path, more=("--with", "robot")) as demo:
+        first = demo.program("robot")
+        engine_ids = asyncio.run(engines(demo.url, lambda found: "robot" in found))
+        assert {"avatar", "robot"} <= set(engine_ids)
+        first.kill()
+        asyncio.run(engines(demo.url, lambda found: "robot" not in found))
+        asyncio.run(engines(demo.url, lambda found: "robot" in found))
+        assert demo.program("robot").pid != first.pid
+        assert demo.interrupt() == 0
+
+
+async def engines(url: str, wanted: Callable[[tuple[str, ...]], bool]) -> tuple[str, ...]:
+    """Wait until the gateway has the engines that are wanted, and return their ids."""
+    async with asyncio.timeout(PATIENCE), Client(url) as client, client.notices() as notices:
+        while True:
+            profile = (await client.get_profile()).profile
+            assert profile is not None
+            if wanted(profile.engine_ids()):
+                return profile.engine_ids()
+            await anext(aiter(notices))
+
+
 def test_places_that_cannot_be_are_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit, match="2"):
         demo_module.main(["--applications", "4", "--kept-for-operators", "4"])

@@ -54,6 +54,11 @@ class RobotCamera:
         self._thread.shutdown(wait=False)
 
     @property
+    def is_open(self) -> bool:
+        """Whether it draws, because there is a reader."""
+        return self._pictures.running
+
+    @property
     def drawn(self) -> int:
         """The number of pictures that were drawn."""
         return self._sequence
