@@ -54,18 +54,33 @@ export class Bindings {
 
   /** Binds for as long as the work lasts; where works overlap, the last one releases. */
   async during<T>(call: Call, componentRef: string, work: () => Promise<T>): Promise<T> {
+    await this.hold(call, componentRef);
+    try {
+      return await work();
+    } finally {
+      await this.drop(call, componentRef);
+    }
+  }
+
+  /** Binds for one more work, until `drop`. */
+  async hold(call: Call, componentRef: string): Promise<void> {
     this.#count(componentRef, 1);
     try {
       await this.#inTurn(componentRef, () => this.#bind(call, componentRef));
-      return await work();
-    } finally {
-      this.#count(componentRef, -1);
-      await this.#inTurn(componentRef, async () => {
-        if (this.#uses.has(componentRef) || this.#lasting.has(componentRef)) return;
-        this.#states.delete(componentRef);
-        await call("rois.command.release", { component_ref: componentRef });
-      }).catch(() => undefined);
+    } catch (error) {
+      await this.drop(call, componentRef);
+      throw error;
     }
+  }
+
+  /** Releases what no work needs any more. Never rejects. */
+  async drop(call: Call, componentRef: string): Promise<void> {
+    this.#count(componentRef, -1);
+    await this.#inTurn(componentRef, async () => {
+      if (this.#uses.has(componentRef) || this.#lasting.has(componentRef)) return;
+      this.#states.delete(componentRef);
+      await call("rois.command.release", { component_ref: componentRef });
+    }).catch(() => undefined);
   }
 
   /** Adds a granted component, bound until it is released. */

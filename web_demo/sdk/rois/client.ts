@@ -1,6 +1,8 @@
 /** The RoIS 2.0 client: the operations of the System, Command, Query and Event interfaces over one gateway. */
 
 import { Bindings } from "./bindings.ts";
+import type { AnyComponentClass, Body } from "./body.ts";
+import type { BodyInfo } from "./body_directory.ts";
 import type { Renewal } from "./claims.ts";
 import { Completions } from "./completions.ts";
 import { Control } from "./control.ts";
@@ -18,6 +20,8 @@ import type {
 } from "./generated/types.ts";
 import { Link } from "./link.ts";
 import type { Call, ClientOptions, Ended, RoISEvent } from "./link.ts";
+import { Bodies } from "./reserving.ts";
+import type { BodyLoss, BodyOptions } from "./reserving.ts";
 import { Resumption } from "./resumption.ts";
 import { Restoration } from "./restoration.ts";
 import { Subscriptions, iterate } from "./subscriptions.ts";
@@ -53,6 +57,7 @@ export class Client extends Link {
   readonly #bindings = new Bindings();
   readonly #restoration: Restoration;
   readonly #resumption: Resumption;
+  readonly #bodies: Bodies;
   /** Asks for components that others hold, hands them over, and stops everything. */
   readonly control: Control;
 
@@ -70,6 +75,8 @@ export class Client extends Link {
     this.#restoration = new Restoration(this.#bindings, this.#subscriptions, renewal, options?.backoff);
     this.control = new Control(this, this.#bindings);
     this.#resumption = new Resumption(this.#completions);
+    const lost = (loss: BodyLoss): void => this.emitter.emit("body_lost", loss);
+    this.#bodies = new Bodies(this, this.#bindings, lost, options?.backoff);
     this.on("completed", (completed) => this.#completions.completed(completed));
     this.on("event", (event) => this.#subscriptions.deliver(event));
   }
@@ -96,19 +103,48 @@ export class Client extends Link {
    * Finds a component of a type: `await client.find(Navigation)`.
    *
    * @param condition what else must hold, such as `like("component_ref", "robot/%")`
-   * @throws RoISError (UNSUPPORTED: there is none)
+   * @throws RoISError (UNSUPPORTED: there is none; BAD_PARAMETER: there are several, and it says which)
    */
   async find<Component>(type: ComponentClass<Component>, condition = ""): Promise<Component> {
-    const [component] = await this.findAll(type, condition);
-    if (component === undefined) {
+    const refs = await this.#refsOf(type, condition);
+    const [componentRef] = refs;
+    if (componentRef === undefined) {
       const reason = `there is no such component${condition && ` where ${condition}`}`;
       throw new RoISError("UNSUPPORTED", `find ${type.componentType}`, "", reason);
     }
-    return component;
+    if (refs.length > 1) {
+      const choice = `take one that is free by \`client.body\`, or name one by a condition`;
+      const reason = `there are ${refs.length}: ${refs.join(", ")}; ${choice}`;
+      throw new RoISError("BAD_PARAMETER", `find ${type.componentType}`, "", reason);
+    }
+    return new type(this, componentRef);
+  }
+
+  /** Returns the bodies behind the gateway: what each can do, and whether it is free. */
+  bodies(): Promise<BodyInfo[]> {
+    return this.#bodies.all();
+  }
+
+  /**
+   * Reserves a body, until it is released: `await client.body([Navigation, SpeechSynthesis])`. All components are bound of
+   * one body, or none. Of several bodies the first that is free is taken, those with more of the optional types first; of
+   * several components of a type in it the first by reference. A body whose required component is lost is given back, and
+   * `on("body_lost")` tells.
+   *
+   * @throws RoISError (OUT_OF_RESOURCES: all that have the components are taken, and it says which refused; UNSUPPORTED:
+   *   there is no such body, and it says which there are) | RangeError: no type is named, or one twice
+   */
+  body(types: readonly AnyComponentClass[], options: BodyOptions = {}): Promise<Body> {
+    return this.#bodies.reserve(types, options);
   }
 
   /** Finds all components of a type. */
   async findAll<Component>(type: ComponentClass<Component>, condition = ""): Promise<Component[]> {
+    const refs = await this.#refsOf(type, condition);
+    return refs.map((componentRef) => new type(this, componentRef));
+  }
+
+  async #refsOf(type: ComponentClass<unknown>, condition: string): Promise<readonly string[]> {
     let refs = await this.search(and(where({ component_type: type.componentType }), condition));
     if (refs.length === 0) {
       // Some gateways compare the code of the identifier alone with the URN.
@@ -117,7 +153,7 @@ export class Client extends Link {
         componentUrn(profile) === type.componentType ? [ref] : [],
       );
     }
-    return refs.map((componentRef) => new type(this, componentRef));
+    return refs;
   }
 
   /**

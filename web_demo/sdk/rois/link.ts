@@ -11,6 +11,7 @@ import { Connection } from "./connection.ts";
 import type { ConnectionOptions, ConnectionState } from "./connection.ts";
 import { InvalidMessage, RoISError } from "./errors.ts";
 import type { ExtensionMethods } from "./extension_methods.ts";
+import type { BodyLoss } from "./reserving.ts";
 import type { MethodName, Methods } from "./generated/methods.ts";
 import type {
   Completed,
@@ -92,6 +93,8 @@ export interface ClientEvents {
   restored: Claim;
   /** An invalid message was ignored; a sentence says what is wrong with it. */
   invalid: string;
+  /** A body that was reserved is not any more; what was left of it is released. */
+  body_lost: BodyLoss;
   /** Every notification, also those of extensions. */
   notification: Notification;
   /** Every message that was sent or received. */

@@ -49,9 +49,7 @@ beforeEach(async () => {
 
 describe("finding", () => {
   it("asks for the type, and for what else must hold", async () => {
-    gateway.on("rois.command.search", () => ({
-      component_ref_list: ["robot/navigation", "cart/navigation"],
-    }));
+    gateway.on("rois.command.search", () => ({ component_ref_list: ["robot/navigation"] }));
     const navigation = await client.find(Navigation, "component_ref LIKE 'r%'");
     expect(navigation).toBeInstanceOf(Navigation);
     expect(navigation.componentRef).toBe("robot/navigation");
@@ -60,6 +58,17 @@ describe("finding", () => {
         condition: "component_type = 'urn:x-rois:def:component:OMG::Navigation' AND component_ref LIKE 'r%'",
       },
     ]);
+  });
+
+  it("says which there are where there are several", async () => {
+    gateway.on("rois.command.search", () => ({
+      component_ref_list: ["robot/navigation", "cart/navigation"],
+    }));
+    await expect(client.find(Navigation)).rejects.toMatchObject({
+      returnCode: "BAD_PARAMETER",
+      reason:
+        "there are 2: robot/navigation, cart/navigation; take one that is free by `client.body`, or name one by a condition",
+    });
     const all = await client.findAll(Navigation);
     expect(all.map(({ componentRef }) => componentRef)).toEqual(["robot/navigation", "cart/navigation"]);
   });
