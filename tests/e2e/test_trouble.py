@@ -41,7 +41,7 @@ async def test_banner_names_a_lost_gateway(browser: Browser) -> None:
             visit = await stack.enter_async_context(
                 visiting(browser, gateway.url, tolerated=[GATEWAY_AWAY], viewport=phone)
             )
-            await visit.banner("no-adapter", "No avatar is connected")
+            await visit.banner("no-adapter", "No avatar or robot is connected")
             await visit.page.evaluate("scrollTo(0, document.body.scrollHeight)")
         words = await visit.banner("no-gateway", "The gateway does not answer")
         assert "openrois demo" in words
@@ -52,7 +52,7 @@ async def test_banner_names_a_lost_gateway(browser: Browser) -> None:
 @pytest.mark.long
 async def test_banner_names_a_missing_avatar_until_it_connects(browser: Browser, gateway: Gateway) -> None:
     async with visiting(browser, gateway.url) as visit:
-        words = await visit.banner("no-adapter", "No avatar is connected")
+        words = await visit.banner("no-adapter", "No avatar or robot is connected")
         assert "openrois avatar" in words
         assert (await visit.look()).black
         async with running_avatar(gateway):

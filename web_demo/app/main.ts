@@ -3,9 +3,9 @@
 import { Client } from "../sdk/index.ts";
 import { MediaReceiver, SAME_CLOCK, decodableCodecs, isLoopback, measureOffset } from "../sdk/media/index.ts";
 import type { Desire, LocalStream, RemoteStream } from "../sdk/media/index.ts";
-import { AvatarDirectory, bodyOf } from "./model/avatars.ts";
-import type { Avatar } from "./model/avatars.ts";
 import { byRole } from "./dom/elements.ts";
+import { BodyDirectory, movingParts } from "./model/bodies.ts";
+import type { PageBody } from "./model/bodies.ts";
 import { Banner } from "./panels/banner.ts";
 import { BodyControl } from "./model/body_control.ts";
 import { Captions } from "./panels/captions.ts";
@@ -61,7 +61,7 @@ let welcomed: string | undefined;
 const client = new Client("./", { token: () => token.value });
 const receiver = new MediaReceiver(client, { input: true });
 let before = recall(sessionStorage, Date.now());
-const directory = new AvatarDirectory(client, avatarChanged, before?.engineId);
+const directory = new BodyDirectory(client, bodyChanged, before?.engineId);
 const header = new Header(directory);
 const banner = new Banner(() => client.retryNow(), takeToken);
 const scene = byRole("scene", HTMLElement);
@@ -95,7 +95,7 @@ operator.onChange = () => {
 };
 new MessageLog(client);
 
-let shown: Avatar | null = null;
+let shown: PageBody | null = null;
 window.openrois = { client, video: null, audio: null, microphone: null, camera: null };
 const views = new Views(client, render);
 const others = new OtherBodies(client, receiver, (engineId) => directory.choose(engineId));
@@ -135,25 +135,25 @@ async function askWhetherItCounts(shown: string): Promise<void> {
   const asked = await asksForTokens(shown);
   if (token.asked === asked) return;
   token.asked = asked;
-  avatarChanged();
+  bodyChanged();
 }
 
-/** Updates all panels: the profile was read, another avatar was chosen, or the connection has changed. */
-function avatarChanged(): void {
-  const avatar = directory.chosen;
-  if (avatar && avatar.engineId !== shown?.engineId) show(avatar);
-  const present = directory.present && client.state.name === "connected" ? avatar : null;
-  say.offered = avatar?.speech !== null;
-  reactions.offered = avatar?.reaction !== null;
+/** Updates all panels: the profile was read, another body was chosen, or the connection has changed. */
+function bodyChanged(): void {
+  const chosen = directory.chosen;
+  if (chosen && chosen.engineId !== shown?.engineId) show(chosen);
+  const present = directory.present && client.state.name === "connected" ? chosen : null;
+  say.offered = chosen?.speech !== null;
+  reactions.offered = chosen?.reaction !== null;
   say.setComponents(present?.speech ?? null, present?.progress ?? null);
   captions.setComponent(present?.progress ?? null);
   reactions.setComponent(present?.reaction ?? null);
-  map.setAvatar(present);
+  map.setBody(present);
   control.setComponent(present?.teleoperation ?? null);
-  const moving = present && bodyOf(present);
+  const moving = present && movingParts(present);
   body.setComponents(moving);
-  const all = client.state.name === "connected" ? (directory.avatars ?? []) : [];
-  others.update(all, avatar?.engineId ?? "", token.mayOperate ? "" : WATCHING);
+  const all = client.state.name === "connected" ? (directory.bodies ?? []) : [];
+  others.update(all, chosen?.engineId ?? "", token.mayOperate ? "" : WATCHING);
   stopButton.setBodies(
     [...(present ? [present] : []), ...all.filter((each) => each !== present)].map(actingBody),
   );
@@ -166,11 +166,8 @@ function avatarChanged(): void {
   render();
 }
 
-function actingBody(avatar: Avatar): ActingBody {
-  return {
-    engineId: avatar.engineId,
-    acting: [...(avatar.speech ? [avatar.speech] : []), ...bodyOf(avatar)],
-  };
+function actingBody(one: PageBody): ActingBody {
+  return { engineId: one.engineId, acting: [...(one.speech ? [one.speech] : []), ...movingParts(one)] };
 }
 
 /** Updates what may be used, after a change of control; disabled controls say why. */
@@ -181,7 +178,7 @@ function controlChanged(): void {
     const holder = body.holderOf(ref);
     return watching || (holder && `${holder} has control`);
   };
-  const operated = present && (bodyOf(present)[0] ?? null);
+  const operated = present && (movingParts(present)[0] ?? null);
   for (const part of [say, stopButton]) part.barred = watching;
   control.barred = why(operated);
   reactions.barred = why(present?.reaction ?? null);
@@ -201,25 +198,25 @@ function frameAge(): number | null {
   return Math.min(stage.frameAge, performance.now() - views.since);
 }
 
-function show(avatar: Avatar): void {
-  shown = avatar;
+function show(chosen: PageBody): void {
+  shown = chosen;
   const { video: oldVideo, audio: oldAudio } = window.openrois;
   // The picture of a body that is still there goes on in a card.
-  const isThere = directory.avatars?.some(({ video }) => video === oldVideo?.componentRef) ?? false;
+  const isThere = directory.bodies?.some(({ video }) => video === oldVideo?.componentRef) ?? false;
   if (!isThere) void oldVideo?.disconnect();
   void oldAudio?.disconnect();
-  const video = receiver.stream(avatar.video, "video");
-  const audio = avatar.audio === null ? null : receiver.stream(avatar.audio, "audio");
+  const video = chosen.video === null ? null : receiver.stream(chosen.video, "video");
+  const audio = chosen.audio === null ? null : receiver.stream(chosen.audio, "audio");
   Object.assign(window.openrois, { video, audio });
   stage.watch(video);
   sound.listen(audio);
   videoCard.watch(video);
   audioCard.watch(audio);
   readings.watch(video, audio);
-  video.on("change", render);
-  const past = before?.engineId === avatar.engineId ? before : null;
+  video?.on("change", render);
+  const past = before?.engineId === chosen.engineId ? before : null;
   before = null;
-  begin(video, past?.video);
+  if (video) begin(video, past?.video);
   if (audio) begin(audio, past?.audio);
 }
 
@@ -229,7 +226,7 @@ function begin(stream: RemoteStream, desire: Desire = "running"): void {
   else if (desire === "running") void stream.connect();
 }
 
-async function readClock({ engineId, system }: Avatar): Promise<void> {
+async function readClock({ engineId, system }: PageBody): Promise<void> {
   if (isLoopback(location.hostname)) return void (readings.clock = SAME_CLOCK);
   const clock = system === null ? null : await measureOffset(client, system).catch(() => null);
   if (shown?.engineId === engineId) readings.clock = clock;
@@ -237,7 +234,7 @@ async function readClock({ engineId, system }: Avatar): Promise<void> {
 
 function render(): void {
   const { video } = window.openrois;
-  const avatar = directory.chosen;
+  const chosen = directory.chosen;
   header.render(client.state);
   stage.render(directory.present, readings.latency);
   const visible = views.current === "avatar" && document.visibilityState === "visible";
@@ -248,12 +245,12 @@ function render(): void {
     connection: client.state,
     unwelcome,
     streaming: client.extensions !== null,
-    avatar:
-      directory.avatars === null
+    body:
+      directory.bodies === null
         ? null
-        : avatar === null
+        : chosen === null
           ? "none"
-          : { name: avatar.engineId, present: directory.present },
+          : { name: chosen.engineId, present: directory.present },
     codecs,
     video: {
       wanted: video?.desire === "running",
@@ -306,7 +303,7 @@ function toggleVideo(): void {
 }
 
 stage.frames.onFrame((frame) => readings.frameShown(frame));
-client.on("state", avatarChanged);
+client.on("state", bodyChanged);
 client.on("state", () => void askWhy());
 globalThis.addEventListener("hashchange", () => {
   const former = token.value;
@@ -323,10 +320,10 @@ document.addEventListener("visibilitychange", () => {
 });
 globalThis.addEventListener("pagehide", () => {
   const { video, audio } = window.openrois;
-  if (!shown || !video) return;
+  if (!shown) return;
   const page = {
     engineId: shown.engineId,
-    video: video.desire,
+    video: video?.desire ?? "running",
     audio: audio?.desire ?? "running",
     muted: sound.muted,
     statistics: overlay.shown,

@@ -6,7 +6,8 @@
 export type { BackoffOptions } from "./rois/backoff.ts";
 export { Body } from "./rois/body.ts";
 export type { AnyComponentClass } from "./rois/body.ts";
-export type { BodyComponent, BodyInfo } from "./rois/body_directory.ts";
+export { bodiesIn } from "./rois/body_directory.ts";
+export type { BodyComponent, BodyInfo, BodyProfile } from "./rois/body_directory.ts";
 export type { BodyLoss, BodyOptions } from "./rois/reserving.ts";
 export type { BindingClaim, Claim, LostClaim, SubscriptionClaim } from "./rois/claims.ts";
 export { Client } from "./rois/client.ts";

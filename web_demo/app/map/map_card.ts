@@ -2,7 +2,7 @@
 
 import { SystemInformation } from "../../sdk/index.ts";
 import type { Client, Subscription } from "../../sdk/index.ts";
-import type { Avatar } from "../model/avatars.ts";
+import type { PageBody } from "../model/bodies.ts";
 import { ComponentWatch, isUsable } from "../model/component_status.ts";
 import { icon, make, setText } from "../dom/elements.ts";
 import { Surroundings } from "../model/own_components.ts";
@@ -54,7 +54,7 @@ export class MapCard {
   );
   readonly #open: HTMLButtonElement;
   readonly #body: HTMLElement;
-  #avatar: Avatar | null = null;
+  #shownBody: PageBody | null = null;
   #surroundings: Surroundings | null = null;
   #shown = false;
   #following: Promise<Subscription>[] = [];
@@ -114,12 +114,12 @@ export class MapCard {
     this.#render();
   }
 
-  /** @param avatar what is there now; null while it is away */
-  setAvatar(avatar: Avatar | null): void {
-    if (avatar !== null) this.#element.hidden = avatar.surroundings === null;
-    const ref = avatar?.surroundings ?? null;
-    this.#avatar = avatar;
-    if (avatar) this.#walk.setComponents(avatar.navigation, avatar.follow);
+  /** @param body what is there now; null while it is away */
+  setBody(body: PageBody | null): void {
+    if (body !== null) this.#element.hidden = body.surroundings === null;
+    const ref = body?.surroundings ?? null;
+    this.#shownBody = body;
+    if (body) this.#walk.setComponents(body.navigation, body.follow);
     if (ref !== (this.#surroundings?.componentRef ?? null)) {
       this.#unfollow();
       this.#surroundings = ref === null ? null : new Surroundings(this.#client, ref);
@@ -151,8 +151,8 @@ export class MapCard {
   #update(): void {
     const surroundings = this.#shown && !this.#body.hidden ? this.#surroundings : null;
     this.#scene.watch(surroundings?.componentRef ?? null);
-    this.#watch.watch(surroundings && (this.#avatar?.navigation ?? null));
-    this.#viewpoint.setComponent(surroundings && (this.#avatar?.viewpoint ?? null));
+    this.#watch.watch(surroundings && (this.#shownBody?.navigation ?? null));
+    this.#viewpoint.setComponent(surroundings && (this.#shownBody?.viewpoint ?? null));
     if (surroundings === null) this.#unfollow();
   }
 
@@ -180,7 +180,7 @@ export class MapCard {
   }
 
   async #askAll(surroundings: Surroundings): Promise<void> {
-    const system = this.#avatar?.system ?? null;
+    const system = this.#shownBody?.system ?? null;
     const where = system === null ? null : new SystemInformation(this.#client, system).robotPosition();
     await Promise.all([
       this.#askFloor(surroundings),

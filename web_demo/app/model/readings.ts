@@ -113,7 +113,7 @@ export class Readings {
     this.#listeners.push(listener);
   }
 
-  watch(video: RemoteStream, audio: RemoteStream | null): void {
+  watch(video: RemoteStream | null, audio: RemoteStream | null): void {
     this.#stream = video;
     this.#video.watch(video);
     this.#audio.watch(audio);

@@ -16,7 +16,7 @@ export interface Situation {
   /** The gateway has the streaming extension; false for one that speaks plain RoIS. */
   readonly streaming: boolean;
   /** Null while the profile has not been read. */
-  readonly avatar: { readonly name: string; readonly present: boolean } | "none" | null;
+  readonly body: { readonly name: string; readonly present: boolean } | "none" | null;
   /** The video codecs that the browser decodes. */
   readonly codecs: readonly string[];
   readonly video: {
@@ -68,7 +68,7 @@ const TOKEN_WORDS: Readonly<Record<Unwelcome, Pick<Trouble, "title" | "text">>> 
 
 /** Returns the trouble to solve first; null when all is well or still starting. */
 export function findTrouble(situation: Situation): Trouble | null {
-  return connectionTrouble(situation) ?? avatarTrouble(situation) ?? streamTrouble(situation);
+  return connectionTrouble(situation) ?? bodyTrouble(situation) ?? streamTrouble(situation);
 }
 
 function connectionTrouble({ canStream, connection, unwelcome, streaming }: Situation): Trouble | null {
@@ -98,25 +98,25 @@ function connectionTrouble({ canStream, connection, unwelcome, streaming }: Situ
   return null;
 }
 
-function avatarTrouble({ connection, avatar }: Situation): Trouble | null {
-  if (connection.name !== "connected" || avatar === null) return null;
-  if (avatar === "none") {
+function bodyTrouble({ connection, body }: Situation): Trouble | null {
+  if (connection.name !== "connected" || body === null) return null;
+  if (body === "none") {
     return {
       kind: "no-adapter",
-      title: "No avatar is connected",
-      text: "The gateway runs, but nothing that it knows offers video. Start an avatar with “openrois avatar”; it appears here by itself. Other components are in the Inspector.",
+      title: "No avatar or robot is connected",
+      text: "The gateway runs, but nothing that it knows can be seen, heard or moved here. Start an avatar with “openrois avatar”; it appears here by itself. Other components are in the Inspector.",
     };
   }
-  if (avatar.present) return null;
+  if (body.present) return null;
   return {
     kind: "adapter-gone",
-    title: `The avatar “${avatar.name}” has left`,
-    text: "It has stopped, or lost the gateway. Start it again with “openrois avatar”; then everything goes on by itself.",
+    title: `“${body.name}” has left`,
+    text: "It has stopped, or lost the gateway. When it is started again (an avatar with “openrois avatar”), everything goes on by itself.",
   };
 }
 
-function streamTrouble({ connection, avatar, codecs, video }: Situation): Trouble | null {
-  if (connection.name !== "connected" || avatar === null || !video.wanted) return null;
+function streamTrouble({ connection, body, codecs, video }: Situation): Trouble | null {
+  if (connection.name !== "connected" || body === null || !video.wanted) return null;
   if (!codecs.some((codec) => USABLE_CODECS.includes(codec.toLowerCase()))) {
     return {
       kind: "no-codec",

@@ -4,8 +4,8 @@ import type { Client } from "../../sdk/index.ts";
 import type { MediaReceiver, RemoteStream } from "../../sdk/media/index.ts";
 import { byRole, byTestId, setText } from "../dom/elements.ts";
 import { MapCard } from "../map/map_card.ts";
-import { bodyOf } from "../model/avatars.ts";
-import type { Avatar } from "../model/avatars.ts";
+import { movingParts } from "../model/bodies.ts";
+import type { PageBody } from "../model/bodies.ts";
 import { BodyControl } from "../model/body_control.ts";
 import { Control } from "./control.ts";
 import { Handover } from "./handover.ts";
@@ -19,45 +19,47 @@ export class BodyCard {
   readonly #body: BodyControl;
   readonly #control: Control;
   readonly #handover: Handover;
-  readonly #video: RemoteStream;
-  #present: Avatar | null = null;
+  readonly #video: RemoteStream | null;
+  #present: PageBody | null = null;
   #watching = "";
 
   /**
-   * @param avatar the body, which is there now
+   * @param body the body, which is there now
    * @param onEnlarge is called when the visitor wants to see it large
    */
-  constructor(client: Client, receiver: MediaReceiver, avatar: Avatar, onEnlarge: () => void) {
-    this.engineId = avatar.engineId;
+  constructor(client: Client, receiver: MediaReceiver, body: PageBody, onEnlarge: () => void) {
+    this.engineId = body.engineId;
     const template = byRole("body-card", HTMLTemplateElement);
     this.element = byTestId("body-card", HTMLElement, template.content.cloneNode(true) as DocumentFragment);
-    this.element.dataset["engine"] = avatar.engineId;
-    setText(byRole("body-name", HTMLElement, this.element), avatar.engineId);
+    this.element.dataset["engine"] = body.engineId;
+    setText(byRole("body-name", HTMLElement, this.element), body.engineId);
     byTestId("body-enlarge", HTMLButtonElement, this.element).addEventListener("click", onEnlarge);
     this.#stage = new Stage(this.element);
     this.#body = new BodyControl(client, () => this.#controlChanged());
     this.#control = new Control(client, receiver, this.#body, this.#stage.video, this.element);
     this.#handover = new Handover(this.#body, (giveBack) => this.#control.drive(giveBack), this.element);
     this.#body.onLost = (why) => this.#control.controlLost(why);
-    const id = `map-${avatar.engineId}`;
+    const id = `map-${body.engineId}`;
     const card = byRole("card-map", HTMLElement, this.element);
     card.setAttribute("aria-labelledby", `${id}-title`);
     this.#map = new MapCard(client, card, id);
-    this.#video = receiver.stream(avatar.video, "video");
-    this.#stage.watch(this.#video);
-    void (this.#video.desire === "suspended" ? this.#video.resume() : this.#video.connect());
+    const video = body.video === null ? null : receiver.stream(body.video, "video");
+    this.#video = video;
+    this.#stage.watch(video);
+    byRole("body-picture", HTMLElement, this.element).hidden = video === null;
+    void (video?.desire === "suspended" ? video.resume() : video?.connect());
   }
 
   /**
    * @param present the body as it is now; null while it is away
    * @param watching why the visitor may only watch; empty where it may operate
    */
-  update(present: Avatar | null, watching: string): void {
+  update(present: PageBody | null, watching: string): void {
     this.#present = present;
     this.#watching = watching;
-    this.#map.setAvatar(present);
+    this.#map.setBody(present);
     this.#control.setComponent(present?.teleoperation ?? null);
-    this.#body.setComponents(present && bodyOf(present));
+    this.#body.setComponents(present && movingParts(present));
     this.#controlChanged();
   }
 
@@ -71,7 +73,7 @@ export class BodyCard {
   close(keepStream: boolean): void {
     this.update(null, "");
     this.#map.shown = false;
-    if (!keepStream) void this.#video.disconnect();
+    if (!keepStream) void this.#video?.disconnect();
     this.element.remove();
   }
 
@@ -81,7 +83,7 @@ export class BodyCard {
       const holder = this.#body.holderOf(ref);
       return this.#watching || (holder && `${holder} has control`);
     };
-    const operated = present && (bodyOf(present)[0] ?? null);
+    const operated = present && (movingParts(present)[0] ?? null);
     this.#control.barred = why(operated);
     this.#map.viewBarred = why(operated);
     this.#map.barred = why(present?.navigation ?? null);

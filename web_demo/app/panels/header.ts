@@ -1,18 +1,18 @@
-/** The bar at the top: which avatar, whether connected, light or dark. */
+/** The bar at the top: which body, whether connected, light or dark. */
 
 import type { ConnectionState } from "../../sdk/index.ts";
-import type { AvatarDirectory } from "../model/avatars.ts";
+import type { BodyDirectory } from "../model/bodies.ts";
 import { byRole, byTestId, make, setText } from "../dom/elements.ts";
 
 export class Header {
-  readonly #directory: AvatarDirectory;
+  readonly #directory: BodyDirectory;
   readonly #select = byTestId("avatar-select", HTMLSelectElement);
   readonly #name = byRole("avatar-name", HTMLElement);
   readonly #connection = byTestId("connection", HTMLElement);
   readonly #connectionText = byRole("connection-text", HTMLElement);
   #options = "";
 
-  constructor(directory: AvatarDirectory) {
+  constructor(directory: BodyDirectory) {
     this.#directory = directory;
     this.#select.addEventListener("change", () => directory.choose(this.#select.value));
     installThemeToggle();
@@ -21,9 +21,9 @@ export class Header {
   render(connection: ConnectionState): void {
     this.#connection.dataset["state"] = connection.name;
     setText(this.#connectionText, connectionWords(connection));
-    const avatars = this.#directory.avatars ?? [];
+    const bodies = this.#directory.bodies ?? [];
     const chosen = this.#directory.chosen?.engineId ?? "";
-    const ids = [...new Set([...avatars.map(({ engineId }) => engineId), chosen])].filter((id) => id !== "");
+    const ids = [...new Set([...bodies.map(({ engineId }) => engineId), chosen])].filter((id) => id !== "");
     if (ids.join() !== this.#options) {
       this.#options = ids.join();
       this.#select.replaceChildren(...ids.map((id) => make("option", { value: id }, id)));

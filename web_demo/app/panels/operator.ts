@@ -2,7 +2,7 @@
 
 import type { Client } from "../../sdk/index.ts";
 import type { LocalStream, MediaReceiver } from "../../sdk/media/index.ts";
-import type { Avatar } from "../model/avatars.ts";
+import type { PageBody } from "../model/bodies.ts";
 import type { GiveBack } from "../model/body_control.ts";
 import { DeviceControl } from "./device_control.ts";
 import { sendingWords } from "../model/device_words.ts";
@@ -47,16 +47,19 @@ export class OperatorCard {
     );
   }
 
-  /** The streams to the avatar, for the browser's console; null where it takes none. */
-  async watch(avatar: Avatar): Promise<{ microphone: LocalStream | null; camera: LocalStream | null }> {
-    const { video, audio } = avatar;
+  /** The streams to the body, for the browser's console; null where it takes none. */
+  async watch(body: PageBody): Promise<{ microphone: LocalStream | null; camera: LocalStream | null }> {
+    const { video, audio } = body;
     await Promise.all([this.#askDirection(audio), this.#askDirection(video)]);
-    this.#hearing.setComponents(avatar.operator, avatar.hearing, avatar.progress);
-    this.#sight.setComponents(avatar.sight, avatar.enrolment);
+    this.#hearing.setComponents(body.operator, body.hearing, body.progress);
+    this.#sight.setComponents(body.sight, body.enrolment);
     const microphone =
       audio !== null && this.#accepting.has(audio) ? this.#receiver.sending(audio, "audio") : null;
     const limits = { width: 640, height: 360, fps: 30, max_bitrate: 1_000_000 };
-    const camera = this.#accepting.has(video) ? this.#receiver.sending(video, "video", { limits }) : null;
+    const camera =
+      video !== null && this.#accepting.has(video)
+        ? this.#receiver.sending(video, "video", { limits })
+        : null;
     this.#microphone.watch(microphone);
     this.#camera.watch(camera);
     this.#element.hidden = microphone === null && camera === null;

@@ -3,7 +3,7 @@
 import type { Client } from "../../sdk/index.ts";
 import type { MediaReceiver } from "../../sdk/media/index.ts";
 import { byRole, byTestId } from "../dom/elements.ts";
-import type { Avatar } from "../model/avatars.ts";
+import type { PageBody } from "../model/bodies.ts";
 import { BodyCard } from "./body_card.ts";
 
 /** Where the browser keeps that two bodies are shown in the same size. */
@@ -38,7 +38,7 @@ export class OtherBodies {
    * @param chosen the one that is shown large
    * @param watching why the visitor may only watch; empty where it may operate
    */
-  update(bodies: readonly Avatar[], chosen: string, watching: string): void {
+  update(bodies: readonly PageBody[], chosen: string, watching: string): void {
     const others = new Map(
       bodies.filter((each) => each.engineId !== chosen).map((each) => [each.engineId, each]),
     );

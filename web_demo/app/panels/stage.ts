@@ -4,9 +4,10 @@ import { FrameWatch, LastingPicture } from "../../sdk/media/index.ts";
 import type { RemoteStream } from "../../sdk/media/index.ts";
 import { byRole, byTestId, setText } from "../dom/elements.ts";
 
-export type Look = "waiting" | "connecting" | "live" | "suspended" | "off" | "still" | "stalled";
+export type Look = "blind" | "waiting" | "connecting" | "live" | "suspended" | "off" | "still" | "stalled";
 
 const WORDS: Readonly<Record<Look, string>> = {
+  blind: "This body sends no picture",
   waiting: "Waiting for the avatar",
   connecting: "Connecting",
   live: "Live",
@@ -58,10 +59,12 @@ export class Stage {
     return this.frames.lastAt === null ? null : performance.now() - this.frames.lastAt;
   }
 
-  /** Shows another stream. */
-  watch(stream: RemoteStream): void {
+  /** Shows another stream; null when the body has none. */
+  watch(stream: RemoteStream | null): void {
     for (const stop of this.#stopListening) stop();
     this.#stream = stream;
+    this.#stopListening = [];
+    if (!stream) return this.picture.freeze();
     this.#stopListening = [
       stream.on("track", (track) => this.picture.show(track)),
       stream.on("interrupted", () => this.picture.freeze()),
@@ -84,6 +87,7 @@ export class Stage {
   #currentLook(present: boolean): Look {
     const stream = this.#stream;
     const age = this.frameAge;
+    if (!stream && present) return "blind";
     if (!stream || (!present && (age === null || age > FROZEN_AFTER))) return "waiting";
     if (stream.desire === "disconnected") return "off";
     if (stream.status === "STREAMING_SUSPENDED") return "suspended";

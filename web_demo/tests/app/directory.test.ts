@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { AvatarDirectory } from "../../app/model/avatars.ts";
+import { BodyDirectory } from "../../app/model/bodies.ts";
 import { ComponentWatch, isUsable } from "../../app/model/component_status.ts";
 import type { Availability } from "../../app/model/component_status.ts";
 import { Client } from "../../sdk/index.ts";
@@ -14,8 +14,15 @@ beforeEach(() => {
   engines = ["a", "b"];
   gateway = new FakeGateway();
   gateway.on("rois.system.get_profile", () => ({
+    profile: {
+      identifier: { code: "gateway" },
+      sub_profiles: engines.map((id) => ({ identifier: { code: id }, component_ids: [`${id}/v`] })),
+    },
     component_profiles: Object.fromEntries(
-      engines.map((id) => [`${id}/v`, { identifier: { code: "VideoStreaming" }, name: "v" }]),
+      engines.map((id) => [
+        `${id}/v`,
+        { identifier: { code: id === "r" ? "Navigation" : "VideoStreaming" }, name: "v" },
+      ]),
     ),
   }));
   client = new Client("ws://test/", { webSocket: gateway.webSocket });
@@ -25,18 +32,33 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-describe("AvatarDirectory", () => {
+describe("BodyDirectory", () => {
   it("prefers an engine that is there", async () => {
-    const directories = ["b", "c"].map((id) => new AvatarDirectory(client, () => undefined, id));
+    const directories = ["b", "c"].map((id) => new BodyDirectory(client, () => undefined, id));
     await client.connect();
     await vi.advanceTimersByTimeAsync(0);
     expect(directories.map(({ chosen }) => chosen?.engineId)).toEqual(["b", "a"]);
   });
 
+  it("shows one that can be seen before one that cannot, which can be chosen all the same", async () => {
+    engines = ["r", "a"];
+    const directory = new BodyDirectory(client, () => undefined);
+    await client.connect();
+    await vi.advanceTimersByTimeAsync(0);
+    expect(directory.chosen?.engineId).toBe("a");
+    directory.choose("r");
+    expect(directory.chosen).toMatchObject({ engineId: "r", video: null, navigation: "r/v" });
+    engines = ["r"];
+    const another = new BodyDirectory(client, () => undefined);
+    gateway.notify("rois.system.profile_changed", {});
+    await vi.advanceTimersByTimeAsync(0);
+    expect([another.chosen?.engineId, another.present]).toEqual(["r", true]);
+  });
+
   it("reads the profile on connecting and on every change, and keeps the choice", async () => {
     const changed = vi.fn();
-    const directory = new AvatarDirectory(client, changed);
-    expect([directory.avatars, directory.chosen, directory.present]).toEqual([null, null, false]);
+    const directory = new BodyDirectory(client, changed);
+    expect([directory.bodies, directory.chosen, directory.present]).toEqual([null, null, false]);
     await client.connect();
     await vi.advanceTimersByTimeAsync(0);
     expect(directory.chosen?.engineId).toBe("a");
@@ -57,7 +79,7 @@ describe("AvatarDirectory", () => {
   });
 
   it("reads once more, not once each, when changes come faster than profiles", async () => {
-    new AvatarDirectory(client, () => undefined);
+    new BodyDirectory(client, () => undefined);
     await client.connect();
     for (let count = 0; count < 5; count++) gateway.notify("rois.system.profile_changed", {});
     await vi.advanceTimersByTimeAsync(0);
@@ -66,10 +88,10 @@ describe("AvatarDirectory", () => {
 
   it("survives a profile that cannot be read", async () => {
     gateway.on("rois.system.get_profile", () => ({ return_code: "ERROR" }));
-    const directory = new AvatarDirectory(client, () => undefined);
+    const directory = new BodyDirectory(client, () => undefined);
     await client.connect();
     await vi.advanceTimersByTimeAsync(0);
-    expect(directory.avatars).toBeNull();
+    expect(directory.bodies).toBeNull();
   });
 });
 

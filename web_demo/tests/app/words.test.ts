@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { bodyOf, findAvatars } from "../../app/model/avatars.ts";
+import { findBodies, movingParts } from "../../app/model/bodies.ts";
 import { formatBitrate, formatLatency, formatTime, secondsUntil } from "../../app/model/format.ts";
 import { describeCompleted, describeFailure } from "../../app/model/outcome.ts";
 import { plainReason } from "../../app/model/plain_words.ts";
@@ -119,7 +119,18 @@ describe("reasons in plain words", () => {
   });
 });
 
-describe("bodyOf", () => {
+/** Returns the profile of a gateway with an engine for each of the ids that lead the references. */
+function tree(components: Profile["component_profiles"]): Profile {
+  const refs = Object.keys(components);
+  const engines = [...new Set(refs.map((ref) => ref.split("/")[0] ?? ""))];
+  const sub_profiles = engines.map((code) => ({
+    identifier: { code },
+    component_ids: refs.filter((ref) => ref.startsWith(`${code}/`)),
+  }));
+  return { profile: { identifier: { code: "gateway" }, sub_profiles }, component_profiles: components };
+}
+
+describe("movingParts", () => {
   it("begins with what stands for all, and is the voice where there is no body", () => {
     const types = {
       video: "VideoStreaming",
@@ -131,12 +142,11 @@ describe("bodyOf", () => {
       hands: "Teleoperation",
     };
     const body = (...names: (keyof typeof types)[]): string[][] =>
-      findAvatars({
-        profile: null,
-        component_profiles: Object.fromEntries(
-          names.map((name) => [`a/${name}`, { identifier: { code: types[name] }, name }]),
+      findBodies(
+        tree(
+          Object.fromEntries(names.map((name) => [`a/${name}`, { identifier: { code: types[name] }, name }])),
         ),
-      }).map(bodyOf);
+      ).map(movingParts);
     expect(body("video", "face", "step", "mouth", "tail", "legs", "hands")).toEqual([
       ["a/hands", "a/legs", "a/step", "a/tail", "a/face"],
     ]);
@@ -181,21 +191,20 @@ describe("History", () => {
   });
 });
 
-describe("findAvatars", () => {
+describe("findBodies", () => {
   const component = (code: string) => ({ identifier: { code }, name: "x" });
 
-  it("takes every engine that can be seen, with the components it has", () => {
-    const profile: Profile = {
-      profile: null,
-      component_profiles: {
-        "a/eyes": component("urn:x-rois:def:component:OMG::VideoStreaming"),
-        "a/mouth": component("urn:x-rois:def:component:OMG::SpeechSynthesis"),
-        "b/speech": component("urn:x-rois:def:component:OMG::SpeechSynthesis"),
-        "c/video": component("VideoStreaming"),
-        "c/video2": component("VideoStreaming"),
-      },
-    };
+  it("takes every engine that the page has a panel for, with the components it has", () => {
+    const profile = tree({
+      "a/eyes": component("urn:x-rois:def:component:OMG::VideoStreaming"),
+      "a/mouth": component("urn:x-rois:def:component:OMG::SpeechSynthesis"),
+      "b/speech": component("urn:x-rois:def:component:OMG::SpeechSynthesis"),
+      "c/video": component("VideoStreaming"),
+      "c/video2": component("VideoStreaming"),
+      "d/lamp": component("urn:x-rois:def:component:Example::Lamp"),
+    });
     const nothing = {
+      video: null,
       operator: null,
       audio: null,
       speech: null,
@@ -213,8 +222,9 @@ describe("findAvatars", () => {
       enrolment: null,
       hearing: null,
     };
-    expect(findAvatars(profile)).toEqual([
+    expect(findBodies(profile)).toEqual([
       { ...nothing, engineId: "a", video: "a/eyes", speech: "a/mouth" },
+      { ...nothing, engineId: "b", speech: "b/speech" },
       { ...nothing, engineId: "c", video: "c/video" },
     ]);
   });

@@ -97,7 +97,11 @@ export class PreviewAvatar {
     const profiles = present.map(
       ([name, type]) => [`${this.engineId}/${name}`, { identifier: { code: URN + type }, name }] as const,
     );
-    return { profile: { identifier: { code: "gateway" } }, component_profiles: Object.fromEntries(profiles) };
+    const avatar = { identifier: { code: this.engineId }, component_ids: profiles.map(([ref]) => ref) };
+    return {
+      profile: { identifier: { code: "gateway" }, sub_profiles: this.#present ? [avatar] : [] },
+      component_profiles: Object.fromEntries(profiles),
+    };
   }
 
   #query({ query_type, condition }: JsonObject): JsonObject {

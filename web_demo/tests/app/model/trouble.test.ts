@@ -9,7 +9,7 @@ const situation = ({ video, ...change }: Change): Situation => ({
   connection: { name: "connected" },
   unwelcome: null,
   streaming: true,
-  avatar: { name: "avatar", present: true },
+  body: { name: "avatar", present: true },
   codecs: ["video/H264", "video/VP8"],
   ...change,
   video: { wanted: true, problem: null, status: "STREAMING_RUNNING", frameAge: 20, ...video },
@@ -20,9 +20,9 @@ describe("findTrouble", () => {
     ["all runs", {}],
     [
       "the page has just begun",
-      { connection: { name: "connecting", attempt: 0 }, avatar: null, streaming: false },
+      { connection: { name: "connecting", attempt: 0 }, body: null, streaming: false },
     ],
-    ["the profile has not been read", { avatar: null }],
+    ["the profile has not been read", { body: null }],
     ["no frame was shown yet", { video: { frameAge: null } }],
     ["the stream is suspended", { video: { status: "STREAMING_SUSPENDED", frameAge: 1e6 } }],
     ["the stream is disconnected", { video: { wanted: false, problem: { kind: "no-media", detail: "" } } }],
@@ -37,8 +37,8 @@ describe("findTrouble", () => {
     ["no-gateway", { connection: { name: "connecting", attempt: 3 } }],
     ["no-token", { connection: { name: "waiting", retryAt: 5, attempt: 1, reason: "" }, unwelcome: "none" }],
     ["no-streaming", { streaming: false }],
-    ["no-adapter", { avatar: "none" }],
-    ["adapter-gone", { avatar: { name: "avatar", present: false } }],
+    ["no-adapter", { body: "none" }],
+    ["adapter-gone", { body: { name: "avatar", present: false } }],
     ["no-codec", { codecs: ["video/AV1"] }],
     ["no-codec", { video: { problem: { kind: "unsupported", detail: "UNSUPPORTED" } } }],
     ["no-media", { video: { problem: { kind: "no-media", detail: "ICE failed" } } }],
@@ -56,7 +56,7 @@ describe("findTrouble", () => {
   it("names the cause nearest to the user first", () => {
     const all: Change = {
       connection: { name: "waiting", retryAt: 7, attempt: 1, reason: "" },
-      avatar: { name: "avatar", present: false },
+      body: { name: "avatar", present: false },
       codecs: [],
       video: { problem: { kind: "no-media", detail: "" } },
     };
