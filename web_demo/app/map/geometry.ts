@@ -19,6 +19,9 @@ export const HOME: Place = { x: 0, y: 0, th: -Math.PI / 2 };
 /** Metres and radians from `HOME` within which a figure counts as being there. */
 const NEAR_HOME = { metres: 0.2, radians: 0.4 };
 
+/** Metres from the middle of a dock within which a body counts as being on it. */
+const NEAR_DOCK = 0.35;
+
 /** What of the drawing is shown, in its own coordinates. */
 export interface Extent {
   readonly left: number;
@@ -109,8 +112,14 @@ export function pointWords([x, y]: Point): string {
   return [x, y].map((value) => (value.toFixed(1) === "-0.0" ? "0.0" : value.toFixed(1))).join(", ");
 }
 
-/** Whether a figure has left where it begins, or faces elsewhere. */
-export function isAway({ x, y, th }: Place): boolean {
+/** Returns the thing at which a body is charged, if its floor has one: it is at home there. */
+export function findDock(things: readonly Thing[]): Thing | null {
+  return things.find(({ kind, name }) => kind === "object" && name === "dock") ?? null;
+}
+
+/** Whether a body has left its dock; without one, whether it has left where figures begin, or faces elsewhere. */
+export function isAway({ x, y, th }: Place, dock: Thing | null = null): boolean {
+  if (dock) return Math.hypot(x - dock.place.x, y - dock.place.y) > NEAR_DOCK;
   const aside = Math.abs(Math.atan2(Math.sin(th - HOME.th), Math.cos(th - HOME.th)));
   return Math.hypot(x - HOME.x, y - HOME.y) > NEAR_HOME.metres || aside > NEAR_HOME.radians;
 }

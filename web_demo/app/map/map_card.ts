@@ -10,6 +10,7 @@ import { FloorView } from "./floor_view.ts";
 import type { Ground } from "./floor_view.ts";
 import {
   HOME,
+  findDock,
   isAway,
   moved,
   nearest,
@@ -108,7 +109,9 @@ export class MapCard {
     this.#stop.addEventListener("click", () => this.#walk.stop());
     this.#back.addEventListener("click", () => {
       const { x, y, th } = HOME;
-      this.#walk.go({ text: `${x},${y},${th.toFixed(4)}`, words: "the front", place: HOME }, false);
+      const front = { text: `${x},${y},${th.toFixed(4)}`, words: "the front", place: HOME };
+      const dock = findDock(this.#things);
+      this.#walk.go(dock ? { text: dock.ref, words: "the dock", place: dock.place } : front, false);
     });
     this.#listen();
     this.#render();
@@ -211,6 +214,7 @@ export class MapCard {
     if (things === null || surroundings !== this.#surroundings) return;
     this.#things = readThings(things);
     this.#view.showThings(this.#things);
+    this.#renderBack();
     if (this.#ground.outline.length === 0) this.#drawGround();
   }
 
@@ -290,7 +294,9 @@ export class MapCard {
 
   /** Shows the button while the avatar is away and stands still. */
   #renderBack(): void {
-    const away = this.#figure !== null && isAway(this.#figure);
+    const dock = findDock(this.#things);
+    const away = this.#figure !== null && isAway(this.#figure, dock);
+    setText(this.#back, dock ? "To the dock" : "Come back");
     this.#back.hidden = !away || this.#walks !== true || !this.#stop.hidden;
   }
 

@@ -5,6 +5,7 @@ import {
   extentOf,
   gridLines,
   HOME,
+  findDock,
   isAway,
   moved,
   nearest,
@@ -46,6 +47,19 @@ describe("places", () => {
     [{ x: 0, y: 0, th: Math.PI / 2 }, true],
     [{ x: 0, y: 0, th: Math.PI }, true],
   ])("are those from where one can be called back: %o", (place, away) => expect(isAway(place)).toBe(away));
+
+  it("are measured from the dock, where the floor has one", () => {
+    const place = { x: -4, y: -2.5, th: 0 };
+    const things = [
+      { ref: "robot/p1", kind: "person", name: "dock", place: { x: 0, y: 0, th: 0 } },
+      { ref: "robot/dock", kind: "object", name: "dock", place },
+    ] as const;
+    const dock = findDock(things);
+    expect(dock?.ref).toBe("robot/dock");
+    expect(findDock(things.slice(0, 1))).toBeNull();
+    expect(isAway({ ...place, th: 3 }, dock)).toBe(false);
+    expect(isAway({ x: 0, y: 0, th: -Math.PI / 2 }, dock)).toBe(true);
+  });
 
   it("are left out of corners where they cannot be read", () => {
     expect(readCorners(["0,0", "x", "1.5,2"])).toEqual([
