@@ -41,7 +41,7 @@ export class BodyCard {
     this.#body.onLost = (why) => this.#control.controlLost(why);
     const id = `map-${body.engineId}`;
     const card = byRole("card-map", HTMLElement, this.element);
-    card.setAttribute("aria-labelledby", `${id}-title`);
+    card.setAttribute("aria-label", `Floor of ${body.engineId}`);
     this.#map = new MapCard(client, card, id);
     const video = body.video === null ? null : receiver.stream(body.video, "video");
     this.#video = video;
