@@ -7,6 +7,7 @@ from typing import Any, TypeVar, cast, overload
 from openrois.catalog.component_type import ComponentType
 from openrois.client.body_directory import Kind, code_of, urn_of
 from openrois.client.component import ComponentProxy
+from openrois.errors import OutOfResources
 
 __all__ = ["Body", "Reservation", "Wanted"]
 
@@ -64,6 +65,11 @@ class Reservation:
     bound: dict[str, str] = field(default_factory=dict)
     complete: bool = False
     error: Exception | None = None
+
+    def require_held(self) -> None:
+        """Raise `OutOfResources` where a required part was lost again while others were bound."""
+        if self.error is not None:
+            raise OutOfResources(f"a part of {self.engine_id} was lost again: {self.error}") from self.error
 
 
 class Body:

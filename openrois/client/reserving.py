@@ -151,8 +151,7 @@ class Bodies:
         try:
             await self._bind_each(reservation, body, wanted.required, required=True)
             await self._bind_each(reservation, body, wanted.optional, required=False)
-            if reservation.error is not None:
-                raise OutOfResources(f"a part of it was lost again: {reservation.error}")
+            reservation.require_held()
         except BaseException:
             self._give_back(reservation)
             raise
@@ -187,7 +186,7 @@ class Bodies:
             raise
         if reservation.error is not None:
             self._release(component_ref)
-            raise OutOfResources(f"a part of it was lost again: {reservation.error}")
+            reservation.require_held()
 
     # Giving it back.
 
