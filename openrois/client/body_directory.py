@@ -1,4 +1,4 @@
-"""Bodies in a gateway's profile: the engines that own components, and what each of them can do. Pure.
+"""Bodies in a gateway's profile: the engines that own components, and what each of them can do.
 
 RoIS 2.0 knows engines and components. A body is an engine that owns components: it lists some that no engine below it
 lists. What is reachable through it belongs to it, too. Behind the main engine stand all bodies, so that of those it has
