@@ -8,6 +8,8 @@ from openrois.client.components import Navigation, Reaction, SpeechSynthesis
 
 PLACE = "-1.0,0.5,0.0"
 """Where visitors are led: x and y in metres, and the direction in radians, on the floor of each body."""
+WAIT = 120.0
+"""Seconds that visitors wait for a body."""
 ATTEMPTS = 5
 """Bodies that may be lost while they serve one visitor."""
 
@@ -22,8 +24,8 @@ async def lead(client: Client, speech: SpeechSynthesis, navigation: Navigation, 
 async def welcome(client: Client) -> None:
     """Let one body greet with a gesture, and another one lead the way."""
     async with (
-        client.body(SpeechSynthesis, Reaction) as host,
-        client.body(SpeechSynthesis, Navigation) as guide,
+        client.body(SpeechSynthesis, Reaction, wait=WAIT) as host,
+        client.body(SpeechSynthesis, Navigation, wait=WAIT) as guide,
     ):
         speech, reaction = host[SpeechSynthesis], host[Reaction]
         gesture, *_ = await reaction.available_reactions()
@@ -37,7 +39,7 @@ async def welcome(client: Client) -> None:
 async def receive(client: Client, visitor: str) -> None:
     """Serve a visitor with a body that is free; with another one when that is lost."""
     for attempt in range(ATTEMPTS):
-        async with client.body(SpeechSynthesis, Navigation, wait=120) as body:
+        async with client.body(SpeechSynthesis, Navigation, wait=WAIT) as body:
             try:
                 await lead(client, body[SpeechSynthesis], body[Navigation], f"Good day, {visitor}. Come with me.")
             except RoISError as error:
