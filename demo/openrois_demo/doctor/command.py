@@ -85,6 +85,10 @@ async def _findings(
         yield avatar.voice()
         yield avatar.hearing()
         yield avatar.vision()
+    if not missing_modules("robot"):
+        from openrois_demo.doctor.robot import simulated_robot
+
+        yield simulated_robot()
     yield machine.browser()
     yield machine.port(port)
     yield machine.clock()

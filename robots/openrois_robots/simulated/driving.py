@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 
 from openrois_body.messages import Completed, Drive, Place, Reached, Status, Walk, Waypoint
 
-__all__ = ["Base", "BaseSettings", "Velocity"]
+__all__ = ["DriveControl", "BaseSettings", "Velocity"]
 
 HOLD: Final = 0.45
 """Seconds for which a `Drive` holds; the rest of its half second is for standing still."""
@@ -99,7 +99,7 @@ class _Path:
         return self.index + 1 == len(self.walk.path)
 
 
-class Base:
+class DriveControl:
     """The control of the base: from commands and its place to a velocity. Times never go back.
 
     Args:
@@ -129,15 +129,15 @@ class Base:
 
     def walk(self, walk: Walk, place: Place, now: float) -> None:
         """Drive along a path from a place; a former one is aborted."""
-        self.end("ABORT")
+        self.end_motion("ABORT")
         self._path = _Path(walk, _limits(place, walk, self.settings), now)
 
     def drive(self, drive: Drive, now: float) -> None:
         """Drive by hand for half a second at most; a path is aborted."""
-        self.end("ABORT")
+        self.end_motion("ABORT")
         self._drive, self._until = drive, now + HOLD
 
-    def end(self, status: Status, reason: str = "") -> None:
+    def end_motion(self, status: Status, reason: str = "") -> None:
         """Brake to a stand; a path ends so."""
         self._until = -inf
         if self._path is not None:
@@ -169,7 +169,7 @@ class Base:
         while _is_at(path, place, self._velocity):
             self.news.append(Reached(path.walk.id, path.index))
             if path.is_last:
-                self.end("OK")
+                self.end_motion("OK")
                 return
             path.index += 1
             path.least = inf
@@ -179,7 +179,7 @@ class Base:
         elif now - path.since > STUCK:
             end = path.walk.path[-1]
             away = hypot(end.x - place.x, end.y - place.y)
-            self.end("ERROR", f"stuck {away:.2f} m before the goal: something that the map does not have is in the way")
+            self.end_motion("ERROR", f"stuck {away:.2f} m before the goal: something that the map does not have is in the way")
 
     def _along(self, path: _Path, place: Place) -> Velocity:
         goal, limits = path.goal, self.settings

@@ -15,7 +15,7 @@ from openrois_streaming.clock import MediaClock
 from openrois.aio.listeners import Listeners
 from openrois_robots.simulated.battery import Battery, BatterySettings
 from openrois_robots.simulated.drawing.view import View
-from openrois_robots.simulated.driving import Base, BaseSettings
+from openrois_robots.simulated.driving import DriveControl, BaseSettings
 from openrois_robots.simulated.physics import STEP, Physics
 from openrois_robots.simulated.world.plan import Plan
 from openrois_robots.simulated.world.visitor import Visitor
@@ -76,7 +76,7 @@ class Simulation:
         self._settings = settings
         self._clock = clock
         self._on_event = on_event
-        self._base = Base(settings.base)
+        self._base = DriveControl(settings.base)
         self._physics = Physics(plan)
         self._th = plan.start.th
         self._gaze = 0.0, 0.0
@@ -124,7 +124,7 @@ class Simulation:
             case Drive() if not self.battery.is_empty:
                 self._base.drive(command, self._now)
             case Drive() | Halt():
-                self._base.end("ABORT")
+                self._base.end_motion("ABORT")
             case Look(x=x, y=y):
                 self._gaze = x, y
             case React():
@@ -135,7 +135,7 @@ class Simulation:
     def push_to_dock(self) -> None:
         """Let a person push the robot onto its charging mat, in no time."""
         self.advance()
-        self._base.end("ABORT", "the robot was pushed to its dock")
+        self._base.end_motion("ABORT", "the robot was pushed to its dock")
         self._physics.put(self.plan.mat.x, self.plan.mat.y)
         self._report_place()
         self._woken.set()
@@ -181,7 +181,7 @@ class Simulation:
         end = walk.path[-1]
         refusal = self.battery.refusal
         if refusal and (self.battery.is_empty or not self.plan.mat.holds(end.x, end.y)):
-            self._base.end("ABORT")
+            self._base.end_motion("ABORT")
             self._base.news.append(Completed(walk.id, "ERROR", refusal))
         else:
             self._base.walk(walk, self.place, self._now)
@@ -206,7 +206,7 @@ class Simulation:
     def _drain(self, seconds: float, effort: float = 0.0) -> None:
         self.battery.advance(seconds, effort, self.plan.mat.holds(*self._physics.at))
         if self.battery.is_empty:
-            self._base.end("ERROR", self.battery.refusal)
+            self._base.end_motion("ERROR", self.battery.refusal)
 
     def _tell_news(self) -> None:
         news, self._base.news = self._base.news, []

@@ -5,7 +5,7 @@ from math import cos, hypot, inf, pi, remainder, sin, tau
 
 import pytest
 from openrois_body.messages import Completed, Drive, Place, Reached, Walk, Waypoint
-from openrois_robots.simulated.driving import HOLD, STUCK, Base, BaseSettings, Velocity
+from openrois_robots.simulated.driving import HOLD, STUCK, DriveControl, BaseSettings, Velocity
 
 STEP = 1 / 60
 
@@ -14,7 +14,7 @@ STEP = 1 / 60
 class Track:
     """A base in an empty plane, or held fast."""
 
-    base: Base = field(default_factory=lambda: Base(BaseSettings()))
+    base: DriveControl = field(default_factory=lambda: DriveControl(BaseSettings()))
     place: Place = field(default_factory=lambda: Place(0.0, 0.0, 0.0))
     now: float = 100.0
     room: float = inf
@@ -77,7 +77,7 @@ def test_a_path_is_driven_to_its_end(track: Track, path: tuple[Waypoint, ...]) -
 
 
 def test_speeds_and_accelerations_are_kept(track: Track) -> None:
-    track.base = Base(BaseSettings(speed=0.6, turn=1.0, acceleration=0.8, braking=1.5, turn_acceleration=4.0))
+    track.base = DriveControl(BaseSettings(speed=0.6, turn=1.0, acceleration=0.8, braking=1.5, turn_acceleration=4.0))
     track.walk(Waypoint(2, 0), Waypoint(2, 2), Waypoint(-1, 2, 0.0))
     for before, after in zip(track.velocities, track.velocities[1:], strict=False):
         assert after.speed <= 0.6 + 1e-9
@@ -137,7 +137,7 @@ def test_what_comes_after_a_walk_aborts_it(track: Track, end: str) -> None:
     track.run(1)
     match end:
         case "halt":
-            track.base.end("ABORT")
+            track.base.end_motion("ABORT")
         case "drive":
             track.base.drive(Drive(0, 0, 0), track.now)
         case "walk":
@@ -149,7 +149,7 @@ def test_a_halt_brakes_to_a_stand(track: Track) -> None:
     track.base.walk(Walk("1", (Waypoint(5, 0),), 1.0), track.place, track.now)
     track.run(2)
     at = track.place.x
-    track.base.end("ABORT")
+    track.base.end_motion("ABORT")
     track.run(0.4)
     assert track.base.is_at_rest
     assert 0.02 < track.place.x - at < 0.2, "0.8 m/s are braked with 2.5 m/s^2 over 0.13 m"

@@ -24,7 +24,8 @@ __all__ = [
 
 CEILING: Final = 2.5
 """Metres from floor to ceiling."""
-HEAD, HIPS = 1.6, 0.86
+HEAD: Final = 1.6
+HIPS: Final = 0.86
 """Metres to the middle of a person's head, and to the joints of the legs."""
 _STEP: Final = 0.5
 _THIN: Final = 0.05
