@@ -87,6 +87,7 @@ TESTS = (
         f"tests/avatar/facades/test_{part}.py"
         for part in ("messages", "sections", "streamers", "session", "session_negotiation")
     ),
+    *(f"tests/robots/simulated/{part}" for part in ("test_battery.py", "test_driving.py", "world", "drawing")),
     "tests/media/test_health.py",
     "tests/body/motion/test_world.py",
     "tests/body/speech/test_markup.py",

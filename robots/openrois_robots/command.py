@@ -1,4 +1,4 @@
-"""`openrois robot NAME`: run the adapter of a robot until a signal stops it."""
+"""`openrois robot`: run a robot of this name until a signal stops it."""
 
 import sys
 from collections.abc import Callable, Mapping, Sequence

@@ -78,8 +78,8 @@ PROCESSES: Final = (
         ),
     ),
     Process(
-        702, 24, 230, 112, "Your adapter", ("a sub HRI engine: a robot ...",),
-        (Part(86, 40, ("components are classes",), ("openrois",)),),
+        702, 24, 230, 112, "Robots, your adapter", (),
+        (Part(64, 62, ("components are classes",), ("openrois", "openrois_robots")),),
     ),
     Process(
         702, 150, 230, 264, "Avatar adapter", ("a sub HRI engine",),

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 
 from openrois_body.messages import Completed, Drive, Place, Reached, Status, Walk, Waypoint
 
-__all__ = ["DriveControl", "BaseSettings", "Velocity"]
+__all__ = ["BaseSettings", "DriveControl", "Velocity"]
 
 HOLD: Final = 0.45
 """Seconds for which a `Drive` holds; the rest of its half second is for standing still."""
@@ -179,7 +179,9 @@ class DriveControl:
         elif now - path.since > STUCK:
             end = path.walk.path[-1]
             away = hypot(end.x - place.x, end.y - place.y)
-            self.end_motion("ERROR", f"stuck {away:.2f} m before the goal: something that the map does not have is in the way")
+            self.end_motion(
+                "ERROR", f"stuck {away:.2f} m before the goal: something that the map does not have is in the way"
+            )
 
     def _along(self, path: _Path, place: Place) -> Velocity:
         goal, limits = path.goal, self.settings

@@ -15,7 +15,7 @@ from openrois_streaming.clock import MediaClock
 from openrois.aio.listeners import Listeners
 from openrois_robots.simulated.battery import Battery, BatterySettings
 from openrois_robots.simulated.drawing.view import View
-from openrois_robots.simulated.driving import DriveControl, BaseSettings
+from openrois_robots.simulated.driving import BaseSettings, DriveControl
 from openrois_robots.simulated.physics import STEP, Physics
 from openrois_robots.simulated.world.plan import Plan
 from openrois_robots.simulated.world.visitor import Visitor

@@ -5,8 +5,9 @@ import time
 import pytest
 from openrois_body.hearing.sphinx import Sphinx
 from openrois_body.vision.cascades import CascadeFinder
-from openrois_demo.doctor import avatar, libraries, machine
+from openrois_demo.doctor import avatar, libraries, machine, robot
 from openrois_demo.doctor.finding import Level
+from openrois_robots.simulated.drawing import renderer
 from openrois_streaming.aiortc_internals import trial
 from openrois_streaming.codecs import OPUS, VP8
 
@@ -63,3 +64,17 @@ def test_a_renderer_a_voice_and_a_browser_are_looked_for(monkeypatch: pytest.Mon
     assert machine.browser().level is avatar.voice().level is Level.OK
     monkeypatch.setattr(avatar, "choose_game_engine", lambda wanted: ("puppet", "install panda3d"))
     assert avatar.game_engine().level is Level.WARN
+
+
+def test_the_simulated_robot(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = robot.simulated_robot()
+    assert found.level is Level.OK, found
+    assert found.detail.startswith("Panda3D draws 640x360, in ")
+
+    def cannot(*_: object) -> None:
+        raise RuntimeError("Panda3D has no graphics pipe here")
+
+    monkeypatch.setattr(renderer, "Renderer", cannot)
+    found = robot.simulated_robot()
+    assert (found.level, found.detail) == (Level.WARN, "Panda3D has no graphics pipe here")
+    assert "libx11-6" in found.advice

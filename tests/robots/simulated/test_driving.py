@@ -5,7 +5,7 @@ from math import cos, hypot, inf, pi, remainder, sin, tau
 
 import pytest
 from openrois_body.messages import Completed, Drive, Place, Reached, Walk, Waypoint
-from openrois_robots.simulated.driving import HOLD, STUCK, DriveControl, BaseSettings, Velocity
+from openrois_robots.simulated.driving import HOLD, STUCK, BaseSettings, DriveControl, Velocity
 
 STEP = 1 / 60
 

@@ -142,7 +142,7 @@ def furniture_mesh(piece: Furniture) -> Mesh:
             )
             shade = tube([(1.3, 0.2, 0), (1.7, 0.13, 0)], piece.colour)
             return Mesh.joined([foot, pole, shade]).turned(0, piece.x, piece.y)
-        case "box":
+        case _:
             return Mesh.joined(
                 [
                     box((x, y, 0), (right, top, piece.height - _THIN), piece.colour),

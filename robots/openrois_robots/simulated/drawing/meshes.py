@@ -54,12 +54,11 @@ class Mesh:
         return Mesh(vertices, self.colours, self.places, self.faces)
 
 
-def lit(vertices: Floats, normals: Floats, colour: Colour, room_light: bool = True) -> Floats:
+def lit(vertices: Floats, normals: Floats, colour: Colour) -> Floats:
     """Return the colours of vertices of a surface in the light of the rooms."""
     towards = np.clip(normals @ _SUN, 0.0, 1.0)
     light = _AMBIENT + (1 - _AMBIENT) * towards
-    if room_light:
-        light = light * (_LOW + (1 - _LOW) * np.clip(vertices[:, 2] / _HIGH, 0.0, 1.0))
+    light = light * (_LOW + (1 - _LOW) * np.clip(vertices[:, 2] / _HIGH, 0.0, 1.0))
     return np.asarray(np.clip(light[:, None] * np.asarray(colour, np.float32), 0.0, 1.0), np.float32)
 
 
