@@ -2,7 +2,11 @@
 
 import dataclasses
 import re
+import textwrap
+from math import dist
 from pathlib import Path
+from typing import Any
+from unittest.mock import patch
 
 import pytest
 from openrois_body.motion.wayfinding import BODY
@@ -14,8 +18,12 @@ from openrois_robots.simulated.driving import BaseSettings
 from openrois_robots.simulated.world import visitor
 from openrois_robots.simulated.world.plan import APARTMENT
 
+from openrois.client.components import Navigation, SpeechSynthesis
+from openrois.errors import RoISError
+from tests.support.simulated_robot import scripted_synthesizer, staged
+
 DOCS = Path(__file__).parents[2] / "docs"
-TABLES = {"base": BaseSettings, "battery": BatterySettings}
+TABLES: dict[str, type[BaseSettings] | type[BatterySettings]] = {"base": BaseSettings, "battery": BatterySettings}
 
 
 def text_of(page: str) -> str:
@@ -73,3 +81,49 @@ def test_the_guide_has_the_figures_of_the_code() -> None:
     for name in ("reader", "cook", "clerk", "dock"):
         assert name in {thing.name for thing in APARTMENT.things}
         assert f"`{name}`" in guide
+
+
+def example() -> str:
+    """Return the body of the guide's program, in which a client is connected."""
+    page = (DOCS / "how-to/simulated-robot.md").read_text(encoding="utf-8")
+    program = re.search(r"```python\n(.*?)```", page, re.DOTALL)
+    assert program is not None
+    _, _, body = program[1].partition(" as client:\n")
+    return textwrap.dedent(body)
+
+
+async def test_the_program_of_the_guide_does_what_it_says() -> None:
+    program = f"async def run(client):\n{textwrap.indent(example(), '    ')}"
+    names: dict[str, Any] = {"Navigation": Navigation, "SpeechSynthesis": SpeechSynthesis}
+    exec(program, names)
+    with patch("openrois_robots.simulated.adapter.Synthesizer", scripted_synthesizer):
+        async with staged() as stage:
+            await stage.until(names["run"](stage.client))
+            reader = APARTMENT.persons[0].place
+            assert dist((stage.place.x, stage.place.y), (reader.x, reader.y)) < 0.85
+
+
+def refusals() -> list[tuple[str, str]]:
+    """Return the targets of the guide's table, and what is said of each."""
+    page = (DOCS / "how-to/simulated-robot.md").read_text(encoding="utf-8")
+    return re.findall(r'^\| `"([^"]+)"` \| `([^`]+)`', page, re.MULTILINE)
+
+
+def without_distance(text: str) -> str:
+    """Return a sentence without how far it was: another processor may round otherwise."""
+    return re.sub(r"stuck \d\.\d\d m", "stuck", text)
+
+
+@pytest.mark.parametrize(("target", "said"), refusals())
+async def test_the_refusals_of_the_guide_are_the_robots(target: str, said: str) -> None:
+    async with staged() as stage:
+        navigation = await stage.client.find(Navigation)
+
+        async def go() -> None:
+            await navigation.set(target_positions=[target])
+            await stage.client.run(navigation.start())
+
+        async with navigation.bound():
+            with pytest.raises(RoISError) as raised:
+                await stage.until(go())
+    assert without_distance(said).removesuffix(", ...") in without_distance(str(raised.value))

@@ -13,12 +13,14 @@ from openrois_robots.simulated.adapter import Robot, simulated_robot
 from openrois_robots.simulated.battery import BatterySettings
 from openrois_robots.simulated.simulation import Simulation, SimulationSettings
 from openrois_robots.simulated.world.plan import APARTMENT, Plan
+from openrois_streaming.clock import MediaClock
 
 from openrois.client import Client
 from openrois.testing import harness
 from tests.support.streaming import VirtualClock, settle
+from tests.support.voice import ScriptedSynthesizer
 
-__all__ = ["Rooms", "Stage", "at", "staged"]
+__all__ = ["Rooms", "Stage", "at", "scripted_synthesizer", "staged"]
 
 TURN = 0.1
 """Seconds of the clock at a time."""
@@ -96,6 +98,12 @@ class Stage:
             await self.run(TURN)
         done.cancel()
         raise TimeoutError(f"not done within {seconds} s, with the robot at {self.place}")
+
+
+@asynccontextmanager
+async def scripted_synthesizer(_clock: MediaClock) -> AsyncIterator[ScriptedSynthesizer]:
+    """Stand in for the speech process of a robot."""
+    yield ScriptedSynthesizer()
 
 
 @asynccontextmanager

@@ -26,7 +26,8 @@ _FACING: Final = 0.03
 """Radians from a direction at which it is reached; where the path goes on, `_TURNING`."""
 _TURNING: Final = 0.15
 _ASIDE: Final = 0.5
-"""Metres before a waypoint with a direction at which the base begins to turn that way."""
+"""Metres before a waypoint with a direction at which the base begins to turn that way, and radians of that turn that
+may be left when it goes on."""
 _ROOM: Final = 0.06
 """Metres that are kept to what is ahead."""
 _EAGERNESS: Final = 4.0
@@ -191,12 +192,14 @@ class DriveControl:
         if away <= nearly / 2:
             return Velocity(0.0, 0.0, 0.0 if goal.th is None else self._turn_to(goal.th, place))
         if goal.th is not None and away < _ASIDE:
+            # It turns before it goes sideways or backwards.
             facing, share = goal.th, 1.0 if abs(remainder(goal.th - place.th, tau)) < _ASIDE else 0.0
+        elif away < _PASSING:
+            # Turning towards a point that is as near as this would take it around the point.
+            facing, share = place.th, 1.0
         else:
             facing = atan2(dy, dx)
             share = max(0.0, cos(remainder(facing - place.th, tau))) ** 3
-            # What is as near as this is gone to sideways: turning towards it would take it around the point.
-            facing, share = (place.th, 1.0) if away < _PASSING else (facing, share)
         limit = sqrt(path.limits[path.index] ** 2 + limits.acceleration * max(0.0, away - nearly / 2)) + 0.02
         speed = share * min(path.walk.speed, limits.speed, limit)
         return Velocity(dx / away * speed, dy / away * speed, self._turn_to(facing, place))

@@ -1,26 +1,19 @@
 """The simulated robot's components keep the contract of every component."""
 
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
-from contextlib import asynccontextmanager
+from collections.abc import Awaitable, Callable, Mapping
 from typing import ClassVar
 from unittest.mock import patch
 
 from openrois_robots.simulated.adapter import simulated_robot
 from openrois_robots.simulated.simulation import SimulationSettings
-from openrois_streaming.clock import MediaClock
 
 from openrois.component.component import Component
 from openrois.contract import Client
 from openrois.testing import ComponentContract
 from openrois.testing.subject import LocalSubject
 from openrois.types.streams import HolderNotification
+from tests.support.simulated_robot import scripted_synthesizer
 from tests.support.streaming import VirtualClock
-from tests.support.voice import ScriptedSynthesizer
-
-
-@asynccontextmanager
-async def scripted(_clock: MediaClock) -> AsyncIterator[ScriptedSynthesizer]:
-    yield ScriptedSynthesizer()
 
 
 class _OfTheRobot(ComponentContract):
@@ -30,7 +23,7 @@ class _OfTheRobot(ComponentContract):
     name: ClassVar[str]
 
     async def try_rule(self, rule: Callable[[LocalSubject], Awaitable[None]]) -> None:
-        with patch("openrois_robots.simulated.adapter.Synthesizer", scripted):
+        with patch("openrois_robots.simulated.adapter.Synthesizer", scripted_synthesizer):
             async with simulated_robot("robot", SimulationSettings(), VirtualClock()) as self._robot:
                 told = HolderNotification(component_ref="robot/teleoperation", holds=True, epoch=1)
                 self._robot.operator_control.apply_holder(told, Client("1", lambda _method, _params: None))
