@@ -22,8 +22,8 @@ from tests.support.simulated_robot import at
 
 pytestmark = pytest.mark.media
 
-BEFORE_READER = at(-2.28, 0.29, 0.94)
-"""Two metres before the reader, whom it looks in the face."""
+BEFORE_CLERK = at(0.99, -1.17, -0.54)
+"""Two metres before the clerk, who is alone in the picture."""
 
 
 @dataclass
@@ -94,7 +94,7 @@ async def test_its_voice_is_heard() -> None:
 
 
 async def test_it_tells_of_persons_that_its_camera_sees_while_that_is_asked_for() -> None:
-    async with house(BEFORE_READER) as home, Client(home.url) as client:
+    async with house(BEFORE_CLERK) as home, Client(home.url) as client:
         detection, localization = await client.find(PersonDetection), await client.find(PersonLocalization)
         async with asyncio.timeout(60):
             async with detection.person_detected() as detected, localization.person_localized() as localized:

@@ -7,7 +7,7 @@ import numpy as np
 from openrois_body.messages import Point
 
 from openrois_robots.simulated.drawing.meshes import Mesh, ball, box, disc, plane, tube
-from openrois_robots.simulated.world.plan import Furniture, Mat, Person, Plan, Room, Wall
+from openrois_robots.simulated.world.plan import Furniture, Mat, Person, Plan, Room, Wall, Window
 
 __all__ = [
     "CEILING",
@@ -20,6 +20,7 @@ __all__ = [
     "person_head",
     "person_leg",
     "walls_mesh",
+    "window_mesh",
 ]
 
 CEILING: Final = 2.5
@@ -31,6 +32,12 @@ _STEP: Final = 0.5
 _THIN: Final = 0.05
 _SHELVES: Final = 5
 _SKIRTING: Final = 0.08
+_SILL, _TALL = 0.95, 1.15
+"""Metres of a window's lower edge above the floor, and its height."""
+_BAR: Final = 0.03
+_HORIZON: Final = 0.3
+"""Share of a window's height over which the sky is seen."""
+_FRAME: Final = (0.96, 0.96, 0.95)
 
 
 def floor_mesh(room: Room) -> Mesh:
@@ -89,8 +96,26 @@ def _side(plan: Plan, start: Point, end: Point) -> Iterator[Mesh]:
         (0.8, 0.8, 0.8),
     )
     # Seen from inside the end is on the left: the front of a plane is where `along` turns to `up`.
-    yield plane((end[0], end[1], _SKIRTING), (-along, -across, 0), (0, 0, CEILING - _SKIRTING), colour, _STEP)
+    mesh = plane((end[0], end[1], _SKIRTING), (-along, -across, 0), (0, 0, CEILING - _SKIRTING), colour, _STEP)
+    # A wall is lighter in its middle, and towards the ceiling, where the light is.
+    light = 0.9 + 0.12 * np.sin(np.pi * mesh.places[:, 0]) + 0.08 * mesh.places[:, 1]
+    colours = np.clip(mesh.colours * light[:, None], 0, 1).astype(np.float32)
+    yield Mesh(mesh.vertices, colours, mesh.places, mesh.faces)
     yield plane((end[0], end[1], 0), (-along, -across, 0), (0, 0, _SKIRTING), (0.95, 0.94, 0.92), 1.0)
+
+
+def window_mesh(window: Window) -> Mesh:
+    """Return a window with its frame: the sky above, and something green below it."""
+    low, high, half = _SILL, _SILL + _TALL, window.width / 2
+    pane = plane((_THIN / 2, -half, low), (0, window.width, 0), (0, 0, _TALL), (1.0, 1.0, 1.0), 0.25)
+    share = pane.places[:, 1:2]
+    sky = np.where(share > _HORIZON, (0.66, 0.82, 0.97) + (1 - share) * 0.25, (0.5, 0.62, 0.42) + share * 0.3)
+    panes = Mesh(pane.vertices, np.clip(sky, 0, 1).astype(np.float32), pane.places, pane.faces)
+    bars = [box((0.0, y - _BAR, low - _BAR), (_THIN, y + _BAR, high + _BAR), _FRAME) for y in (-half, 0.0, half)] + [
+        box((0.0, -half, z - _BAR), (_THIN, half, z + _BAR), _FRAME, 2.0) for z in (low, high)
+    ]
+    sill = box((0.0, -half - 0.1, low - 2 * _BAR), (0.18, half + 0.1, low - _BAR), _FRAME, 2.0)
+    return Mesh.joined([panes, *bars, sill]).turned(window.th, window.x, window.y)
 
 
 def mat_mesh(mat: Mat) -> Mesh:

@@ -94,6 +94,8 @@ class Renderer:
             floor = add_mesh("floor", self._root, furnishing.floor_mesh(room))
             floor.set_texture(boards if room.boards else tiles)
         add_mesh("walls", self._root, furnishing.walls_mesh(plan))
+        for window in plan.windows:
+            add_mesh("window", self._root, furnishing.window_mesh(window))
         add_mesh("mat", self._root, furnishing.mat_mesh(plan.mat))
         for piece in plan.furniture:
             add_mesh(piece.name, self._root, furnishing.furniture_mesh(piece))

@@ -7,7 +7,7 @@ from typing import Final, Literal, TypeAlias
 
 from openrois_body.messages import Floor, Place, Point, Thing
 
-__all__ = ["APARTMENT", "PERSON_RADIUS", "Furniture", "Look", "Mat", "Person", "Plan", "Room", "Wall"]
+__all__ = ["APARTMENT", "PERSON_RADIUS", "Furniture", "Look", "Mat", "Person", "Plan", "Room", "Wall", "Window"]
 
 Colour: TypeAlias = tuple[float, float, float]
 Look: TypeAlias = Literal["box", "table", "sofa", "shelf", "plant", "lamp"]
@@ -96,6 +96,23 @@ class Mat:
 
 
 @dataclass(frozen=True, slots=True)
+class Window:
+    """A window in an outer wall.
+
+    Attributes:
+        x: of its middle, on the wall.
+        y: of its middle.
+        th: where it looks into the room, in radians.
+        width: in metres.
+    """
+
+    x: float
+    y: float
+    th: float
+    width: float
+
+
+@dataclass(frozen=True, slots=True)
 class Room:
     """A rectangle of the floor, with the colours of its floor and of its walls."""
 
@@ -120,6 +137,7 @@ class Plan:
         persons: who stand there.
         mat: where the robot charges.
         rooms: how the floor is drawn.
+        windows: in the outer walls.
         visitor: how the person looks who may walk about; its place is where the person begins.
         start: where the robot begins.
         round: the points between which a walking visitor goes, again and again.
@@ -134,6 +152,7 @@ class Plan:
     persons: tuple[Person, ...]
     mat: Mat
     rooms: tuple[Room, ...]
+    windows: tuple[Window, ...]
     visitor: Person
     start: Place
     round: tuple[Point, ...]
@@ -212,6 +231,14 @@ APARTMENT: Final = Plan(
         Room(-5.0, -3.5, 0.0, 3.5, (0.74, 0.58, 0.42), (0.86, 0.83, 0.74), boards=True),
         Room(0.0, 0.2, 5.0, 3.5, (0.82, 0.82, 0.8), (0.72, 0.82, 0.8), boards=False),
         Room(0.0, -3.5, 5.0, 0.2, (0.55, 0.6, 0.66), (0.8, 0.76, 0.84), boards=False),
+    ),
+    windows=(
+        Window(-5.0, -0.9, 0.0, 1.5),
+        Window(-3.2, -3.5, pi / 2, 1.4),
+        Window(-1.0, -3.5, pi / 2, 1.4),
+        Window(5.0, 1.6, pi, 1.5),
+        Window(5.0, -1.4, pi, 1.6),
+        Window(3.2, -3.5, pi / 2, 1.4),
     ),
     visitor=Person(
         "visitor", Place(-2.0, -0.6, 0.0), (0.9, 0.7, 0.2), (0.18, 0.28, 0.4), (0.36, 0.2, 0.1), (0.93, 0.76, 0.64)

@@ -9,9 +9,11 @@ import pytest
 from openrois_body.teleoperation.pilot import PATIENCE
 from openrois_robots.simulated.world.plan import APARTMENT
 
+from openrois.client import Fault
 from openrois.client.components import Follow, Move, Navigation, SystemInformation
 from openrois.contract import Client as Application
 from openrois.errors import Aborted, BadParameter, ComponentFailed
+from openrois.types.codes import ErrorType
 from openrois.types.streams import HolderNotification
 from tests.support.simulated_robot import Stage, at, staged
 from tests.support.streaming import settle
@@ -119,6 +121,16 @@ class TestBattery:
             await stage.run(90)
             assert (await information.engine_status()).status.value == "READY"
             await navigate(stage, "-3.0,-1.0")
+
+    async def test_an_application_that_holds_it_is_told_when_the_battery_is_used_up(self) -> None:
+        async with staged(at(-1.6, -1.6), charge=0.01, low=0.0, standing=5, driving=5) as stage:
+            navigation = await stage.client.find(Navigation)
+            async with navigation.bound(), stage.client.notices(Fault) as faults:
+                await navigation.set(target_positions=["-1.6,2.6"])
+                with pytest.raises(ComponentFailed, match="the battery is empty"):
+                    await stage.until(stage.client.run(navigation.start()))
+                fault = await stage.until(anext(aiter(faults)))
+                assert fault.error_type is ErrorType.COMPONENT_INTERNAL_ERROR
 
 
 class TestFollow:
