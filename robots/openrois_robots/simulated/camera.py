@@ -22,6 +22,8 @@ FRAME_RATE: Final = 30.0
 """Pictures a second."""
 SIZE: Final = 640, 360
 """Width and height of the pictures, in pixels."""
+_CLOSE_TIMEOUT: Final = 5.0
+"""Seconds that the renderer may take to close."""
 
 
 class RobotCamera:
@@ -49,9 +51,10 @@ class RobotCamera:
         return self
 
     async def __aexit__(self, *_error: object) -> None:
-        # The last reader has left by now; what draws still, ends with its picture.
-        await asyncio.get_running_loop().run_in_executor(self._thread, self._close)
-        self._thread.shutdown(wait=False)
+        # The last reader has left by now; a picture that is still drawn comes first.
+        closing = asyncio.get_running_loop().run_in_executor(self._thread, self._close)
+        await asyncio.wait({closing}, timeout=_CLOSE_TIMEOUT)
+        self._thread.shutdown(wait=False, cancel_futures=True)
 
     @property
     def is_open(self) -> bool:
@@ -76,10 +79,9 @@ class RobotCamera:
         while True:
             await self._clock.sleep_until(due)
             view, moment = self._look(), self._clock.now()
-            # A thread that is asked to stop in the middle of a picture would leave Panda3D in an unknown state.
-            pixels = await asyncio.shield(loop.run_in_executor(self._thread, self._picture, view))
-            yield RawVideo(pixels, "bgra", width, height, self._sequence, moment)
+            pixels = await loop.run_in_executor(self._thread, self._picture, view)
             self._sequence += 1
+            yield RawVideo(pixels, "bgra", width, height, self._sequence, moment)
             due = max(due + 1 / FRAME_RATE, self._clock.now() - 1 / FRAME_RATE)
 
     def _picture(self, view: View) -> NDArray[np.uint8]:
