@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 from typing import Final
 
+from tools.pages.bodies import bodies
 from tools.pages.commands import commands
 from tools.pages.configuration import gateway_settings
 from tools.pages.figures import adapter_figures, gateway_figures
@@ -17,6 +18,7 @@ ROOT: Final = Path(__file__).parents[2]
 
 PARTS: Final[dict[str, Part]] = {
     "adapter-figures": adapter_figures,
+    "bodies": bodies,
     "commands": commands,
     "gateway-figures": gateway_figures,
     "gateway-settings": gateway_settings,
