@@ -17,7 +17,7 @@ async def main(seconds: str = "5", url: str = "ws://127.0.0.1:8765/") -> None:
         camera, microphone = await client.find(VideoStreaming), await client.find(AudioStreaming)
         async with media.frames(camera, "i420") as frames, media.blocks(microphone) as blocks:
             for _ in range(int(seconds)):
-                loudest = max([np.abs((await anext(blocks)).samples).max() for _ in range(100)])
+                loudest = max([np.abs((await anext(blocks)).samples).max() for _ in range(50)])
                 frame = await anext(frames)
                 brightness = frame.data[: frame.height].mean() / 255
                 age = time.monotonic() - frame.local_time

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from openrois_signaling.messages import MediaKind
 from openrois_streaming.clock import MediaClock, SystemClock
+from openrois_streaming.receive.decoded import DecodedPicture
 from openrois_streaming.recording.jpeg import jpeg_of
-from openrois_streaming.source.av_frames import FrameFormat, pixels_of
+from openrois_streaming.source.av_frames import FrameFormat
 from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
 
 from openrois.aio.tasks import TaskScope
@@ -156,7 +157,7 @@ class Media:
         """
         if format not in ("i420", "rgb24", "bgr24"):
             raise ValueError(f"{format!r} is not a format of pictures: use i420, rgb24 or bgr24")
-        async with self._reading(camera, "video", 1, lambda raw: frame_of(raw, format), timeout) as reader:
+        async with self._reading(camera, "video", 1, lambda picture: frame_of(picture, format), timeout) as reader:
             yield reader
 
     @asynccontextmanager
@@ -214,15 +215,15 @@ class Media:
         async with self._reading(camera, "video", 1, _as_it_is, timeout) as reader:
             try:
                 async with asyncio.timeout(max(deadline - self._clock.now(), 0.0)):
-                    raw: RawVideo = await anext(reader)
-                    while self._clock.now() - raw.captured_at > SNAPSHOT_AGE:
-                        raw = await anext(reader)
+                    picture: DecodedPicture = await anext(reader)
+                    while self._clock.now() - picture.captured_at > SNAPSHOT_AGE:
+                        picture = await anext(reader)
             except TimeoutError:
                 told = reader.problem or f"its stream is {_said(reader.status)}"
                 raise TimeoutError(f"{reader.component_ref} gave no picture within {timeout:g} s: {told}") from None
             except StopAsyncIteration:
                 raise TimeoutError(f"{reader.component_ref} gave no picture: the client is closed") from None
-        return jpeg_of(raw) if format == "jpeg" else np.array(pixels_of(raw, format))
+        return jpeg_of(picture.raw()) if format == "jpeg" else picture.pixels(format).copy()
 
     @asynccontextmanager
     async def send(
@@ -283,7 +284,7 @@ class Media:
         component_ref = await self._require_kind(component, kind)
         shared = self._share(component_ref, kind)
         try:
-            async with shared.stream.fanout.subscribe(waiting) as subscription:
+            async with shared.stream.subscribe(waiting) as subscription:
                 reader = StreamReader(shared.stream, subscription, convert, self._clock, shared.follow)
                 shared.readers.append(reader)
                 try:
@@ -367,8 +368,8 @@ async def _takes(component: ComponentProxy) -> bool:
     return "sendonly" in directions
 
 
-def _as_it_is(raw: Any) -> Any:
-    return raw
+def _as_it_is(picture: Any) -> Any:
+    return picture
 
 
 def _said(status: StreamStatus | None) -> str:

@@ -7,9 +7,10 @@ from typing import Any, Final, Generic, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.source.av_frames import FrameFormat, pixels_of
+from openrois_streaming.receive.decoded import DecodedPicture
+from openrois_streaming.source.av_frames import FrameFormat
 from openrois_streaming.source.fanout import SourceEnded, Subscription
-from openrois_streaming.source.source import RawAudio, RawVideo
+from openrois_streaming.source.source import ReceivedAudio
 
 from openrois.types.codes import StreamStatus
 from openrois_media.client.stream import ReceivedStream
@@ -48,7 +49,7 @@ class Frame:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Block:
-    """A block of sound, 10 ms long at most.
+    """A block of sound, 20 ms long at most.
 
     Attributes:
         samples: int16 of the shape (n, 2), 48 kHz, stereo.
@@ -63,17 +64,16 @@ class Block:
     sample_rate: Final = 48_000
 
 
-def frame_of(raw: RawVideo, pixel_format: FrameFormat) -> Frame:
+def frame_of(picture: DecodedPicture, pixel_format: FrameFormat) -> Frame:
     """Return a picture in a pixel format."""
-    pixels = pixels_of(raw, pixel_format)
-    reported: float | None = getattr(raw, "reported_at", None)
-    return Frame(pixels, pixel_format, raw.width, raw.height, reported, raw.captured_at)
+    pixels = picture.pixels(pixel_format)
+    size = picture.width, picture.height
+    return Frame(pixels, pixel_format, *size, picture.reported_at, picture.captured_at)
 
 
-def block_of(raw: RawAudio) -> Block:
+def block_of(block: ReceivedAudio) -> Block:
     """Return a block of sound."""
-    reported: float | None = getattr(raw, "reported_at", None)
-    return Block(raw.samples, reported, raw.captured_at)
+    return Block(block.samples, block.reported_at, block.captured_at)
 
 
 class StreamReader(Generic[T]):
@@ -143,10 +143,10 @@ class StreamReader(Generic[T]):
     async def __anext__(self) -> T:
         while True:
             try:
-                raw: RawVideo | RawAudio = await self._subscription.get()
+                item: DecodedPicture | ReceivedAudio = await self._subscription.get()
             except SourceEnded as end:
                 if end.__cause__ is not None:
                     raise end.__cause__ from None
                 raise StopAsyncIteration from None
-            if self.desire is Desire.RUNNING and raw.captured_at >= self._since:
-                return self._convert(raw)
+            if self.desire is Desire.RUNNING and item.captured_at >= self._since:
+                return self._convert(item)

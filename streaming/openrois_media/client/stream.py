@@ -7,7 +7,7 @@ from typing import Any, Final, Protocol
 
 from openrois_signaling.messages import Direction, MediaKind
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.source.fanout import Fanout
+from openrois_streaming.source.fanout import Subscription
 from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.viewing.switched_source import SwitchedSource
 
@@ -19,8 +19,8 @@ from openrois_media.client.stream_state import Desire, Failure, Problem, StreamS
 
 __all__ = ["AUDIO_BLOCKS", "ClientStream", "News", "ReceivedStream", "SentStream", "StreamOperations"]
 
-AUDIO_BLOCKS: Final = 100
-"""Blocks of sound, 10 ms each, that wait for a slow reader; the oldest makes room for the newest."""
+AUDIO_BLOCKS: Final = 50
+"""Blocks of sound, 20 ms each, that wait for a slow reader; the oldest makes room for the newest."""
 
 _log = logging.getLogger(__name__)
 
@@ -217,18 +217,16 @@ def _failure_of(error: Exception) -> Failure:
 
 
 class ReceivedStream(ClientStream):
-    """A stream that the application receives, shared by its readers: one decoder for all.
-
-    Attributes:
-        fanout: its frames, decoded while there is a reader.
-    """
+    """A stream that the application receives, shared by its readers: one decoder for all."""
 
     def __init__(self, component_ref: str, kind: MediaKind, operations: StreamOperations, clock: MediaClock) -> None:
         super().__init__(component_ref, kind, "recvonly", operations, clock)
-        depth = 1 if kind == "video" else AUDIO_BLOCKS
-        self._source = SwitchedSource[Any](component_ref, depth, self._switched)
-        self.fanout: Fanout[Any] = Fanout(self._source, name=component_ref)
+        self._source = SwitchedSource[Any](component_ref, self._switched)
         self._reports = PlayoutReports()
+
+    def subscribe(self, waiting: int) -> Subscription[Any]:
+        """Return a subscription to its frames, which are decoded while there is one; so many wait at most."""
+        return self._source.subscribe(waiting)
 
     def playout_due(self) -> float | None:
         """Return the playout delay to be reported to the engine, in seconds; None for none."""

@@ -187,7 +187,8 @@ class IceAgent:
         self.admission = Admission(ingress.total)
         self._gather = gather
         self._name = f"{connection.local_username}:".encode()
-        transport._recv = TurnTaking(ingress.turns, connection.recv).receive
+        if ingress.takes_turns:
+            transport._recv = TurnTaking(ingress.turns, connection.recv).receive
         self._replies = Allowance(time.monotonic, REPLIES_AT_ONCE, REPLIES_PER_SECOND)
         self.checks = Checks(connection, self._admit, _reject)
         self._aioice_check_state = connection.check_state

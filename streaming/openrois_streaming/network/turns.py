@@ -142,8 +142,17 @@ class Ingress:
     Args:
         settings: limits on what is admitted.
         clock: monotonic seconds.
+        takes_turns: whether media is read in turns, beside others that need the event loop; an application reads its
+            own at once, which costs less.
     """
 
-    def __init__(self, settings: AdmissionSettings | None = None, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        settings: AdmissionSettings | None = None,
+        clock: Callable[[], float] = time.monotonic,
+        *,
+        takes_turns: bool = True,
+    ) -> None:
         self.total = TotalAdmission(settings or AdmissionSettings(), clock)
         self.turns = Turns(clock)
+        self.takes_turns = takes_turns

@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import random
+from collections.abc import Callable
 from typing import Any
 
 from aiortc import RTCRtpTransceiver
@@ -18,12 +19,17 @@ from openrois_streaming.clock import MediaClock
 from openrois_streaming.receive import feedback
 from openrois_streaming.receive.assembly import Request
 from openrois_streaming.receive.inbound import Arrived, Inbound, Negotiated, SenderReport
-from openrois_streaming.receive.lane import DECODABLE, AudioLane, Lane, VideoLane
+from openrois_streaming.receive.lane import DECODABLE, AudioLane, Captured, Lane, VideoLane
 from openrois_streaming.receive.limit import BitrateLimit
 from openrois_streaming.receive.remote_time import RemoteClock
+from openrois_streaming.receive.source_audio import AudioSource
+from openrois_streaming.receive.source_video import MakePicture, raw_picture
 from openrois_streaming.source.source import MediaSource
 from openrois_streaming.stats import ReceiverFigures
 from openrois_streaming.tasks import OwnedTasks
+
+MakeAudioSource = Callable[[MediaClock, Captured], AudioSource]
+"""Makes the source of a section's sound."""
 
 REPORT_INTERVAL = 0.75
 """Seconds between two receiver reports, on average."""
@@ -38,10 +44,18 @@ class RtpReceiver:
     decoded only while it is open. It ends when the peer connection does. `frames` are the whole frames that arrived,
     decoded or not, and `last_frame_at` is when the newest of them did, on `clock`.
 
-    Receivers of one peer connection share `remote`, so that their capture times agree.
+    Receivers of one peer connection share `remote`, so that their capture times agree. `make_audio` makes
+    the source of sound, `make_picture` what a reader gets of a picture.
     """
 
-    def __init__(self, transceiver: RTCRtpTransceiver, clock: MediaClock, remote: RemoteClock | None = None) -> None:
+    def __init__(
+        self,
+        transceiver: RTCRtpTransceiver,
+        clock: MediaClock,
+        remote: RemoteClock | None = None,
+        make_audio: MakeAudioSource = AudioSource,
+        make_picture: MakePicture[Any] = raw_picture,
+    ) -> None:
         self.frames = 0
         self.last_frame_at: float | None = None
         self._kind: str = transceiver.kind
@@ -57,10 +71,10 @@ class RtpReceiver:
         self._lane: Lane
         self.source: MediaSource[Any]
         if self._kind == "video":
-            video = VideoLane(self._inbound.captured, self._wake_from_anywhere)
+            video = VideoLane(self._inbound.captured, self._wake_from_anywhere, make_picture)
             self._lane, self.source = video, video.source
         else:
-            audio = AudioLane(clock, self._inbound.captured)
+            audio = AudioLane(make_audio(clock, self._inbound.captured))
             self._lane, self.source = audio, audio.source
         self._estimate = BitrateEstimate()
         self._limit = BitrateLimit()

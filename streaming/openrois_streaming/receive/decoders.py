@@ -36,14 +36,14 @@ class VideoDecoder:
         self._name = DECODERS[mime_type]
         self._context = self._open()
 
-    def decode(self, data: bytes) -> list[NDArray[np.uint8]]:
-        """Decode `data` into no picture or one, in I420 as in `RawVideo`; an odd row or column is left out.
+    def decode(self, data: bytes) -> list[av.VideoFrame]:
+        """Decode `data` into no picture or one, in I420 of limited range; an odd row or column is left out.
 
         Raises:
             UndecodablePicture: it cannot be decoded; the decoder restarts.
         """
         try:
-            return [planes_of(frame) for frame in self._context.decode(av.Packet(data))]
+            return [usual(frame) for frame in self._context.decode(av.Packet(data))]
         except (av.FFmpegError, ValueError, MemoryError) as error:
             self._context = self._open()
             raise UndecodablePicture(str(error)) from error
@@ -56,14 +56,19 @@ class VideoDecoder:
         return context
 
 
-def planes_of(frame: av.VideoFrame) -> NDArray[np.uint8]:
-    """Copy the pixels of a decoded picture: uint8 of shape (height * 3 / 2, width), limited range."""
+def usual(frame: av.VideoFrame) -> av.VideoFrame:
+    """Return a decoded picture in I420 of limited range, width and height even: mostly the frame itself."""
     width, height = frame.width & ~1, frame.height & ~1
     full_range = frame.format.name == _FULL_RANGE or frame.color_range == ColorRange.JPEG
     if (width, height) != (frame.width, frame.height) or full_range or frame.format.name != _I420:
         source = ColorRange.JPEG if full_range else ColorRange.MPEG
-        frame = frame.reformat(width, height, _I420, src_color_range=source, dst_color_range=ColorRange.MPEG)
-    return cast("NDArray[np.uint8]", frame.to_ndarray())
+        return frame.reformat(width, height, _I420, src_color_range=source, dst_color_range=ColorRange.MPEG)
+    return frame
+
+
+def planes_of(frame: av.VideoFrame) -> NDArray[np.uint8]:
+    """Copy the pixels of a decoded picture: uint8 of shape (height * 3 / 2, width), limited range."""
+    return cast("NDArray[np.uint8]", usual(frame).to_ndarray())
 
 
 # An empty frame of 10 ms (RFC 6716 section 3.1) makes the decoder conceal a loss.
@@ -103,7 +108,8 @@ class OpusDecoder:
             raise UndecodableSound(str(error)) from error
         if not decoded:
             raise UndecodableSound("a packet without sound")
-        return np.concatenate(decoded, axis=1, dtype=np.int16).reshape(-1, 2)
+        whole = decoded[0] if len(decoded) == 1 else np.concatenate(decoded, axis=1)
+        return whole.astype(np.int16, copy=False).reshape(-1, 2)
 
     def _open(self) -> AudioCodecContext:
         context = cast(AudioCodecContext, av.CodecContext.create(LIBRARIES[OPUS], "r"))

@@ -2,9 +2,8 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
-from openrois_streaming.clock import MediaClock
 from openrois_streaming.codecs import H264, OPUS, VP8
 from openrois_streaming.receive.assembly import Picture, Request, VideoAssembly, VideoPacket
 from openrois_streaming.receive.inbound import MediaPacket
@@ -12,7 +11,7 @@ from openrois_streaming.receive.payloads import Depacketizer, h264_piece, vp8_pi
 from openrois_streaming.receive.playout import SoundPacket
 from openrois_streaming.receive.remote_time import CaptureTime
 from openrois_streaming.receive.source_audio import AudioSource
-from openrois_streaming.receive.source_video import EncodedPicture, VideoSource
+from openrois_streaming.receive.source_video import EncodedPicture, MakePicture, VideoSource, raw_picture
 from openrois_streaming.source.source import SAMPLE_RATE
 
 _DEPACKETIZERS: dict[str, Depacketizer] = {H264: h264_piece, VP8: vp8_piece}
@@ -70,8 +69,8 @@ class VideoLane:
     `on_wish` is called, from any thread, when there is a request to the sender.
     """
 
-    def __init__(self, captured: Captured, on_wish: Callable[[], None]) -> None:
-        self.source = VideoSource(self._opened, self._lost, self._closed)
+    def __init__(self, captured: Captured, on_wish: Callable[[], None], make: MakePicture[Any] = raw_picture) -> None:
+        self.source = VideoSource[Any](self._opened, self._lost, self._closed, make)
         self._captured = captured
         self._on_wish = on_wish
         self._assembly = VideoAssembly(vp8_piece)
@@ -140,8 +139,8 @@ class VideoLane:
 class AudioLane:
     """Lane of sound: played out while `source` is open."""
 
-    def __init__(self, clock: MediaClock, captured: Captured) -> None:
-        self.source = AudioSource(clock, captured)
+    def __init__(self, source: AudioSource) -> None:
+        self.source = source
 
     def add(self, packet: MediaPacket, arrival: float) -> int:
         """Add a packet."""

@@ -10,7 +10,7 @@ from openrois_streaming.receive.stretch import Samples, longer, shorter
 from openrois_streaming.source.source import SAMPLE_RATE
 
 BLOCK = SAMPLE_RATE // 100
-"""Most samples that are played at a time: 10 ms."""
+"""Samples that are played at a time, unless more are asked for: 10 ms."""
 
 PACKETS_LIMIT = 128
 """Limit on packets that wait to be played."""
@@ -54,7 +54,7 @@ class SoundPacket(NamedTuple):
 
 
 class Block(NamedTuple):
-    """Block of `BLOCK` samples at most, and the timestamp of its first one."""
+    """Block of sound, and the timestamp of its first one."""
 
     samples: Samples
     timestamp: int
@@ -79,14 +79,17 @@ class Playout:
     `add` queues packets when they arrive. `play` is called whenever the block before is over: a block ends with its
     packet if the next one may still be missing. A packet is played after the delay of `TargetDelay`. If the delay is
     higher, periods of the sound are left out; if it has to rise, some are repeated.
+
+    A block has `longest` samples at most, `BLOCK` or more. Longer ones cost less, and do not wait for a further packet.
     """
 
-    def __init__(self, decoder: SoundDecoder) -> None:
+    def __init__(self, decoder: SoundDecoder, longest: int = BLOCK) -> None:
         self.figures = PlayoutFigures()
         self.target = TargetDelay()
         self.played_delay = 0.0
         """Delay of the last played block, in seconds."""
         self._decoder = decoder
+        self._longest = longest
         self._waiting: dict[int, bytes] = {}
         self._pending: Samples = np.empty((0, 2), np.int16)
         self._position: int | None = None
@@ -117,16 +120,16 @@ class Playout:
                 return None
             self._position = min(self._waiting)
         self._catch_up(now)
-        while len(self._pending) < BLOCK:
+        while len(self._pending) < self._longest:
             more = self._next(now)
             if more is None:
                 if len(self._pending):
                     break
                 more = self._made_up()
-            self._pending = np.concatenate((self._pending, more))
+            self._pending = np.concatenate((self._pending, more)) if len(self._pending) else more
         self._adjust(now)
         self.played_delay = self.delay(now)
-        block, self._pending = self._pending[:BLOCK], self._pending[BLOCK:]
+        block, self._pending = self._pending[: self._longest], self._pending[self._longest :]
         return Block(block, self._position - len(self._pending) - len(block) + self._concealing)
 
     def _delay_of(self, timestamp: int, now: float) -> float:

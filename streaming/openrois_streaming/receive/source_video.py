@@ -5,9 +5,11 @@ import threading
 from collections import deque
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeAlias, TypeVar
 
-from openrois_streaming.receive.decoders import UndecodablePicture, VideoDecoder
+import av
+
+from openrois_streaming.receive.decoders import UndecodablePicture, VideoDecoder, planes_of
 from openrois_streaming.receive.remote_time import CaptureTime
 from openrois_streaming.receive.worker import Handover, Worker
 from openrois_streaming.source.source import ReceivedVideo
@@ -26,26 +28,44 @@ class EncodedPicture(NamedTuple):
     captured: CaptureTime
 
 
-class VideoSource:
-    """`MediaSource` of pictures in I420. A reader that is slower than the sender gets the newest picture.
+Picture = TypeVar("Picture")
+
+MakePicture: TypeAlias = Callable[[av.VideoFrame, int, CaptureTime], Picture]
+"""Makes what a reader gets, of a frame in I420 of limited range, its number, and its capture time; in any thread."""
+
+
+def raw_picture(frame: av.VideoFrame, sequence: int, captured: CaptureTime) -> ReceivedVideo:
+    """Return a decoded frame as a raw picture."""
+    return ReceivedVideo(planes_of(frame), "i420", frame.width, frame.height, sequence, *captured)
+
+
+class VideoSource(Generic[Picture]):
+    """`MediaSource` of pictures, as `make` makes them. A reader that is slower than the sender gets the newest picture.
 
     `on_open` is called when it is opened: pictures are to be offered from then on, beginning with a key frame.
     `on_lost` is called, from any thread, when the next offered picture has to be a key frame. `on_close` is called when
     it is closed.
     """
 
-    def __init__(self, on_open: Callable[[], None], on_lost: Callable[[], None], on_close: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        on_open: Callable[[], None],
+        on_lost: Callable[[], None],
+        on_close: Callable[[], None],
+        make: MakePicture[Picture],
+    ) -> None:
+        self.make = make
         self.mime_type = ""
         """Media type of the pictures that are offered next."""
         self.decoded = 0
         self.dropped = 0
         """Pictures that were not decoded, or not read in time."""
         self._on_open, self._on_lost, self._on_close = on_open, on_lost, on_close
-        self._decoding: _Decoding | None = None
+        self._decoding: _Decoding[Picture] | None = None
         self._ended = False
 
     @asynccontextmanager
-    async def open(self) -> AsyncIterator[AsyncIterator[ReceivedVideo]]:
+    async def open(self) -> AsyncIterator[AsyncIterator[Picture]]:
         """Decode while the context lasts; the iterator ends when the sender is gone for good.
 
         Raises:
@@ -53,7 +73,7 @@ class VideoSource:
         """
         if self._decoding is not None:
             raise RuntimeError("the source is open already: close it first")
-        pictures = Handover[ReceivedVideo](1)
+        pictures = Handover[Picture](1)
         decoding = self._decoding = _Decoding(self, pictures)
         try:
             async with Worker("decode video", decoding.run, decoding.stop, pictures.end_input):
@@ -82,10 +102,10 @@ class VideoSource:
         self._on_lost()
 
 
-class _Decoding:
+class _Decoding(Generic[Picture]):
     """One opening of the source: its thread, and the pictures that wait for it."""
 
-    def __init__(self, source: VideoSource, pictures: Handover[ReceivedVideo]) -> None:
+    def __init__(self, source: VideoSource[Picture], pictures: Handover[Picture]) -> None:
         self.pictures = pictures
         self._source = source
         self._sequence = 0
@@ -133,11 +153,9 @@ class _Decoding:
     def _decode(self, picture: EncodedPicture, mime_type: str) -> None:
         if self._decoder is None or mime_type != self._decodes:
             self._decoder, self._decodes = VideoDecoder(mime_type), mime_type
-        for data in self._decoder.decode(picture.data):
-            height, width = data.shape[0] * 2 // 3, data.shape[1]
+        for frame in self._decoder.decode(picture.data):
             self._source.decoded += 1
-            at, reported = picture.captured
-            self.pictures.put(ReceivedVideo(data, "i420", width, height, self._sequence, at, reported))
+            self.pictures.put(self._source.make(frame, self._sequence, picture.captured))
             self._sequence += 1
 
     def _fail(self, error: UndecodablePicture) -> None:

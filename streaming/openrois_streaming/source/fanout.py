@@ -76,7 +76,7 @@ class Subscription(Generic[T]):
     def __init__(self, fanout: "Fanout[T]", mailbox: Mailbox[T]) -> None:
         self._fanout = fanout
         self._mailbox = mailbox
-        self._run: _Run[T] | None = None
+        self._run: SourceRun[T] | None = None
         self._waiter: asyncio.Future[None] | None = None
         self._ended = self._left = False
         self._cause: Exception | None = None
@@ -135,7 +135,7 @@ class Subscription(Generic[T]):
             self._waiter.set_result(None)
 
 
-class _Run(Generic[T]):
+class SourceRun(Generic[T]):
     """One opening of the source: its pulling task and its readers."""
 
     __slots__ = ("ended", "readers", "task")
@@ -160,17 +160,21 @@ class Fanout(Generic[T]):
     stalls loses items of its own and slows down no other. When the source ends or fails, every reader is notified after
     the items it still has queued; a later subscription opens the source anew.
 
+    A subclass without a source has a `_feed` of its own.
+
     `pulled` counts the items of the source, over all its openings. `failure` is the failure that ended it last, if no
     item has come since.
     """
 
-    def __init__(self, source: MediaSource[T], *, name: str, close_timeout: float = CLOSE_TIMEOUT) -> None:
+    def __init__(
+        self, source: MediaSource[T] | None = None, *, name: str, close_timeout: float = CLOSE_TIMEOUT
+    ) -> None:
         self.name = name
         self.pulled = 0
         self.failure: Exception | None = None
         self._source = source
         self._close_timeout = close_timeout
-        self._run: _Run[T] | None = None
+        self._run: SourceRun[T] | None = None
         self._pullers: set[asyncio.Task[None]] = set()
         """The pulling task, and earlier ones that still close the source."""
 
@@ -193,17 +197,17 @@ class Fanout(Generic[T]):
         """
         return Subscription(self, DropOldest(maxsize) if mailbox is None else mailbox)
 
-    def _join(self, reader: Subscription[T]) -> _Run[T]:
+    def _join(self, reader: Subscription[T]) -> SourceRun[T]:
         run = self._run
         if run is None or run.ended:
-            run = self._run = _Run()
+            run = self._run = SourceRun()
             run.task = asyncio.create_task(self._pull(run, set(self._pullers)), name=f"pull {self.name}")
             self._pullers.add(run.task)
             run.task.add_done_callback(self._pullers.discard)
         run.readers.append(reader)
         return run
 
-    async def _leave(self, reader: Subscription[T], run: _Run[T]) -> None:
+    async def _leave(self, reader: Subscription[T], run: SourceRun[T]) -> None:
         run.readers.remove(reader)
         if run.readers:
             return
@@ -215,24 +219,12 @@ class Fanout(Generic[T]):
         if late:
             _log.error("%s: the source is not closed after %.1f s", self.name, self._close_timeout)
 
-    async def _pull(self, run: _Run[T], earlier: set[asyncio.Task[None]]) -> None:
+    async def _pull(self, run: SourceRun[T], earlier: set[asyncio.Task[None]]) -> None:
         try:
             if earlier:
                 # A source is never open twice at once.
                 await asyncio.wait(earlier)
-            async with self._source.open() as items:
-                try:
-                    async for item in items:
-                        self.pulled += 1
-                        self.failure = None
-                        for reader in run.readers:
-                            reader._put(item)
-                except Exception as error:
-                    # Before the source closes, which may take its time.
-                    self.failure = error
-                    run.end_readers(error)
-                    raise
-                run.end_readers(None)
+            await self._feed(run)
         except Exception as error:
             _log.warning("%s: the source failed: %r", self.name, error)
             if not run.ended:
@@ -241,3 +233,24 @@ class Fanout(Generic[T]):
                 run.end_readers(error)
         finally:
             run.end_readers(None)
+
+    async def _feed(self, run: SourceRun[T]) -> None:
+        """Open the source, and put its items, until it ends or this is cancelled."""
+        assert self._source is not None, "a fan-out without a source has a `_feed` of its own"
+        async with self._source.open() as items:
+            try:
+                async for item in items:
+                    self._put(run, item)
+            except Exception as error:
+                # Before the source closes, which may take its time.
+                self.failure = error
+                run.end_readers(error)
+                raise
+            run.end_readers(None)
+
+    def _put(self, run: SourceRun[T], item: T) -> None:
+        """Queue an item of the source for every reader."""
+        self.pulled += 1
+        self.failure = None
+        for reader in run.readers:
+            reader._put(item)

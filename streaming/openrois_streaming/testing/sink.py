@@ -17,6 +17,7 @@ from openrois_signaling.messages import Answer, Offer
 
 from openrois_streaming.clock import MediaClock, SystemClock, wall_at
 from openrois_streaming.peer.receiver import RtpReceiver
+from openrois_streaming.receive.decoded import DecodedPicture
 from openrois_streaming.source import stamp
 from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.stats import ReceiverFigures
@@ -230,9 +231,10 @@ class MeasuringSink:
             heard = self._sounds[mid] = SoundLog(self._clock.now())
             self._tasks.start(self._hear(receiver.source, heard), f"sound of {mid}")
 
-    async def _see(self, source: MediaSource[RawVideo], log: PictureLog) -> None:
+    async def _see(self, source: MediaSource[DecodedPicture], log: PictureLog) -> None:
         async with source.open() as pictures:
-            async for picture in pictures:
+            async for decoded in pictures:
+                picture = decoded.raw()
                 at, wall = self._clock.now(), self._clock.wall()
                 read = stamp.read(picture.data[: picture.height])
                 seen = SeenPicture(at=at, wall=wall, width=picture.width, height=picture.height, stamp=read)

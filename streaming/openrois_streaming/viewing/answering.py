@@ -23,7 +23,11 @@ from openrois_streaming.network.turns import Ingress
 from openrois_streaming.peer.gathering import Gathering
 from openrois_streaming.peer.receiver import RtpReceiver
 from openrois_streaming.peer.sdp import read_candidate
+from openrois_streaming.receive.decoded import DecodedPictures
+from openrois_streaming.receive.lane import Captured
 from openrois_streaming.receive.remote_time import RemoteClock
+from openrois_streaming.receive.source_audio import LoopAudioSource
+from openrois_streaming.source.source import SAMPLE_RATE
 from openrois_streaming.viewing.outgoing import OutgoingTrack
 
 CLOSE_TIMEOUT: Final = 3.0
@@ -35,6 +39,9 @@ VIEWER_NETWORK: Final = NetworkSettings(
     )
 )
 """All interfaces, and room for what an application asks for itself: 200 Mbit/s for each engine."""
+
+LONGEST_BLOCK: Final = SAMPLE_RATE // 50
+"""Samples of a block of sound at most: the 20 ms of a usual packet, each handed over when it is due."""
 
 _END_OF_CANDIDATES: Final = "a=end-of-candidates\r\n"
 
@@ -48,7 +55,8 @@ class ViewedSection:
     Attributes:
         mid: its name.
         kind: "video" or "audio".
-        receiver: the engine's media, decoded while its source is open; None in a section that was only sent in.
+        receiver: the engine's media, decoded while its source is open, as `DecodedPicture` and `ReceivedAudio`; None in
+            a section that was only sent in.
         outgoing: what this end sends in it; None in a section that was only received.
     """
 
@@ -88,7 +96,7 @@ class AnsweringConnection:
         self._clock = clock
         self._remote = RemoteClock()
         self._policy = network.policy
-        self._ingress = Ingress(network.admission)
+        self._ingress = Ingress(network.admission, takes_turns=False)
         servers = read_servers(ice_servers)
         for reason in servers.unusable:
             _log.warning("an ICE server is not used: %s", reason)
@@ -176,7 +184,7 @@ class AnsweringConnection:
         """Take over the receiver of a section whose media are offered for the first time."""
         (transceiver,) = (each for each in self._connection.getTransceivers() if each.receiver.track is track)
         section = self._section_of(transceiver)
-        section.receiver = RtpReceiver(transceiver, self._clock, self._remote)
+        section.receiver = RtpReceiver(transceiver, self._clock, self._remote, _audio_source, DecodedPictures())
         self._on_received(section)
 
     def _follow(self, transceiver: RTCRtpTransceiver, directions: Mapping[str, Direction] | None) -> None:
@@ -203,3 +211,7 @@ class AnsweringConnection:
         transport = transceivers[0].receiver.transport.transport
         agent = IceAgent(transport, gather, self._policy.permits_target, GuardFigures(), self._ingress)
         return agent
+
+
+def _audio_source(clock: MediaClock, captured: Captured) -> LoopAudioSource:
+    return LoopAudioSource(clock, captured, LONGEST_BLOCK)

@@ -1,114 +1,80 @@
-"""Media of a stream whose peer connection may be replaced: one source over changing paths."""
+"""Media of a stream whose peer connection may be replaced: one stream over changing paths, for many readers."""
 
 import asyncio
-from collections import deque
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
-from typing import Generic, Self, TypeVar
+from collections.abc import Callable
+from typing import TypeVar
 
+from openrois_streaming.source.fanout import Fanout, SourceRun
 from openrois_streaming.source.source import MediaSource
 from openrois_streaming.tasks import OwnedTasks
 
 T = TypeVar("T")
 
 
-class SwitchedSource(Generic[T]):
-    """`MediaSource` of the newest path that has given an item.
+class SwitchedSource(Fanout[T]):
+    """Fan-out of the newest path that has given an item.
 
     A path that is added plays beside the one before until its first item has come; then that one is closed. Without a
-    path the iterator waits for the next one; it ends with `end_input`, or with the failure of a path.
+    path the readers wait for the next one. Paths are open while there are readers. The input ends with `end_input`, or
+    with the failure of a path.
 
     Args:
-        name: in the names of tasks.
-        depth: items that wait for the reader at most; the oldest is lost first.
+        name: in logs and in the names of tasks.
         on_switch: called when the items of a path replace those of earlier ones, or are the first.
     """
 
-    def __init__(self, name: str, depth: int, on_switch: Callable[[MediaSource[T]], None] = lambda _path: None) -> None:
-        self.name = name
-        self._depth = depth
+    def __init__(self, name: str, on_switch: Callable[[MediaSource[T]], None] = lambda _path: None) -> None:
+        super().__init__(name=name)
         self._on_switch = on_switch
         self._paths: list[MediaSource[T]] = []
-        self._opening: _Opening[T] | None = None
+        self._playing: dict[MediaSource[T], asyncio.Task[None]] = {}
+        self._present: tuple[SourceRun[T], OwnedTasks] | None = None
         self._ended = False
+        self._cause: BaseException | None = None
+        self._over = asyncio.Event()
+        """Set when the present opening has no more items."""
 
     def add(self, path: MediaSource[T]) -> None:
         """Add `path` as the newest one; a known path stays as it is."""
-        if path in self._paths:
-            return
-        self._paths.append(path)
-        if self._opening is not None:
-            self._opening.play(path)
+        if path not in self._paths:
+            self._paths.append(path)
+            self._play(path)
 
     def remove(self, path: MediaSource[T]) -> None:
         """Remove `path`; an unknown one is ignored."""
         if path in self._paths:
             self._paths.remove(path)
-            if self._opening is not None:
-                self._opening.stop(path)
+            playing = self._playing.pop(path, None)
+            if playing is not None:
+                playing.cancel()
 
     def end_input(self) -> None:
-        """End the source: no path will be added."""
+        """End the stream: no path will be added."""
         self._ended = True
-        if self._opening is not None:
-            self._opening.end_input(None)
+        self._over.set()
 
-    @asynccontextmanager
-    async def open(self) -> AsyncIterator[AsyncIterator[T]]:
-        """Play the paths while the context lasts.
-
-        Raises:
-            RuntimeError: it is open already.
-        """
-        if self._opening is not None:
-            raise RuntimeError("the source is open already: close it first")
-        opening = self._opening = _Opening(self.name, self._depth, self._switch)
+    async def _feed(self, run: SourceRun[T]) -> None:
+        tasks = OwnedTasks(self.name, self._failed)
+        self._present, self._cause = (run, tasks), None
+        if not self._ended:
+            self._over.clear()
         try:
             for path in self._paths:
-                opening.play(path)
-            if self._ended:
-                opening.end_input(None)
-            yield opening
+                self._play(path)
+            await self._over.wait()
+            if self._cause is not None:
+                raise self._cause
         finally:
-            await opening.aclose()
-            self._opening = None
+            self._present = None
+            self._playing.clear()
+            await tasks.aclose()
 
-    def _switch(self, path: MediaSource[T]) -> None:
-        for older in self._paths[: self._paths.index(path)]:
-            self.remove(older)
-        self._on_switch(path)
+    def _play(self, path: MediaSource[T]) -> None:
+        if self._present is not None:
+            run, tasks = self._present
+            self._playing[path] = tasks.start(self._pass(path, run), "path")
 
-
-class _Opening(Generic[T]):
-    """One opening of the source: a task for each path, and the items that wait."""
-
-    def __init__(self, name: str, depth: int, switch: Callable[[MediaSource[T]], None]) -> None:
-        self._name = name
-        self._switch = switch
-        self._items: deque[T] = deque(maxlen=depth)
-        self._news = asyncio.Event()
-        self._ended = False
-        self._cause: BaseException | None = None
-        self._tasks = OwnedTasks(name, self.end_input)
-        self._playing: dict[MediaSource[T], asyncio.Task[None]] = {}
-
-    def play(self, path: MediaSource[T]) -> None:
-        self._playing[path] = self._tasks.start(self._play(path), "path")
-
-    def stop(self, path: MediaSource[T]) -> None:
-        playing = self._playing.pop(path, None)
-        if playing is not None:
-            playing.cancel()
-
-    def end_input(self, cause: BaseException | None) -> None:
-        if not self._ended:
-            self._ended, self._cause = True, cause
-            self._news.set()
-
-    async def aclose(self) -> None:
-        await self._tasks.aclose()
-
-    async def _play(self, path: MediaSource[T]) -> None:
+    async def _pass(self, path: MediaSource[T], run: SourceRun[T]) -> None:
         first = True
         async with path.open() as items:
             async for item in items:
@@ -117,18 +83,13 @@ class _Opening(Generic[T]):
                 if first:
                     first = False
                     self._switch(path)
-                self._items.append(item)
-                self._news.set()
+                self._put(run, item)
 
-    def __aiter__(self) -> Self:
-        return self
+    def _switch(self, path: MediaSource[T]) -> None:
+        for older in self._paths[: self._paths.index(path)]:
+            self.remove(older)
+        self._on_switch(path)
 
-    async def __anext__(self) -> T:
-        while not self._items:
-            if self._ended:
-                if self._cause is not None:
-                    raise self._cause
-                raise StopAsyncIteration
-            self._news.clear()
-            await self._news.wait()
-        return self._items.popleft()
+    def _failed(self, error: BaseException) -> None:
+        self._cause = error
+        self._over.set()

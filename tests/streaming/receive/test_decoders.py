@@ -34,14 +34,14 @@ class TestVideo:
         decoder = VideoDecoder(codec)
         for number, data in enumerate(encoded(codec, 5)):
             (picture,) = decoder.decode(data)
-            assert picture.shape == (72, 64)
-            assert abs(int(picture[20, 30]) - 60 - 10 * number) < 6
+            assert (picture.width, picture.height) == (64, 48)
+            assert abs(int(planes_of(picture)[20, 30]) - 60 - 10 * number) < 6
 
     def test_another_size_needs_no_other_decoder(self, codec: str) -> None:
         decoder = VideoDecoder(codec)
         decoder.decode(encoded(codec, 1)[0])
         (picture,) = decoder.decode(encoded(codec, 1, width=160, height=90)[0])
-        assert picture.shape == (135, 160)
+        assert (picture.width, picture.height) == (160, 90)
 
     def test_after_an_error_it_goes_on_with_a_key_frame(self, codec: str) -> None:
         decoder = VideoDecoder(codec)
@@ -68,7 +68,7 @@ class TestVideo:
                 pictures = decoder.decode(bytes(data))
             except UndecodablePicture:
                 return
-            assert all(each.dtype == np.uint8 for each in pictures)
+            assert all(planes_of(each).dtype == np.uint8 for each in pictures)
 
         bent()
 

@@ -12,7 +12,7 @@ from openrois_streaming.publish.video_encoder import VideoEncoder
 from openrois_streaming.receive.playout import SoundPacket
 from openrois_streaming.receive.remote_time import CaptureTime
 from openrois_streaming.receive.source_audio import AudioSource
-from openrois_streaming.receive.source_video import WAITING_LIMIT, EncodedPicture, VideoSource
+from openrois_streaming.receive.source_video import WAITING_LIMIT, EncodedPicture, VideoSource, raw_picture
 from openrois_streaming.source.source import RawAudio, RawVideo
 
 PATIENCE = 10.0
@@ -25,7 +25,9 @@ class Told:
         self.calls: list[str] = []
         self.lost = asyncio.Event()
         self._loop = asyncio.get_running_loop()
-        self.source = VideoSource(lambda: self.calls.append("open"), self._lost, lambda: self.calls.append("close"))
+        self.source = VideoSource(
+            lambda: self.calls.append("open"), self._lost, lambda: self.calls.append("close"), raw_picture
+        )
         self.source.mime_type = VP8
 
     def _lost(self) -> None:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from openrois_streaming.source.av_frames import FrameFormat, picture_frame, pixels_of, sound_frame
+from openrois_streaming.source.av_frames import picture_frame, sound_frame
 from openrois_streaming.source.source import PixelFormat, RawAudio, RawVideo, picture_shape
 
 
@@ -19,27 +19,6 @@ def test_a_frame_has_the_pixels(pixel_format: PixelFormat, size: tuple[int, int]
     frame = picture_frame(picture)
     assert (frame.width, frame.height) == size
     assert np.array_equal(frame.to_ndarray(), picture.data)
-
-
-@pytest.mark.parametrize(("pixel_format", "blue"), [("rgb24", 2), ("bgr24", 0)])
-def test_colours(pixel_format: FrameFormat, blue: int) -> None:
-    # Blue by BT.601, limited range.
-    data = np.concatenate((np.full((16, 16), 41), np.full((4, 16), 240), np.full((4, 16), 110))).astype(np.uint8)
-    pixels = pixels_of(RawVideo(data, "i420", 16, 16, 0, 1.0), pixel_format)
-    assert pixels.shape == (16, 16, 3)
-    expected = [0, 0, 0]
-    expected[blue] = 255
-    assert np.abs(pixels[8, 8].astype(int) - expected).max() <= 3
-
-
-def test_the_same_format_is_not_copied() -> None:
-    picture = raw("i420", 16, 16)
-    assert pixels_of(picture, "i420") is picture.data
-
-
-def test_an_unknown_format() -> None:
-    with pytest.raises(ValueError, match="use i420, rgb24 or bgr24"):
-        pixels_of(raw("i420", 16, 16), "gray")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("channels", [1, 2])

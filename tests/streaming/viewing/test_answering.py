@@ -8,8 +8,9 @@ import pytest
 from openrois_signaling.messages import IceServer, Offer
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.errors import InvalidCandidate, InvalidDescription
+from openrois_streaming.receive.decoded import DecodedPicture
 from openrois_streaming.source.shared_inlet import SharedInlet
-from openrois_streaming.source.source import RawVideo, ReceivedVideo
+from openrois_streaming.source.source import RawVideo
 from openrois_streaming.state import StreamStatus
 from openrois_streaming.synthetic import ColourBars
 from openrois_streaming.viewing.answering import AnsweringConnection, ViewedSection
@@ -66,7 +67,7 @@ async def test_pictures_come_with_their_times_and_are_decoded_on_demand() -> Non
         assert section.receiver.figures.frames_decoded == 0
         async with asyncio.timeout(PATIENCE), section.receiver.source.open() as pictures:
             async for picture in pictures:
-                assert isinstance(picture, ReceivedVideo)
+                assert isinstance(picture, DecodedPicture)
                 if picture.reported_at is not None:
                     break
         clock = SystemClock()
