@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from openrois_signaling.messages import MediaKind
 
 from openrois_streaming.capture.iterated import Item, Items, IteratedSource
-from openrois_streaming.capture.moments import capture_time
+from openrois_streaming.capture.moments import SampleClock, capture_time
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source.source import SAMPLE_RATE, MediaSource, RawAudio
 
@@ -73,11 +73,12 @@ class AudioSource:
 
     async def _converted(self, items: AsyncIterator[Item[Sound]]) -> AsyncGenerator[RawAudio, None]:
         converter: Converter | None = None
+        clock = SampleClock(self._rate)
         async for item in items:
             block, captured_at = capture_time(item.value, item.came_at, self._name)
             samples = _samples(block, self._name)
             if not isinstance(item.value, tuple):
-                captured_at -= len(samples) / self._rate  # it came when its last sample was there
+                captured_at = clock.began(len(samples), item.came_at)
             if self._rate == SAMPLE_RATE:
                 yield RawAudio(samples, captured_at)
                 continue

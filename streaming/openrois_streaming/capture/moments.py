@@ -1,5 +1,6 @@
-"""Moments of capture, as a source gives them. Pure."""
+"""Moments of capture, as a source gives them, and as they follow from its samples. Pure."""
 
+from math import inf
 from typing import Final, TypeVar
 
 T = TypeVar("T")
@@ -7,6 +8,8 @@ T = TypeVar("T")
 OLDEST: Final = 60.0
 """Seconds that what was captured may be old; more is taken for the time of another clock."""
 _AHEAD: Final = 1.0
+_WINDOW: Final = 2.0
+"""Seconds within which the block that waited least gives the moments of all: longer than any block."""
 
 
 def capture_time(value: T | tuple[T, float], came_at: float, name: str) -> tuple[T, float]:
@@ -32,3 +35,33 @@ def capture_time(value: T | tuple[T, float], came_at: float, name: str) -> tuple
             f" which were {came_at:.3f} then"
         )
     return frame, float(captured_at)
+
+
+class SampleClock:
+    """Moments of blocks of sound that come with none, and often several at once: a buffer of a device or a pipe.
+
+    No block comes before its last sample was there. So the one that waited least tells best when the sound began, and
+    the count of the samples gives the moments of the others. Sound that was lost shows as a delay that does not pass:
+    the moments follow it within two windows of 2 s.
+
+    Args:
+        rate: samples per second.
+    """
+
+    def __init__(self, rate: int) -> None:
+        self._rate = rate
+        self._position = 0
+        self._since = -inf
+        """Begin of the present window."""
+        self._earliest = self._earlier = inf
+        """Earliest begin of the sound by the blocks of the present window, and of the one before it."""
+
+    def began(self, count: int, came_at: float) -> float:
+        """Return the moment of the first sample of the next block, of `count` samples, which came at `came_at`."""
+        start, self._position = self._position, self._position + count
+        age = came_at - self._since
+        if age > _WINDOW:
+            self._earlier = self._earliest if age <= 2 * _WINDOW else inf
+            self._earliest, self._since = inf, came_at
+        self._earliest = min(self._earliest, came_at - self._position / self._rate)
+        return min(self._earlier, self._earliest) + start / self._rate

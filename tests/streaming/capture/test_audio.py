@@ -1,13 +1,14 @@
 """Sound of microphones: shapes, moments, and other rates."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from openrois_streaming.capture.audio import AudioSource, Sound
+from openrois_streaming.publish.audio_encoder import OpusEncoder
 from openrois_streaming.source.source import RawAudio
 from openrois_streaming.synthetic import Tone
 
@@ -42,6 +43,49 @@ async def test_a_block_began_before_it_came_unless_its_moment_is_given() -> None
     first, second = await taken(microphone(silence, (silence, 999.5)))
     assert first.captured_at == pytest.approx(1000 - 0.1)
     assert second.captured_at == 999.5
+
+
+async def test_blocks_that_come_several_at_once_follow_each_other() -> None:
+    clock = VirtualClock()
+
+    async def bursts() -> AsyncIterator[Sound]:
+        for _ in range(20):
+            await clock.advance(0.12)  # as many programs write: twelve blocks of 10 ms after 120 ms
+            for _ in range(12):
+                yield np.zeros(480, np.int16)
+
+    blocks = await taken(AudioSource(bursts, clock=clock))
+    moments = [block.captured_at for block in blocks]
+    assert moments[12:] == pytest.approx([1000 + number / 100 for number in range(12, 240)])
+    encoder = OpusEncoder(bitrate=64_000)
+    packets = [chunk.pts for block in blocks for chunk in encoder.encode(block, key_frame=False)]
+    assert len(packets) >= 114, "of 120, all are sent but those of the first burst"
+    assert set(np.diff(packets)) == {960}
+
+
+async def test_sound_that_was_lost_leaves_a_gap() -> None:
+    clock = VirtualClock()
+
+    async def interrupted() -> AsyncIterator[Sound]:
+        for number in range(120):
+            await clock.advance(0.55 if number == 20 else 0.05)
+            yield np.zeros(2400, np.int16)
+
+    moments = [block.captured_at for block in await taken(AudioSource(interrupted, clock=clock))]
+    assert moments[19] == pytest.approx(1000.95)
+    assert moments[119] == pytest.approx(1006.45)
+
+
+async def test_after_a_pause_the_moments_begin_anew() -> None:
+    clock = VirtualClock()
+
+    async def paused() -> AsyncIterator[Sound]:
+        for number in range(3):
+            await clock.advance(60.0 if number == 2 else 0.05)
+            yield np.zeros(2400, np.int16)
+
+    moments = [block.captured_at for block in await taken(AudioSource(paused, clock=clock))]
+    assert moments == pytest.approx([1000.0, 1000.05, 1060.05])
 
 
 @pytest.mark.parametrize("rate", [8_000, 16_000, 44_100, 96_000])
