@@ -2,10 +2,12 @@
 
 import asyncio
 import logging
-from asyncio.subprocess import DEVNULL, PIPE, Process
+import os
+import signal
+from asyncio.subprocess import DEVNULL, PIPE, Process, SubprocessStreamProtocol
 from collections.abc import AsyncGenerator, AsyncIterator, Sequence
 from contextlib import asynccontextmanager, suppress
-from typing import Any, Final, cast
+from typing import Any, Final
 
 import av
 import numpy as np
@@ -114,35 +116,51 @@ async def _running(command: Sequence[str], limit: int) -> AsyncIterator[asyncio.
     Raises:
         ProgramEnded: it is not there, or its output has ended before its source was closed.
     """
+    loop = asyncio.get_running_loop()
     try:
-        process = await asyncio.create_subprocess_exec(*command, stdin=DEVNULL, stdout=PIPE, limit=limit)
+        # A session of its own: what it starts in its turn, as a shell does, is ended with it, and Ctrl-C is this
+        # process's alone.
+        transport, protocol = await loop.subprocess_exec(
+            lambda: SubprocessStreamProtocol(limit, loop),
+            *command,
+            stdin=DEVNULL,
+            stdout=PIPE,
+            stderr=None,
+            start_new_session=True,
+        )
     except OSError as error:
         raise ProgramEnded(
             f"{command[0]} cannot be started: {error.strerror}: install it, or correct its name"
         ) from error
+    process = Process(transport, protocol, loop)
     try:
         assert process.stdout is not None
         yield process.stdout
     except asyncio.IncompleteReadError:
-        status = await _end(process)
-        raise ProgramEnded(f"{' '.join(command)} has ended (status {status}); its last words are in the log") from None
+        await _end(process, command[0])
+        raise ProgramEnded(
+            f"{' '.join(command)} has ended (status {process.returncode}); its last words are in the log"
+        ) from None
     finally:
-        await _end(process)
-
-
-async def _end(process: Process) -> int:
-    """End a program and return its status."""
-    if process.returncode is None:
-        with suppress(ProcessLookupError):
-            process.terminate()
         try:
+            await _end(process, command[0])
+        finally:
+            transport.close()
+
+
+async def _end(process: Process, name: str) -> None:
+    """End a program, and the programs that it has started and that hold its output."""
+    assert process.stdout is not None
+    for number in (signal.SIGTERM, signal.SIGKILL):
+        if process.returncode is not None and process.stdout.at_eof():
+            return
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, number)
+        with suppress(TimeoutError):
             async with asyncio.timeout(_TERMINATE_TIMEOUT):
                 await _drained(process)
-        except TimeoutError:
-            with suppress(ProcessLookupError):
-                process.kill()
-            await _drained(process)
-    return cast(int, process.returncode)
+                return
+    _log.warning("%s has left a program behind that does not end with it: let it run in the same session", name)
 
 
 async def _drained(process: Process) -> None:

@@ -1,11 +1,16 @@
 """Output of programs as sources; the programs here are Python's, and where they are installed FFmpeg and GStreamer."""
 
 import asyncio
+import os
+import shlex
+import signal
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
+from openrois_streaming.capture import pipes
 from openrois_streaming.capture.pipes import ProgramEnded, piped_pictures, piped_sound, piped_units
 from openrois_streaming.publish.video_encoder import VideoEncoder
 from openrois_streaming.source.source import EncodedVideo, MediaSource, RawVideo
@@ -18,8 +23,9 @@ def program(text: str) -> list[str]:
 
 
 def is_running(note: Path) -> bool:
-    """Whether the program that has noted its number runs."""
-    return Path(f"/proc/{note.read_text()}").exists()
+    """Whether the program that has noted its number runs; one that no parent waits for has ended, too."""
+    status = Path(f"/proc/{note.read_text()}/stat")
+    return status.exists() and status.read_text().rpartition(")")[2].split()[0] != "Z"
 
 
 async def encoded(source: MediaSource[EncodedVideo], count: int) -> list[EncodedVideo]:
@@ -49,6 +55,30 @@ async def test_a_program_that_does_not_let_itself_be_ended_is_killed(tmp_path: P
     async with asyncio.timeout(30), piped_pictures(program(text), size=(64, 32)).open() as frames:
         await anext(frames)
     assert not is_running(note)
+
+
+@pytest.mark.parametrize("shell", ["{}; true", "{} & exit 0"])
+async def test_the_programs_of_a_program_are_ended_with_it(shell: str, tmp_path: Path) -> None:
+    note = tmp_path / "pid"
+    text = f"import os; open({str(note)!r}, 'w').write(str(os.getpid()))\n" + GREY.format(90)
+    command = ["sh", "-c", shell.format(shlex.join(program(text)))]
+    async with asyncio.timeout(30), piped_pictures(command, size=(64, 32)).open() as frames:
+        await anext(frames)
+    assert not is_running(note)
+
+
+async def test_a_program_that_leaves_its_session_is_not_waited_for(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pipes, "_TERMINATE_TIMEOUT", 0.01)
+    note = tmp_path / "pid"
+    text = f"import os; os.setsid(); open({str(note)!r}, 'w').write(str(os.getpid()))\n" + GREY.format(90)
+    command = ["sh", "-c", f"{shlex.join(program(text))} & exit 0"]
+    async with asyncio.timeout(30), piped_pictures(command, size=(64, 32)).open() as frames:
+        await anext(frames)
+    assert "sh has left a program behind" in caplog.text
+    with suppress(ProcessLookupError):  # its output is closed, so that it ends by itself when it writes
+        os.kill(int(note.read_text()), signal.SIGKILL)
 
 
 async def test_a_program_that_ends_says_so() -> None:
