@@ -2,6 +2,7 @@
 
 import asyncio
 import os
+import select
 import shlex
 import signal
 import sys
@@ -23,9 +24,8 @@ def program(text: str) -> list[str]:
 
 
 def is_running(note: Path) -> bool:
-    """Whether the program that has noted its number runs; one that no parent waits for has ended, too."""
-    status = Path(f"/proc/{note.read_text()}/stat")
-    return status.exists() and status.read_text().rpartition(")")[2].split()[0] != "Z"
+    """Whether the program that has noted its number runs."""
+    return Path(f"/proc/{note.read_text()}").exists()
 
 
 async def encoded(source: MediaSource[EncodedVideo], count: int) -> list[EncodedVideo]:
@@ -64,7 +64,11 @@ async def test_the_programs_of_a_program_are_ended_with_it(shell: str, tmp_path:
     command = ["sh", "-c", shell.format(shlex.join(program(text)))]
     async with asyncio.timeout(30), piped_pictures(command, size=(64, 32)).open() as frames:
         await anext(frames)
-    assert not is_running(note)
+        watched = os.pidfd_open(int(note.read_text()))
+    try:
+        assert select.select([watched], [], [], 10)[0], "it has ended"
+    finally:
+        os.close(watched)
 
 
 async def test_a_program_that_leaves_its_session_is_not_waited_for(
