@@ -85,6 +85,7 @@ class IteratedSource(Generic[T]):
             item = Item(self._number, value, self._clock.now())
             self._number += 1
             yield item
+            await asyncio.sleep(0)  # one that never waits must not stop all else
 
 
 class _Reader(threading.Thread, Generic[T]):
@@ -134,6 +135,7 @@ class _Reader(threading.Thread, Generic[T]):
             self._announced = False
             while self._waiting:
                 yield self._waiting.popleft()
+                await asyncio.sleep(0)  # a thread that is faster than its readers must not stop all else
             if self._ended.is_set() and not self._waiting:
                 if self._failure is not None:
                     raise self._failure

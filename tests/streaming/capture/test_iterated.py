@@ -1,6 +1,7 @@
 """Iterators that are read for a source, in the loop or in a thread."""
 
 import asyncio
+import itertools
 import threading
 from collections.abc import AsyncIterator, Iterator
 from functools import partial
@@ -90,6 +91,22 @@ async def test_of_what_waits_for_a_busy_loop_the_oldest_is_lost() -> None:
     async with asyncio.timeout(10), source(numbers, depth=2).open() as items:
         done.wait(10)  # the event loop is busy until all are there
         assert [each.value async for each in items] == [8, 9]
+
+
+async def endless() -> AsyncIterator[int]:
+    while True:
+        yield 1
+
+
+@pytest.mark.parametrize("items", [endless, lambda: itertools.repeat(1)])
+async def test_an_iterator_that_never_waits_leaves_the_event_loop_to_others(items: Items[int]) -> None:
+    others: list[str] = []
+    async with source(items).open() as numbers:
+        await anext(numbers)
+        asyncio.get_running_loop().call_soon(others.append, "ran")
+        for _ in range(3):
+            await anext(numbers)
+    assert others
 
 
 async def test_what_an_iterator_raises_comes_after_what_it_gave() -> None:
