@@ -2,7 +2,7 @@
 
 from collections.abc import AsyncGenerator, AsyncIterator
 from contextlib import AbstractAsyncContextManager, aclosing, asynccontextmanager
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, TypeAlias, cast
 
 import av
 import numpy as np
@@ -33,6 +33,7 @@ class AudioSource:
         name: its name in the log and in errors.
 
     Raises:
+        TypeError: `blocks` is no function.
         ValueError: the rate is none of 8,000 to 192,000.
     """
 
@@ -46,13 +47,14 @@ class AudioSource:
         clock: MediaClock | None = None,
         name: str = "microphone",
     ) -> None:
-        if not 8_000 <= sample_rate <= 192_000:
+        if not isinstance(sample_rate, int) or not 8_000 <= sample_rate <= 192_000:
             raise ValueError(f"sample_rate of {name} must be 8000 to 192000, not {sample_rate}")
-        self._blocks = blocks
         self._rate = sample_rate
         self._name = name
-        self._iterated = (
-            IteratedSource(blocks, clock=clock or SystemClock(), depth=_BLOCKS, name=name) if callable(blocks) else None
+        self._source: MediaSource[RawAudio] | IteratedSource[Sound] = (
+            cast("MediaSource[RawAudio]", blocks)
+            if hasattr(blocks, "open")
+            else IteratedSource(blocks, clock=clock or SystemClock(), depth=_BLOCKS, name=name)
         )
 
     def open(self) -> AbstractAsyncContextManager[AsyncIterator[RawAudio]]:
@@ -61,14 +63,12 @@ class AudioSource:
         Raises:
             TypeError, ValueError: (the iterator) a block is no sound, or has no capture time.
         """
-        if callable(self._blocks):
-            return self._read()
-        return self._blocks.open()
+        source = self._source
+        return self._read(source) if isinstance(source, IteratedSource) else source.open()
 
     @asynccontextmanager
-    async def _read(self) -> AsyncIterator[AsyncIterator[RawAudio]]:
-        assert self._iterated is not None, "only what is read from an iterator comes here"
-        async with self._iterated.open() as items, aclosing(self._converted(items)) as blocks:
+    async def _read(self, source: IteratedSource[Sound]) -> AsyncIterator[AsyncIterator[RawAudio]]:
+        async with source.open() as items, aclosing(self._converted(items)) as blocks:
             yield blocks
 
     async def _converted(self, items: AsyncIterator[Item[Sound]]) -> AsyncGenerator[RawAudio, None]:

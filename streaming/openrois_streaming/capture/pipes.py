@@ -49,8 +49,10 @@ def piped_pictures(
         format: of the pixels.
 
     Raises:
+        TypeError: the command is no list of strings.
         ValueError: there is no such picture.
     """
+    _check_command(command)
     shape = picture_shape(format, *size)
     length = int(np.prod(shape))
 
@@ -77,8 +79,10 @@ def piped_units(
         frame_rate: pictures per second that are expected.
 
     Raises:
+        TypeError: the command is no list of strings.
         ValueError: the media type is another one.
     """
+    _check_command(command)
 
     async def units() -> AsyncGenerator[bytes, None]:
         async with _running(command, _CHUNK) as output:
@@ -97,7 +101,14 @@ def piped_sound(command: Sequence[str], *, channels: int = 1, sample_rate: int =
         command: the program and its arguments.
         channels: 1 or 2.
         sample_rate: samples per second and channel.
+
+    Raises:
+        TypeError: the command is no list of strings.
+        ValueError: there are other channels, or the rate is out of range.
     """
+    _check_command(command)
+    if channels not in (1, 2):
+        raise ValueError(f"channels of {command[0]} must be 1 or 2, not {channels}")
     count = round(sample_rate * _BLOCK)
 
     async def blocks() -> AsyncGenerator[NDArray[np.int16], None]:
@@ -107,6 +118,12 @@ def piped_sound(command: Sequence[str], *, channels: int = 1, sample_rate: int =
                 yield np.frombuffer(data, "<i2").astype(np.int16, copy=False).reshape(count, channels)
 
     return AudioSource(blocks, sample_rate=sample_rate, name=command[0])
+
+
+def _check_command(command: Any) -> None:
+    words = isinstance(command, list | tuple) and all(isinstance(word, str) for word in command)
+    if not words or not command:
+        raise TypeError(f"a command must be a list of the program and its arguments, each a string, not {command!r}")
 
 
 @asynccontextmanager

@@ -2,7 +2,8 @@
 
 from collections.abc import AsyncGenerator, AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, aclosing, asynccontextmanager
-from typing import Any, Final, TypeAlias
+from numbers import Integral
+from typing import Any, Final, TypeAlias, cast, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.codecs import H264, VP8
 from openrois_streaming.rtp.h264_units import access_unit
 from openrois_streaming.rtp.vp8_frames import vp8_frame
-from openrois_streaming.source.source import EncodedVideo, MediaSource, PixelFormat, RawVideo
+from openrois_streaming.source.source import EncodedVideo, MediaSource, PixelFormat, RawVideo, picture_shape
 
 Picture: TypeAlias = NDArray[np.uint8] | tuple[NDArray[np.uint8], float]
 """Pixels, as `RawVideo` describes them, alone or with the moment that they show, in seconds of `time.monotonic()`."""
@@ -24,6 +25,7 @@ Unit: TypeAlias = bytes | tuple[bytes, float]
 _PICTURES: Final = 2
 _UNITS: Final = 60
 """Pictures that may wait while the event loop is busy: raw ones are best when new, encoded ones need each other."""
+_MOST_RATE: Final = 1000
 
 
 class VideoSource:
@@ -49,6 +51,10 @@ class VideoSource:
         format: of the pixels.
         clock: the media clock; this machine's if not given.
         name: its name in the log and in errors.
+
+    Raises:
+        TypeError: `pictures` is no function.
+        ValueError: no camera has such a size, frame rate or format.
     """
 
     kind: Final[MediaKind] = "video"
@@ -63,14 +69,18 @@ class VideoSource:
         clock: MediaClock | None = None,
         name: str = "camera",
     ) -> None:
+        _check_expected(size, frame_rate, name)
+        if format not in get_args(PixelFormat):
+            raise ValueError(f"format of {name} must be one of {', '.join(get_args(PixelFormat))}, not {format!r}")
+        picture_shape(format, *size)
         self.size = size
         self.frame_rate = frame_rate
-        self._pictures = pictures
         self._format = format
-        self._clock = clock or SystemClock()
         self._name = name
-        self._iterated = (
-            IteratedSource(pictures, clock=self._clock, depth=_PICTURES, name=name) if callable(pictures) else None
+        self._source: MediaSource[RawVideo] | IteratedSource[Picture] = (
+            cast("MediaSource[RawVideo]", pictures)
+            if hasattr(pictures, "open")
+            else IteratedSource(pictures, clock=clock or SystemClock(), depth=_PICTURES, name=name)
         )
 
     def open(self) -> AbstractAsyncContextManager[AsyncIterator[RawVideo]]:
@@ -79,14 +89,12 @@ class VideoSource:
         Raises:
             TypeError, ValueError: (the iterator) a picture has no pixels of this format, or no capture time.
         """
-        if callable(self._pictures):
-            return self._read()
-        return self._pictures.open()
+        source = self._source
+        return self._read(source) if isinstance(source, IteratedSource) else source.open()
 
     @asynccontextmanager
-    async def _read(self) -> AsyncIterator[AsyncIterator[RawVideo]]:
-        assert self._iterated is not None, "only what is read from an iterator comes here"
-        async with self._iterated.open() as items, aclosing(self._frames(items)) as frames:
+    async def _read(self, source: IteratedSource[Picture]) -> AsyncIterator[AsyncIterator[RawVideo]]:
+        async with source.open() as items, aclosing(self._frames(items)) as frames:
             yield frames
 
     async def _frames(self, items: AsyncIterator[Item[Picture]]) -> AsyncGenerator[RawVideo, None]:
@@ -113,7 +121,8 @@ class EncodedSource:
         name: its name in the log and in errors.
 
     Raises:
-        ValueError: the media type is another one.
+        TypeError: `units` is no function.
+        ValueError: the media type is another one, or no camera has such a size or frame rate.
     """
 
     kind: Final[MediaKind] = "video"
@@ -132,6 +141,7 @@ class EncodedSource:
     ) -> None:
         if mime_type not in (H264, VP8):
             raise ValueError(f"pictures of {name} must come encoded as {H264} or {VP8}, not as {mime_type!r}")
+        _check_expected(size, frame_rate, name)
         self.size = size
         self.mime_type = mime_type
         self.frame_rate = frame_rate
@@ -168,6 +178,15 @@ class EncodedSource:
             picture = access_unit(data) if self.mime_type == H264 else vp8_frame(data)
             self._size = picture.size or self._size
             yield EncodedVideo(data, picture.keyframe, *self._size, item.number, captured_at)
+
+
+def _check_expected(size: Any, frame_rate: Any, name: str) -> None:
+    """Check what is expected of a camera, before a viewer waits for it."""
+    sides = isinstance(size, tuple | list) and all(isinstance(side, Integral) and int(side) >= 2 for side in size)
+    if not sides or len(size) != 2:
+        raise ValueError(f"size of {name} must be a width and height of 2 or more pixels, not {size!r}")
+    if not isinstance(frame_rate, int | float) or not 0 < frame_rate <= _MOST_RATE:
+        raise ValueError(f"frame_rate of {name} must be pictures per second, up to {_MOST_RATE}, not {frame_rate!r}")
 
 
 def _size_of(pixels: Any, pixel_format: PixelFormat, name: str) -> tuple[int, int]:

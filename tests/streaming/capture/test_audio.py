@@ -126,3 +126,14 @@ async def test_what_is_no_sound_is_refused(wrong: Any, error: type[Exception], t
 def test_a_rate_out_of_range_is_refused(rate: int) -> None:
     with pytest.raises(ValueError, match=f"must be 8000 to 192000, not {rate}"):
         AudioSource(lambda: iter([]), sample_rate=rate)
+
+
+def test_an_iterator_in_place_of_its_function_is_refused_at_once() -> None:
+    with pytest.raises(TypeError, match=r"microphone must be a function that returns an iterator, not a .*: do not"):
+        AudioSource(iter([]))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("rate", ["48000", 44_100.5])
+def test_a_rate_that_is_no_whole_number_is_refused(rate: Any) -> None:
+    with pytest.raises(ValueError, match=f"must be 8000 to 192000, not {rate}"):
+        AudioSource(lambda: iter([]), sample_rate=rate)

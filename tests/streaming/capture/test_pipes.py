@@ -8,6 +8,7 @@ import signal
 import sys
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -146,6 +147,21 @@ async def test_what_is_no_ivf_file_is_refused(stream: bytes, error: type[Excepti
 def test_a_picture_that_cannot_be_is_refused_at_once() -> None:
     with pytest.raises(ValueError, match="i420 needs an even width and height"):
         piped_pictures(["cat"], size=(63, 32), format="i420")
+
+
+@pytest.mark.parametrize("command", ["cat film", [], ["cat", 7]])
+def test_what_is_no_command_is_refused_at_once(command: Any) -> None:
+    with pytest.raises(TypeError, match="a command must be a list of the program and its arguments"):
+        piped_pictures(command, size=(64, 32))
+    with pytest.raises(TypeError, match="a command must be"):
+        piped_units(command, size=(64, 32))
+    with pytest.raises(TypeError, match="a command must be"):
+        piped_sound(command)
+
+
+def test_sound_in_more_channels_than_two_is_refused_at_once() -> None:
+    with pytest.raises(ValueError, match="channels of cat must be 1 or 2, not 6"):
+        piped_sound(["cat"], channels=6)
 
 
 _FFMPEG = ["ffmpeg", "-loglevel", "error", "-re", "-f", "lavfi", "-i", "testsrc=size=160x120:rate=30"]

@@ -90,7 +90,7 @@ def encoded(mime_type: str, sizes: Sequence[tuple[int, int]] = ((64, 32),)) -> l
 @pytest.mark.parametrize("mime_type", ["video/H264", "video/VP8"])
 async def test_an_encoded_picture_says_whether_it_is_a_key_frame_and_how_large_it_is(mime_type: str) -> None:
     units = encoded(mime_type, [(64, 32), (160, 96)])
-    source = EncodedSource(lambda: iter(units), size=(1, 1), mime_type=mime_type, clock=VirtualClock())
+    source = EncodedSource(lambda: iter(units), size=(2, 2), mime_type=mime_type, clock=VirtualClock())
     async with source.open() as frames:
         found = [(frame.data, frame.keyframe, frame.width, frame.height) async for frame in frames]
     sizes = [(True, 64, 32), (False, 64, 32), (True, 160, 96), (False, 160, 96)]
@@ -132,3 +132,39 @@ async def test_what_no_viewer_can_decode_is_refused(
 def test_another_codec_is_refused() -> None:
     with pytest.raises(ValueError, match="must come encoded as video/H264 or video/VP8, not as 'video/AV1'"):
         EncodedSource(lambda: iter([]), size=(64, 32), mime_type="video/AV1")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "error", "text"),
+    [
+        (
+            {"size": (0, 32)},
+            ValueError,
+            "size of the porch must be a width and height of 2 or more pixels, not (0, 32)",
+        ),
+        ({"size": "64x32"}, ValueError, "not '64x32'"),
+        ({"size": (64, 32, 3)}, ValueError, "not (64, 32, 3)"),
+        ({"size": (64.5, 32)}, ValueError, "not (64.5, 32)"),
+        ({"frame_rate": 0}, ValueError, "frame_rate of the porch must be pictures per second, up to 1000, not 0"),
+        ({"frame_rate": float("nan")}, ValueError, "not nan"),
+    ],
+)
+@pytest.mark.parametrize("kind", [VideoSource, EncodedSource])
+def test_what_no_camera_has_is_refused_at_once(kind: Any, wrong: Any, error: type[Exception], text: str) -> None:
+    with pytest.raises(error, match=re.escape(text)):
+        kind(lambda: iter([]), **{"size": (64, 32), "name": "the porch", **wrong})
+
+
+def test_pictures_in_a_format_that_is_not_known_are_refused_at_once() -> None:
+    with pytest.raises(ValueError, match="format of camera must be one of bgra, bgr24, rgb24, nv12, i420, not 'rgb'"):
+        VideoSource(lambda: iter([]), size=(64, 32), format="rgb")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="i420 needs an even width and height"):
+        VideoSource(lambda: iter([]), size=(63, 32), format="i420")
+
+
+@pytest.mark.parametrize("kind", [VideoSource, EncodedSource])
+def test_an_iterator_in_place_of_its_function_is_refused_at_once(kind: Any) -> None:
+    with pytest.raises(
+        TypeError, match=r"camera must be a function that returns an iterator, not a .*: do not call it"
+    ):
+        kind((number for number in range(3)), size=(64, 32))
