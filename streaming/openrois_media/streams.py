@@ -90,7 +90,7 @@ class AdapterStreams:
     Raises:
         BadParameter: a name cannot be part of a reference.
         TypeError: what is to be streamed is no source.
-        ValueError: a stream has nothing to stream, or two kinds of media.
+        ValueError: a stream has nothing to stream, or two kinds of media; or two have one source, uplink or label.
         UnsupportedLibrary: (on entering) the installed version of aiortc is not supported.
     """
 
@@ -110,6 +110,7 @@ class AdapterStreams:
         self.components: dict[str, VideoStreaming | AudioStreaming] = {}
         self.publishers: dict[str, Publishing] = {}
         self.supervised: dict[str, Supervised] = {}
+        _check_distinct(streams)
         published = {reference(engine_id, name): self._add(name, each) for name, each in streams.items()}
         self.interface = StreamingInterface(engine_id, published, self._clock, network, cap, operator)
         self._stack = AsyncExitStack()
@@ -170,6 +171,23 @@ class AdapterStreams:
         raise TypeError(
             f"{label} is a {type(source).__name__} and no source: wrap it in VideoSource, EncodedSource or AudioSource"
         )
+
+
+def _check_distinct(streams: Mapping[str, Source | Stream]) -> None:
+    """Check that no two streams share what only one can have."""
+    seen: dict[object, str] = {}
+    for name, each in streams.items():
+        stream = each if isinstance(each, Stream) else Stream(each)
+        for kind, part, remedy in (
+            ("source", stream.source, "a source is open once, so name it once"),
+            ("uplink", stream.uplink, "make one for each"),
+        ):
+            if part is not None and (other := seen.setdefault(id(part), name)) != name:
+                raise ValueError(f"{name} and {other} have one {kind}: {remedy}")
+        label = stream.label or name
+        if label in seen:
+            raise ValueError(f"{label!r} is the label of two streams: give each its own")
+        seen[label] = name
 
 
 def codecs_of(publisher: Publishing) -> tuple[str, ...]:

@@ -84,6 +84,18 @@ def test_what_cannot_be_streamed_is_refused_by_name(stream: Any, error: type[Exc
         adapter(camera=stream)
 
 
+def test_what_would_be_opened_or_counted_twice_is_refused() -> None:
+    one, uplink = camera(), VideoUplink()
+    with pytest.raises(ValueError, match="roof and porch have one source: a source is open once, so name it once"):
+        adapter(porch=one, roof=one)
+    with pytest.raises(ValueError, match="roof and porch have one uplink: make one for each"):
+        adapter(porch=Stream(uplink=uplink), roof=Stream(camera(), uplink))
+    with pytest.raises(ValueError, match="'front' is the label of two streams: give each its own"):
+        adapter(porch=Stream(camera(), label="front"), roof=Stream(camera(), label="front"))
+    with pytest.raises(ValueError, match="'porch' is the label of two streams"):
+        adapter(porch=camera(), roof=Stream(camera(), label="porch"))
+
+
 def test_a_name_that_no_reference_has_is_refused() -> None:
     with pytest.raises(BadParameter, match="front/camera"):
         AdapterStreams("robot", {"front/camera": camera()})
