@@ -20,6 +20,12 @@ from openrois_streaming.source.source import EncodedVideo, EncodingSource
 
 _TOLERANCE: Final = 0.1
 """Least relative change of the bit rate that is requested of the source."""
+NO_KEY_FRAME: Final = 10
+"""Seconds of pictures that no viewer can decode, after which their source has failed."""
+
+
+class NoKeyFrame(Exception):
+    """Lack of key frames in pictures that come encoded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +41,8 @@ class PassthroughSource:
     """Frames of an `EncodingSource`, in packets; a `FrameSource` of a `Rendition`.
 
     Pictures that cannot be decoded, after a missing one or before the first key frame, are dropped here, and counted in
-    `dropped_input`. There is no encoder, so `encode_seconds` stays 0.
+    `dropped_input`. There is no encoder, so `encode_seconds` stays 0. The iterator raises `NoKeyFrame` when none could
+    be decoded for `NO_KEY_FRAME` seconds; a source that is opened anew most often begins with one.
     """
 
     def __init__(self, source: EncodingSource, *, clock: MediaClock, bitrate: int, mime_type: str = H264) -> None:
@@ -94,8 +101,10 @@ class PassthroughSource:
     async def _frames(self, pictures: AsyncIterator[EncodedVideo]) -> AsyncIterator[EncodedFrame]:
         following: int | None = None
         """Number of the only predicted picture that can be decoded next."""
+        undecodable_since: float | None = None
         async for picture in pictures:
-            self.last_frame_at, self.size = self._clock.now(), (picture.width, picture.height)
+            now = self._clock.now()
+            self.last_frame_at, self.size = now, (picture.width, picture.height)
             if picture.keyframe:
                 self._budget.served()
             elif picture.sequence != following:
@@ -103,8 +112,12 @@ class PassthroughSource:
                 if following is not None:
                     self._budget.request(KeyFrameCause.REPAIR)
                 following = None
+                undecodable_since = now if undecodable_since is None else undecodable_since
+                if now - undecodable_since >= NO_KEY_FRAME:
+                    raise NoKeyFrame(f"no key frame in {NO_KEY_FRAME} s: let the encoder give one every two seconds")
                 self._ask()
                 continue
+            undecodable_since = None
             following = picture.sequence + 1
             self._ask()
             yield self._frame(picture)

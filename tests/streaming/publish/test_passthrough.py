@@ -8,9 +8,10 @@ import pytest
 from openrois_streaming.codecs import CodecUnavailable
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.publish.key_frames import KeyFrameCause
-from openrois_streaming.publish.passthrough import EncodedPublisher, SwitchingPublisher
+from openrois_streaming.publish.passthrough import NO_KEY_FRAME, EncodedPublisher, SwitchingPublisher
 from openrois_streaming.publish.publisher import VideoPublisher
 from openrois_streaming.rtp.payloads import payloads_of
+from openrois_streaming.source.fanout import SourceEnded
 from openrois_streaming.source.source import EncodedVideo, RawVideo
 
 from tests.support.streaming import FedSource, VirtualClock, settle
@@ -191,6 +192,31 @@ async def test_source_failure_is_reported() -> None:
         await stage.source.end(OSError("gone"))
         assert stage.publisher.failure == "the source of video has failed: OSError('gone')"
     assert stage.publisher.made == (stage.rendition,)
+
+
+async def test_a_source_without_key_frames_fails() -> None:
+    stage = Stage()
+    async with stage.rendition.play("v", stage.frames.append) as playing:
+        await settle()
+        for number in range(NO_KEY_FRAME):
+            await stage.source.feed(picture(number))
+            await stage.clock.advance(1.0)
+        assert not stage.publisher.failure
+        await stage.source.feed(picture(NO_KEY_FRAME))
+        with pytest.raises(SourceEnded):
+            await playing.get()
+        assert "no key frame in 10 s: let the encoder give one every two seconds" in stage.publisher.failure
+
+
+async def test_a_source_may_wait_long_with_its_next_picture_but_not_with_a_key_frame() -> None:
+    stage = Stage()
+    async with stage.viewer():
+        await stage.source.feed(picture(0, keyframe=True))
+        for number in range(2, 6):  # after a gap
+            await stage.clock.advance(NO_KEY_FRAME - 1 if number in (2, 5) else 0.1)
+            await stage.source.feed(picture(number, keyframe=number == 4))
+        assert not stage.publisher.failure
+        assert stage.numbers == [0, 1, 2]
 
 
 async def test_the_rendition_follows_the_size_of_the_pictures_and_what_is_announced() -> None:
