@@ -64,8 +64,8 @@ class IteratedSource(Generic[T]):
         """
         if self._reader is not None and not self._reader.has_ended:
             raise RuntimeError(
-                f"{self._name} is still being read by a thread that does not come back:"
-                " reconnect the device, or restart the adapter"
+                f"{self._name} has not come back from its last read, and is opened when it does:"
+                " if it stays away, reconnect the device or restart the adapter"
             )
         made = self._items()
         if isinstance(made, AsyncIterator):
@@ -126,9 +126,11 @@ class _Reader(threading.Thread, Generic[T]):
         except Exception as error:
             self._failure = error
         finally:
-            with suppress(Exception):
+            try:
                 # Here, in its own thread, a generator releases its device.
                 cast("Any", getattr(self._values, "close", lambda: None))()
+            except Exception as error:
+                _log.warning("%s: the device may not be released: %r", self.name, error)
             self._call(self._end)
 
     @property

@@ -130,7 +130,7 @@ async def test_a_thread_that_does_not_come_back_is_not_waited_for_and_holds_its_
         async with numbers.open():
             pass
         assert "capture numbers does not come back from its last read" in caplog.text
-        with pytest.raises(RuntimeError, match="still being read by a thread that does not come back: reconnect"):
+        with pytest.raises(RuntimeError, match="has not come back from its last read, and is opened when it does: if"):
             async with numbers.open():
                 pass
         counted.gates.release()
@@ -140,6 +140,21 @@ async def test_a_thread_that_does_not_come_back_is_not_waited_for_and_holds_its_
             assert (await anext(items)).value == 0
             asyncio.get_running_loop().call_soon(counted.gates.release)
     assert counted.opened == 2
+
+
+async def test_a_device_that_cannot_be_released_is_told_of(caplog: pytest.LogCaptureFixture) -> None:
+    def numbers() -> Iterator[int]:
+        try:
+            while True:
+                yield 1
+        finally:
+            raise OSError("the port is gone")
+
+    own = source(numbers)
+    for _ in range(2):
+        async with asyncio.timeout(10), own.open() as items:
+            await anext(items)
+    assert "capture numbers: the device may not be released: OSError('the port is gone')" in caplog.text
 
 
 @pytest.mark.parametrize("wrong", [[1, 2], 7, None])
