@@ -20,7 +20,7 @@ class CameraFailed(RuntimeError):
 def opencv_camera(
     camera: int | str = 0, *, size: tuple[int, int] = (640, 480), frame_rate: float = 30.0
 ) -> VideoSource:
-    """Return a camera that OpenCV reads.
+    """Return a camera that OpenCV reads. It has to come at the pace of a camera, as with `ffmpeg_input`.
 
     Args:
         camera: its number, or a path or URL that `cv2.VideoCapture` opens.
