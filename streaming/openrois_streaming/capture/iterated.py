@@ -135,8 +135,8 @@ class _Reader(threading.Thread, Generic[T]):
 
     @property
     def has_ended(self) -> bool:
-        """Whether the iterator has been closed."""
-        return self._ended.is_set()
+        """Whether the iterator has been closed; a loop that was closed before is not told."""
+        return self._ended.is_set() or not self.is_alive()
 
     async def items(self) -> AsyncGenerator[Item[T], None]:
         """Yield the items, in order."""

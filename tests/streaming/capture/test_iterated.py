@@ -142,6 +142,23 @@ async def test_a_thread_that_does_not_come_back_is_not_waited_for_and_holds_its_
     assert counted.opened == 2
 
 
+def test_a_thread_that_comes_back_after_its_event_loop_is_no_hindrance(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(iterated, "CLOSE_TIMEOUT", 0.01)
+    counted = Counted()
+    numbers = source(counted)
+
+    async def look() -> None:
+        async with numbers.open():
+            pass
+
+    asyncio.run(look())
+    counted.gates.release()
+    next(each for each in threading.enumerate() if each.name == "capture numbers").join(10)
+    counted.gates.release()
+    asyncio.run(look())
+    assert counted.opened == 2
+
+
 async def test_a_device_that_cannot_be_released_is_told_of(caplog: pytest.LogCaptureFixture) -> None:
     def numbers() -> Iterator[int]:
         try:
