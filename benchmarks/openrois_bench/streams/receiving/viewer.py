@@ -51,7 +51,7 @@ class Seen:
         self._epoch = epoch
         self._markers = MarkerFinder()
 
-    def take(self, data: NDArray[Any]) -> None:
+    def take_picture(self, data: NDArray[Any]) -> None:
         """Take a picture or a block that was decoded now."""
         now = time.monotonic()
         self.count += 1
