@@ -79,7 +79,8 @@ def test_the_avatar_is_watched_and_bounded_and_runs_with_the_options_of_its_unit
     assert unit["MemoryMax"] == ["3G"]
     settings: list[AvatarSettings] = []
     monkeypatch.setattr(avatar, "set_up_logging", lambda **_options: None)
-    monkeypatch.setattr(avatar, "_run", settings.append)
+    monkeypatch.setattr(avatar, "_serve", settings.append)
+    monkeypatch.setattr(avatar, "run_until_stopped", lambda work: work)
     monkeypatch.setattr("uvloop.run", lambda _: None)
     program, command_name, *options = unit["ExecStart"][0].split()
     assert (program, command_name) == ("/opt/openrois/bin/openrois", "avatar")

@@ -6,7 +6,6 @@ import textwrap
 from math import dist
 from pathlib import Path
 from typing import Any
-from unittest.mock import patch
 
 import pytest
 from openrois_body.motion.wayfinding import BODY
@@ -20,7 +19,7 @@ from openrois_robots.simulated.world.plan import APARTMENT
 
 from openrois.client.components import Navigation, SpeechSynthesis
 from openrois.errors import RoISError
-from tests.support.simulated_robot import scripted_synthesizer, staged
+from tests.support.simulated_robot import staged
 
 DOCS = Path(__file__).parents[2] / "docs"
 TABLES: dict[str, type[BaseSettings] | type[BatterySettings]] = {"base": BaseSettings, "battery": BatterySettings}
@@ -96,11 +95,10 @@ async def test_the_program_of_the_guide_does_what_it_says() -> None:
     program = f"async def run(client):\n{textwrap.indent(example(), '    ')}"
     names: dict[str, Any] = {"Navigation": Navigation, "SpeechSynthesis": SpeechSynthesis}
     exec(program, names)
-    with patch("openrois_robots.simulated.adapter.Synthesizer", scripted_synthesizer):
-        async with staged() as stage:
-            await stage.until(names["run"](stage.client))
-            reader = APARTMENT.persons[0].place
-            assert dist((stage.place.x, stage.place.y), (reader.x, reader.y)) < 0.85
+    async with staged() as stage:
+        await stage.until(names["run"](stage.client))
+        reader = APARTMENT.persons[0].place
+        assert dist((stage.place.x, stage.place.y), (reader.x, reader.y)) < 0.85
 
 
 def refusals() -> list[tuple[str, str]]:

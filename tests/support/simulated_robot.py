@@ -108,9 +108,10 @@ async def scripted_synthesizer(_clock: MediaClock) -> AsyncIterator[ScriptedSynt
 
 @asynccontextmanager
 async def staged(plan: Plan = APARTMENT, *, visitor: bool = False, **battery: float) -> AsyncIterator[Stage]:
-    """Run a robot without streams for as long as the block does; its ways are planned without a thread."""
+    """Run a robot without streams for as long as the block does; without a thread for its ways, or a speech process."""
     clock = VirtualClock()
     settings = SimulationSettings(battery=BatterySettings(**battery), visitor=visitor)
-    with patch.object(wayfinding, "_SMALL", 1000):
+    speechless = patch("openrois_robots.simulated.adapter.Synthesizer", scripted_synthesizer)
+    with patch.object(wayfinding, "_SMALL", 1000), speechless:
         async with simulated_robot("robot", settings, clock, plan) as robot, harness(*robot.components) as client:
             yield Stage(robot, client, clock)

@@ -3,6 +3,8 @@
 import pytest
 from openrois_robots.simulated.battery import Battery, BatterySettings
 
+pytestmark = pytest.mark.extra(name="robot")
+
 QUICK = BatterySettings(standing=20, driving=10, charging=5)
 
 

@@ -12,6 +12,8 @@ from openrois_streaming.source.source import RawVideo
 
 from tests.support.streaming import VirtualClock
 
+pytestmark = pytest.mark.extra(name="robot")
+
 WIDTH, HEIGHT = SIZE
 
 

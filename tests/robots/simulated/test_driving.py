@@ -7,6 +7,8 @@ import pytest
 from openrois_body.messages import Completed, Drive, Place, Reached, Walk, Waypoint
 from openrois_robots.simulated.driving import HOLD, STUCK, BaseSettings, DriveControl, Velocity
 
+pytestmark = pytest.mark.extra(name="robot")
+
 STEP = 1 / 60
 
 

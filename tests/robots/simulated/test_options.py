@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 from openrois_robots.simulated.options import RobotSettings, add_options, read_settings
 
+pytestmark = pytest.mark.extra(name="robot")
+
 
 def settings(*arguments: str) -> RobotSettings:
     parser = argparse.ArgumentParser()

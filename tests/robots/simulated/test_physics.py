@@ -7,6 +7,8 @@ from openrois_body.messages import Place
 from openrois_robots.simulated.physics import RADIUS, STEP, Physics
 from openrois_robots.simulated.world.plan import APARTMENT
 
+pytestmark = pytest.mark.extra(name="robot")
+
 
 def pushed(physics: Physics, x: float, y: float, seconds: float) -> tuple[float, float]:
     for _ in range(round(seconds / STEP)):

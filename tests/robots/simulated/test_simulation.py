@@ -25,6 +25,8 @@ from openrois_robots.simulated.world.plan import APARTMENT
 
 from tests.support.simulated_robot import Rooms, at
 
+pytestmark = pytest.mark.extra(name="robot")
+
 GROUND = Ground(APARTMENT.floor, BODY)
 
 

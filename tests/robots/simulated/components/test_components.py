@@ -19,6 +19,8 @@ from tests.support.simulated_robot import Stage, at, staged
 from tests.support.streaming import settle
 from tests.support.teleoperation import Hand
 
+pytestmark = pytest.mark.extra(name="robot")
+
 
 @pytest.fixture
 async def stage() -> AsyncIterator[Stage]:

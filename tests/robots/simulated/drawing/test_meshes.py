@@ -15,6 +15,8 @@ from openrois_robots.simulated.drawing.furnishing import (
 from openrois_robots.simulated.drawing.meshes import Mesh, ball, box, disc, plane, tube
 from openrois_robots.simulated.world.plan import APARTMENT
 
+pytestmark = pytest.mark.extra(name="robot")
+
 RED = (0.8, 0.1, 0.1)
 SOLIDS = {
     "box": box((-1, -1, 0), (1, 1, 1), RED),

@@ -16,6 +16,8 @@ from openrois_robots.simulated.drawing.view import View
 from openrois_robots.simulated.world.plan import APARTMENT, Person
 from openrois_streaming.source.source import RawVideo
 
+pytestmark = pytest.mark.extra(name="robot")
+
 WIDTH, HEIGHT = SIZE
 DOWN = -0.1
 """Radians by which the camera of the robot looks up."""

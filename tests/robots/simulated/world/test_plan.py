@@ -12,6 +12,8 @@ from openrois_body.motion.wayfinding import BODY
 from openrois_robots.simulated.physics import RADIUS
 from openrois_robots.simulated.world.plan import APARTMENT, PERSON_RADIUS
 
+pytestmark = pytest.mark.extra(name="robot")
+
 GROUND = Ground(APARTMENT.floor, BODY)
 START = APARTMENT.start.x, APARTMENT.start.y
 
