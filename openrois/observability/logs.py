@@ -10,7 +10,17 @@ from openrois.observability.log_lines import JsonLine, Redaction, TextLine
 
 __all__ = ["LogFile", "Tally", "set_up_logging"]
 
-_OURS: Final = ("openrois", "openrois_signaling", "openrois_streaming", "openrois_avatar")
+_OURS: Final = (
+    "openrois",
+    "openrois_signaling",
+    "openrois_streaming",
+    "openrois_media",
+    "openrois_body",
+    "openrois_avatar",
+    "openrois_robots",
+    "openrois_demo",
+)
+"""Packages whose information is logged."""
 
 
 def set_up_logging(

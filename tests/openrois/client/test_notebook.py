@@ -18,9 +18,10 @@ PAGES: Final = Path(__file__).parents[3] / "docs/how-to"
 
 
 def cells(page: str) -> list[str]:
-    """Return the pieces of Python of a page."""
+    """Return the pieces of Python of a page; whole programs, which other tests run, are none."""
     text = (PAGES / page).read_text(encoding="utf-8")
-    return re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+    pieces = re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+    return [piece for piece in pieces if 'if __name__ == "__main__"' not in piece]
 
 
 async def run_cells(page: str) -> dict[str, Any]:

@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 
 from openrois.observability.logs import LogFile, set_up_logging
+from tests.support.packages import packages
 
-OURS = ("openrois", "openrois_signaling", "openrois_streaming", "openrois_avatar")
+SILENT = {"openrois_bench", "openrois_codegen", "openrois_conformance", "openrois_web_demo"}
+OURS = tuple({path.rpartition("/")[2] for path in packages()} - SILENT)
 
 
 @pytest.fixture(autouse=True)
