@@ -11,9 +11,11 @@ from openrois_streaming.publish.audio_encoder import OpusEncoder
 from openrois_streaming.publish.video_encoder import VideoEncoder
 from openrois_streaming.receive.playout import SoundPacket
 from openrois_streaming.receive.remote_time import CaptureTime
-from openrois_streaming.receive.source_audio import AudioSource
+from openrois_streaming.receive.source_audio import AudioSource, LoopAudioSource
 from openrois_streaming.receive.source_video import WAITING_LIMIT, EncodedPicture, VideoSource, raw_picture
 from openrois_streaming.source.source import RawAudio, RawVideo
+
+from tests.support.streaming import VirtualClock, settle
 
 PATIENCE = 10.0
 
@@ -167,3 +169,52 @@ class TestAudio:
             assert [each async for each in heard] == []
         async with source.open() as heard:
             assert [each async for each in heard] == []
+
+
+class TestAudioInTheLoop:
+    async def test_offered_sound_is_played_while_open(self) -> None:
+        clock = SystemClock()
+        source = LoopAudioSource(clock, lambda timestamp, now: CaptureTime(float(timestamp), None), 960)
+        packets = sound(3)
+        source.offer(packets[0], clock.now())
+        async with source.open() as heard:
+            for packet in packets:
+                source.offer(packet, clock.now())
+            blocks = [await taken(heard) for _ in range(4)]
+            assert blocks[0].captured_at <= 960
+            assert all(each.samples.shape[1] == 2 and 0 < len(each.samples) <= 960 for each in blocks)
+            assert source.delay >= 0
+            with pytest.raises(RuntimeError):
+                await source.open().__aenter__()
+        assert source.decoded == 4
+        assert source.delay == 0.0
+        assert not [each for each in threading.enumerate() if each.name == "decode audio"]
+
+    async def test_it_waits_for_the_first_packet_and_ends_with_the_sender(self) -> None:
+        source = LoopAudioSource(SystemClock(), lambda timestamp, now: CaptureTime(now, None))
+        async with source.open() as heard:
+            waiting = asyncio.ensure_future(taken(heard))
+            await asyncio.sleep(0)
+            assert not waiting.done()
+            source.end_input()
+            with pytest.raises(StopAsyncIteration):
+                await waiting
+        async with source.open() as heard:
+            assert [each async for each in heard] == []
+
+    async def test_a_loop_that_was_held_up_skips_what_it_missed(self) -> None:
+        clock = VirtualClock()
+        source = LoopAudioSource(clock, lambda timestamp, now: CaptureTime(now, None), 960)
+        async with source.open() as heard:
+            for packet in sound(3):
+                source.offer(packet, clock.now())
+            first = asyncio.ensure_future(anext(heard))
+            await clock.advance(0.1)
+            await first
+            clock.jump(1.0)
+            assert (await anext(heard)).captured_at == clock.now()
+            following = asyncio.ensure_future(anext(heard))
+            await settle()
+            assert not following.done(), "it does not play a second of sound at once"
+            await clock.advance(0.02)
+            await following

@@ -51,7 +51,7 @@ class Seen:
         self._epoch = epoch
         self._markers = MarkerFinder()
 
-    def take_media(self, data: NDArray[Any]) -> None:
+    def add_media(self, data: NDArray[Any]) -> None:
         """Take a picture or a block that was decoded now."""
         now = time.monotonic()
         self.count += 1
@@ -127,7 +127,7 @@ async def watch(receiver: Receiver, media: MediaName, url: str, epoch: float) ->
     """Play for some seconds; returns the figures."""
     seen = Seen(media, epoch)
     play = openrois if receiver == "openrois" else aiortc
-    playing = asyncio.create_task(play(url, media, seen.take_media))
+    playing = asyncio.create_task(play(url, media, seen.add_media))
     await asyncio.wait({playing}, timeout=_SETTLING)
     seen.delays.clear()
     before, cpu = seen.count, time.process_time()

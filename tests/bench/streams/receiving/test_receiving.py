@@ -20,7 +20,7 @@ def test_a_picture_was_sent_the_last_time_that_its_number_was(media: MediaName) 
     else:
         pixels = np.zeros((180, 320, 3), np.uint8)
         stamp.write(pixels, 10, 0.0)
-    seen.take_media(pixels)
+    seen.add_media(pixels)
     assert seen.delays == [pytest.approx(0.1, abs=0.05)]
 
 
