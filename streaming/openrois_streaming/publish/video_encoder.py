@@ -15,6 +15,7 @@ from openrois_streaming.codecs import H264, LIBRARIES
 from openrois_streaming.encoded import VIDEO_CLOCK_RATE
 from openrois_streaming.publish.encoder import Chunk
 from openrois_streaming.rtp.payloads import payloads_of
+from openrois_streaming.source.av_frames import planar_frame
 from openrois_streaming.source.source import RawVideo
 
 # Seconds of the bit rate that a burst may hold: a larger key frame arrives late, a smaller one is blurred.
@@ -91,7 +92,7 @@ class VideoEncoder:
         self._keep_pace(raw.captured_at)
         if self._mime_type == H264:
             self._steer(context)
-        frame = av.VideoFrame.from_numpy_buffer(pixels, format="yuv420p")
+        frame = planar_frame(pixels)
         self._pts = max(round(raw.captured_at * VIDEO_CLOCK_RATE), self._pts + 1)
         frame.pts, frame.time_base = self._pts, _TIME_BASE
         frame.pict_type = PictureType.I if key_frame else PictureType.NONE

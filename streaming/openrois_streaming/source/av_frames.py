@@ -5,6 +5,7 @@ from typing import Final, Literal, TypeAlias
 
 import av
 import numpy as np
+from numpy.typing import NDArray
 
 from openrois_streaming.source.source import SAMPLE_RATE, RawAudio, RawVideo
 
@@ -13,7 +14,7 @@ FrameFormat: TypeAlias = Literal["i420", "rgb24", "bgr24"]
 
 VIDEO_CLOCK_RATE: Final = 90_000
 
-FORMATS: Final = {"i420": "yuv420p", "rgb24": "rgb24", "bgr24": "bgr24", "bgra": "bgra"}
+FORMATS: Final = {"i420": "yuv420p", "nv12": "nv12", "rgb24": "rgb24", "bgr24": "bgr24", "bgra": "bgra"}
 """FFmpeg's names of the pixel formats."""
 
 _LAYOUTS: Final = {1: "mono", 2: "stereo"}
@@ -22,10 +23,19 @@ _LAYOUTS: Final = {1: "mono", 2: "stereo"}
 def picture_frame(raw: RawVideo) -> av.VideoFrame:
     """Return a picture as a frame; it shares the pixels where it can."""
     pixels = np.ascontiguousarray(raw.data)
-    if raw.format == "i420" and raw.height % 4:
-        # `from_numpy_buffer` rounds such a height down, and takes the wrong rows for colour.
+    if raw.format == "i420":
+        return planar_frame(pixels)
+    if raw.format == "nv12":
         return av.VideoFrame.from_ndarray(pixels, format=FORMATS[raw.format])
     return av.VideoFrame.from_numpy_buffer(pixels, format=FORMATS[raw.format])
+
+
+def planar_frame(pixels: NDArray[np.uint8]) -> av.VideoFrame:
+    """Return a contiguous I420 picture, uint8 of shape (height * 3 / 2, width), as a frame."""
+    if pixels.shape[0] % 6:
+        # `from_numpy_buffer` rounds a height that is no multiple of 4 down, and takes the wrong rows for colour.
+        return av.VideoFrame.from_ndarray(pixels, format="yuv420p")
+    return av.VideoFrame.from_numpy_buffer(pixels, format="yuv420p")
 
 
 def sound_frame(raw: RawAudio) -> av.AudioFrame:

@@ -29,40 +29,40 @@ def bodies(main: HRIEngineProfile) -> dict[str, list[str]]:
 
 
 def test_each_engine_behind_the_main_one_is_a_body() -> None:
-    main = engine("gateway", below=(engine("robot", "robot/Navigation", "robot/Move"), engine("avatar", "avatar/Move")))
-    assert bodies(main) == {"robot": ["robot/Move", "robot/Navigation"], "avatar": ["avatar/Move"]}
+    main = engine("gateway", below=(engine("robot", "robot/navigation", "robot/move"), engine("avatar", "avatar/move")))
+    assert bodies(main) == {"robot": ["robot/move", "robot/navigation"], "avatar": ["avatar/move"]}
 
 
 def test_a_main_engine_alone_is_a_body() -> None:
-    assert bodies(engine("robot", "robot/Navigation")) == {"robot": ["robot/Navigation"]}
+    assert bodies(engine("robot", "robot/navigation")) == {"robot": ["robot/navigation"]}
 
 
 def test_of_bodies_behind_it_the_main_engine_is_none() -> None:
-    main = engine("gateway", "gateway/Reaction", below=(engine("robot", "robot/Move"),))
-    assert bodies(main) == {"robot": ["robot/Move"], "gateway": ["gateway/Reaction"]}
+    main = engine("gateway", "gateway/reaction", below=(engine("robot", "robot/move"),))
+    assert bodies(main) == {"robot": ["robot/move"], "gateway": ["gateway/reaction"]}
 
 
 def test_an_engine_that_owns_nothing_is_no_body() -> None:
-    site = engine("site", below=(engine("robot", "robot/Navigation"), engine("avatar", "avatar/Move")))
+    site = engine("site", below=(engine("robot", "robot/navigation"), engine("avatar", "avatar/move")))
     assert list(bodies(engine("gateway", below=(site,)))) == ["robot", "avatar"]
     assert bodies(engine("gateway")) == {}
     assert bodies_in(ProfileResult()) == ()
 
 
 def test_the_inner_engine_comes_first_and_belongs_to_the_outer_one() -> None:
-    robot = engine("robot", "robot/Navigation", below=(engine("arm", "arm/Move"),))
+    robot = engine("robot", "robot/navigation", below=(engine("arm", "arm/move"),))
     assert bodies(engine("gateway", below=(robot,))) == {
-        "arm": ["arm/Move"],
-        "robot": ["arm/Move", "robot/Navigation"],
+        "arm": ["arm/move"],
+        "robot": ["arm/move", "robot/navigation"],
     }
 
 
 def test_components_that_a_condition_left_out_belong_to_no_body() -> None:
-    whole = answer(engine("gateway", below=(engine("robot", "robot/Navigation", "robot/Move"),)))
+    whole = answer(engine("gateway", below=(engine("robot", "robot/navigation", "robot/move"),)))
     asked = ProfileResult(
-        profile=whole.profile, component_profiles={"robot/Move": whole.component_profiles["robot/Move"]}
+        profile=whole.profile, component_profiles={"robot/move": whole.component_profiles["robot/move"]}
     )
-    assert [list(body.types) for body in bodies_in(asked)] == [["robot/Move"]]
+    assert [list(body.types) for body in bodies_in(asked)] == [["robot/move"]]
 
 
 @pytest.mark.parametrize(

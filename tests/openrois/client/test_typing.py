@@ -101,7 +101,9 @@ def guide() -> dict[str, str]:
     """Return the guides' pieces of Python as modules: what stands at their top, and a function with what awaits."""
     text = "".join((ROOT / "docs/how-to" / page).read_text(encoding="utf-8") for page in ("client.md", "bodies.md"))
     modules = {}
-    for number, piece in enumerate(re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)):
+    pieces = re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+    # Whole programs are checked where they are.
+    for number, piece in enumerate(piece for piece in pieces if "if __name__" not in piece):
         imports = "".join(re.findall(r"^from .*\n", piece, re.MULTILINE))
         rest = textwrap.indent(re.sub(r"^from .*\n", "", piece, flags=re.MULTILINE), "    ")
         # A piece that has a client of its own hides the one that is taken for granted.

@@ -222,9 +222,23 @@ def test_odd_sizes_lose_a_row_and_a_column(mime_type: str, pixel_format: PixelFo
 
 
 @both
+@pytest.mark.parametrize("height", [88, 90, 270])
+def test_colours_stay_where_they_are_at_any_height(mime_type: str, height: int) -> None:
+    [chunk] = VideoEncoder(mime_type, bitrate=500_000, frame_rate=30).encode(
+        coloured("bgr24", 160, height), key_frame=True
+    )
+    decoder: Any = av.CodecContext.create({"video/H264": "h264", "video/VP8": "vp8"}[mime_type], "r")
+    frame, *_ = [*decoder.decode(av.Packet(chunk.data)), *decoder.decode(None)]
+    pixels = frame.to_ndarray(format="bgr24").astype(int)
+    for row, (blue, red) in {1: (200, 0), height // 2 - 6: (200, 0), height // 2 + 6: (0, 200), -2: (0, 200)}.items():
+        assert pixels[row, 80, 0] == pytest.approx(blue, abs=8)
+        assert pixels[row, 80, 2] == pytest.approx(red, abs=8)
+
+
+@both
 def test_a_picture_that_no_codec_takes_is_a_failure(mime_type: str) -> None:
     with pytest.raises(av.FFmpegError):
-        VideoEncoder(mime_type, bitrate=500_000, frame_rate=30).encode(coloured("bgra", 2, 2), key_frame=False)
+        VideoEncoder(mime_type, bitrate=500_000, frame_rate=30).encode(coloured("bgra", 20_000, 2), key_frame=False)
 
 
 def test_a_bottom_up_view_is_encoded_the_right_way_up() -> None:
