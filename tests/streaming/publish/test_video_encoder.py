@@ -228,8 +228,8 @@ def test_colours_stay_where_they_are_at_any_height(mime_type: str, height: int) 
         coloured("bgr24", 160, height), key_frame=True
     )
     decoder: Any = av.CodecContext.create({"video/H264": "h264", "video/VP8": "vp8"}[mime_type], "r")
-    frame, *_ = [*decoder.decode(av.Packet(chunk.data)), *decoder.decode(None)]
-    pixels = frame.to_ndarray(format="bgr24").astype(int)
+    frames: list[av.VideoFrame] = decoder.decode(av.Packet(chunk.data)) + decoder.decode(None)
+    pixels = frames[0].to_ndarray(format="bgr24").astype(int)
     for row, (blue, red) in {1: (200, 0), height // 2 - 6: (200, 0), height // 2 + 6: (0, 200), -2: (0, 200)}.items():
         assert pixels[row, 80, 0] == pytest.approx(blue, abs=8)
         assert pixels[row, 80, 2] == pytest.approx(red, abs=8)
