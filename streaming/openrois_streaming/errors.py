@@ -79,3 +79,8 @@ class PeerClosed(SessionError):
 
 class NoPath(SessionError):
     """Lack of a network path that the settings allow."""
+
+
+def words_of(error: BaseException) -> str:
+    """Return what an exception says; its type where it says nothing."""
+    return str(error) or type(error).__name__

@@ -138,7 +138,7 @@ async def test_a_source_that_fails_is_an_error_of_its_component_alone() -> None:
             await settle()
         await clock.advance(1)
         assert (porch.condition(), mast.condition()) == (ComponentStatus.ERROR, ComponentStatus.READY)
-        assert told[0] == "the source of picture has failed: OSError('the cable is out')"
+        assert told[0] == "the source of picture has failed: the cable is out"
 
 
 async def test_a_component_is_as_well_as_what_it_is_a_part_of() -> None:

@@ -12,6 +12,7 @@ from openrois_streaming.adaptation.rung import MIN_BITRATE, Rung, ladder
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.codecs import H264, VP8, CodecUnavailable
 from openrois_streaming.encoded import VIDEO_CLOCK_RATE, EncodedFrame
+from openrois_streaming.errors import words_of
 from openrois_streaming.publish.key_frames import KeyFrameBudget, KeyFrameCause
 from openrois_streaming.publish.publisher import VideoPublisher
 from openrois_streaming.publish.rendition import Rendition
@@ -223,7 +224,7 @@ class EncodedPublisher:
     def failure(self) -> str:
         """A sentence on the failure of the wanted source, while no picture has come since; empty without one."""
         failure = self._rendition.failure
-        return "" if failure is None else f"the source of {self._name} has failed: {failure!r}"
+        return "" if failure is None else f"the source of {self._name} has failed: {words_of(failure)}"
 
     @property
     def last_frame_at(self) -> float | None:

@@ -12,7 +12,7 @@ from openrois_streaming.adaptation.rung import Rung, Thinning, every_for, ladder
 from openrois_streaming.clock import MediaClock, wall_at
 from openrois_streaming.codecs import CodecUnavailable, available_codecs, codec_named
 from openrois_streaming.encoded import AUDIO_CLOCK_RATE, VIDEO_CLOCK_RATE
-from openrois_streaming.errors import NoEncoder
+from openrois_streaming.errors import NoEncoder, words_of
 from openrois_streaming.publish.audio_encoder import OpusEncoder
 from openrois_streaming.publish.encoder_health import EncoderHealth
 from openrois_streaming.publish.encoder_limit import EncoderLimit
@@ -150,12 +150,15 @@ class Publisher(Generic[RawT]):
     @property
     def failure(self) -> str:
         """A sentence on the failure of a wanted rendition, while no frame has come since; empty without one."""
-        failed = [each for each in self._made.values() if each.failure is not None]
-        if not failed:
+        failures = [(each, each.failure) for each in self._made.values() if each.failure is not None]
+        if not failures:
             return ""
+        failed, failure = failures[0]
         if self._source_fails:
-            return f"the source of {self._raw.name} has failed: {self._raw.failure!r}"
-        return f"the encoder of {self._raw.name} ({failed[0].mime_type}) has failed: {failed[0].failure!r}"
+            # A rendition that fails because of the source has the same failure.
+            failure = self._raw.failure or failure
+            return f"the source of {self._raw.name} has failed: {words_of(failure)}"
+        return f"the encoder of {self._raw.name} ({failed.mime_type}) has failed: {words_of(failure)}"
 
     @property
     def last_frame_at(self) -> float | None:

@@ -190,7 +190,7 @@ async def test_source_failure_is_reported() -> None:
         assert (stage.publisher.frames, stage.publisher.last_frame_at) == (1, 1000.0)
         assert stage.publisher.running_encoders == 1
         await stage.source.end(OSError("gone"))
-        assert stage.publisher.failure == "the source of video has failed: OSError('gone')"
+        assert stage.publisher.failure == "the source of video has failed: gone"
     assert stage.publisher.made == (stage.rendition,)
 
 
