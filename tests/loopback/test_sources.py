@@ -1,5 +1,6 @@
 """An adapter written with sources alone, without a word of WebRTC: all of them reach an application."""
 
+import asyncio
 import itertools
 import threading
 import time
@@ -8,16 +9,18 @@ from typing import Final
 
 import numpy as np
 import pytest
-from openrois_media import AudioSource, AudioUplink, EncodedSource, Stream, VideoSource, serve
+from openrois_media import AudioSource, AudioUplink, EncodedSource, Media, Stream, VideoSource, serve
 from openrois_media.streams import Source
 from openrois_streaming.publish.video_encoder import VideoEncoder
 from openrois_streaming.source.source import RawVideo
 
+from openrois.client import Client
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from tests.support.black_box import Application, application
 from tests.support.black_box_media import Microphone
 from tests.support.deployment import until
+from tests.support.streaming import settle
 
 pytestmark = pytest.mark.media
 
@@ -161,3 +164,28 @@ async def test_a_camera_that_fails_is_opened_again_while_a_viewer_waits(gateway:
             repaired.set()
             await app.until_status(stream, "RUNNING")
             await app.frames(stream, 10)
+
+
+async def test_a_reader_of_a_camera_that_fails_says_why_until_it_works_again(gateway: Gateway) -> None:
+    works = threading.Event()
+    works.set()
+
+    def pictures() -> Iterator[np.ndarray]:
+        while works.is_set():
+            time.sleep(1 / 30)
+            yield np.full((SIZE[1], SIZE[0], 3), 90, np.uint8)
+        raise OSError("the cable is out")
+
+    async with serve(engine_id="robot", streams={"camera": VideoSource(pictures, size=SIZE)}, gateway=gateway.url):
+        await until(gateway.engine, lambda ids: "robot" in ids)
+        async with Client(gateway.url) as client, Media(client) as media, media.frames("robot/camera") as frames:
+            async with asyncio.timeout(60):
+                await anext(frames)
+                assert frames.problem == ""
+                works.clear()
+                while not frames.problem:
+                    await settle()
+                assert frames.problem == "the source of camera has failed: the cable is out"
+                works.set()
+                while frames.problem:
+                    await anext(frames)

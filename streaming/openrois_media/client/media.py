@@ -79,7 +79,7 @@ class Sending:
     @property
     def problem(self) -> str:
         """What keeps a stream from running, in a sentence; it is tried again. Empty for nothing."""
-        return next((each.state.problem.detail for each in self._streams if each.state.problem is not None), "")
+        return next((each.problem for each in self._streams if each.problem), "")
 
     async def suspend(self) -> None:
         """Stop reading the sources, and sending, until `resume`."""

@@ -113,7 +113,7 @@ class StreamReader(Generic[T]):
     @property
     def problem(self) -> str:
         """What keeps the stream from running, in a sentence; it is tried again. Empty for nothing."""
-        return "" if self._stream.state.problem is None else self._stream.state.problem.detail
+        return self._stream.problem
 
     @property
     def dropped(self) -> int:

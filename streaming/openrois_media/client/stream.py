@@ -91,6 +91,26 @@ class ClientStream:
         self._clock = clock
         self._wake = asyncio.Event()
         self._busy = False
+        self._fault: tuple[str, int] | None = None
+        """What its component has reported, and how many frames there were then."""
+
+    @property
+    def problem(self) -> str:
+        """What keeps the stream from running, in a sentence; empty for nothing."""
+        if self.state.problem is not None:
+            return self.state.problem.detail
+        words, frames = self._fault or ("", 0)
+        return words if frames == self._frames else ""
+
+    def note_fault(self, words: str) -> None:
+        """Note what its component has reported; the next frame says that it is over."""
+        self._fault = (words, self._frames)
+        self.news.notify()
+
+    @property
+    def _frames(self) -> int:
+        newest = self.place.newest
+        return 0 if newest is None else newest.frames
 
     @property
     def expects_media(self) -> bool:

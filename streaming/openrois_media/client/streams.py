@@ -20,6 +20,7 @@ from openrois.client import (
     ConnectionLost,
     ConnectionState,
     Disconnected,
+    Fault,
     Notice,
     Notification,
     OutOfResources,
@@ -92,7 +93,7 @@ class Streams:
         notifications = self._client.notifications(
             Offer.method, Candidate.method, Bye.method, StreamStatusNotification.method, buffer=_MESSAGES
         )
-        notices = self._client.notices(Connected, Disconnected, ProfileChanged)
+        notices = self._client.notices(Connected, Disconnected, Fault, ProfileChanged)
         await self._tasks.__aenter__()
         self._tasks.start(self._listen(notifications))
         self._tasks.start(self._follow(notices))
@@ -197,6 +198,17 @@ class Streams:
             if isinstance(stream, ReceivedStream):
                 stream.end_frames()
 
+    async def _explain(self, error_id: str) -> None:
+        """Let the streams of a component that reports a fault say what it is."""
+        try:
+            details = await self._client.get_error_detail(error_id)
+        except (RoISError, RpcError, ConnectionLost, TimeoutError):
+            return
+        told = {each.name: each.value for each in details}
+        for stream in self._streams:
+            if stream.component_ref == told.get("component_ref"):
+                stream.note_fault(told.get("description", ""))
+
     def _notice(self, notice: Notice) -> None:
         match notice:
             case Connected():
@@ -210,6 +222,8 @@ class Streams:
                     peer.leaving = True
                 for stream in self._streams:
                     stream.lost(None)
+            case Fault(error_id=error_id):
+                self._tasks.start(self._explain(error_id))
             case ProfileChanged():
                 # The engine may be back, and with it what could not be connected.
                 for stream in self._streams:

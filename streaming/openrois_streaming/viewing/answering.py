@@ -145,7 +145,10 @@ class AnsweringConnection:
         if connection.sctp is not None and self._on_channels is not None:
             self._on_channels(connection)
             self._on_channels = None
-        await connection.setLocalDescription(await connection.createAnswer())
+        try:
+            await connection.setLocalDescription(await connection.createAnswer())
+        except Exception as error:  # it may have been closed meanwhile
+            raise InvalidDescription(f"the offer cannot be answered: {error}") from error
         if first and agent is not None:
             self._gathering.go_on(agent)
         answer: str = connection.localDescription.sdp
