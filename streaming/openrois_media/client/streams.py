@@ -198,17 +198,6 @@ class Streams:
             if isinstance(stream, ReceivedStream):
                 stream.end_frames()
 
-    async def _explain(self, error_id: str) -> None:
-        """Let the streams of a component that reports a fault say what it is."""
-        try:
-            details = await self._client.get_error_detail(error_id)
-        except (RoISError, RpcError, ConnectionLost, TimeoutError):
-            return
-        told = {each.name: each.value for each in details}
-        for stream in self._streams:
-            if stream.component_ref == told.get("component_ref"):
-                stream.note_fault(told.get("description", ""))
-
     def _notice(self, notice: Notice) -> None:
         match notice:
             case Connected():
@@ -223,7 +212,7 @@ class Streams:
                 for stream in self._streams:
                     stream.lost(None)
             case Fault(error_id=error_id):
-                self._tasks.start(self._explain(error_id))
+                self._tasks.start(_explain(self._client, error_id, self._streams))
             case ProfileChanged():
                 # The engine may be back, and with it what could not be connected.
                 for stream in self._streams:
@@ -398,3 +387,15 @@ class Streams:
 
 def _json_parameter(name: str, value: dict[str, Any]) -> Parameter:
     return Parameter(name=name, data_type_ref="string", value=json.dumps(value))
+
+
+async def _explain(client: Client, error_id: str, streams: Sequence[ClientStream]) -> None:
+    """Let the streams of a component that reports a fault say what it is."""
+    try:
+        details = await client.get_error_detail(error_id)
+    except (RoISError, RpcError, ConnectionLost, TimeoutError):
+        return
+    told = {each.name: each.value for each in details}
+    for stream in streams:
+        if stream.component_ref == told.get("component_ref"):
+            stream.note_fault(told.get("description", ""))
