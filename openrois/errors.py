@@ -92,13 +92,19 @@ def error_for(code: ReturnCode, message: str) -> RoISError:
     return _BY_RETURN_CODE[code](message)
 
 
-def require_usable(name: str, status: ComponentStatus) -> None:
+def require_usable(name: str, status: ComponentStatus, problem: str = "") -> None:
     """Do nothing where a component is READY or BUSY.
+
+    Args:
+        name: of the component, or its ref.
+        status: of the component.
+        problem: why the status is none of these, where that is known.
 
     Raises:
         ComponentFailed: it is not; the sentence says what that means.
     """
+    why = f": {problem}" if problem else ""
     if status is ComponentStatus.UNINITIALIZED:
-        raise ComponentFailed(f"{name} is not connected yet (UNINITIALIZED)")
+        raise ComponentFailed(f"{name} is not connected yet (UNINITIALIZED){why}")
     if status not in (ComponentStatus.READY, ComponentStatus.BUSY):
-        raise ComponentFailed(f"{name} does not work now ({status})")
+        raise ComponentFailed(f"{name} does not work now ({status}){why}")

@@ -24,7 +24,7 @@ EXTRAS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "hearing": (*_BODY, "pocketsphinx"),
         "panda3d": (*_AVATAR, "panda3d"),
         "puppet": (*_AVATAR, "pygame"),
-        "robot": (*_BODY, "panda3d"),
+        "robot": (*_AVATAR, "panda3d"),
         "demo": (*_GATEWAY, *_AVATAR, "espeakng_loader", "panda3d", "pocketsphinx", "pygame"),
     }
 )

@@ -85,6 +85,7 @@ class Component:
     __loop: asyncio.AbstractEventLoop | None
     __report: Report
     __standing: ComponentStatus
+    __unconnected: str
 
     def __init_subclass__(
         cls,
@@ -114,6 +115,7 @@ class Component:
         self.__running = 0
         self.__starts = StartSlot()
         self.__loop = None
+        self.__unconnected = ""
         self.__standing = ComponentStatus.READY if cls.connect is Component.connect else ComponentStatus.UNINITIALIZED
         return self
 
@@ -143,6 +145,13 @@ class Component:
     def condition(self) -> ComponentStatus:
         """Return READY, or what keeps the component from working now."""
         return ComponentStatus.READY
+
+    def problem(self) -> str:
+        """Return why `condition` is not READY, for refusals: a sentence without a full stop; empty: no more is known.
+
+        It is asked for only then. Must not block or raise.
+        """
+        return ""
 
     def accept_parameters(self, changes: dict[str, Any]) -> dict[str, Any]:
         """Return what to store for parameters that an application sets; each fits its type.
@@ -227,9 +236,16 @@ class Component:
             self.__running -= 1
 
     @final
-    def require_usable(self) -> None:
-        """Raise `ComponentFailed` where the component is not READY or BUSY."""
-        require_usable(self.name, self.status)
+    def require_usable(self, name: str | None = None) -> None:
+        """Raise `ComponentFailed` where the component is not READY or BUSY, and say why.
+
+        Args:
+            name: of the component in the sentence; its own unless given.
+        """
+        status = self.status
+        if status not in (ComponentStatus.READY, ComponentStatus.BUSY):
+            problem = self.__unconnected if self.__standing is not ComponentStatus.READY else self.problem()
+            require_usable(name or self.name, status, problem)
 
     def __rois_announce__(self, method: str, values: tuple[object, ...], named: Mapping[str, object]) -> None:
         """Announce the event behind a method, from any thread; one that the class omits is dropped.
@@ -253,7 +269,7 @@ class Component:
                 await self.connect()
         except RoISError as error:
             _log.warning("%s is not connected: %s", self.name, error)
-            self.__standing = ComponentStatus.ERROR
+            self.__standing, self.__unconnected = ComponentStatus.ERROR, str(error)
             return False
         self.__standing = ComponentStatus.READY
         return True
@@ -263,6 +279,7 @@ class Component:
         """End what runs and run `disconnect`, which has `DISCONNECT_TIMEOUT` seconds; a failure is logged."""
         await self.__starts.end_running()
         was_up, self.__standing = self.__standing is ComponentStatus.READY, ComponentStatus.UNINITIALIZED
+        self.__unconnected = ""
         if was_up:
             try:
                 async with asyncio.timeout(DISCONNECT_TIMEOUT):

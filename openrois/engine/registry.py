@@ -10,7 +10,7 @@ from openrois.aio.tasks import Deadline
 from openrois.component.component import Component
 from openrois.contract import Directory, Event, Extension, OnFault, Sink, ignore_fault
 from openrois.engine.faults import FaultMint
-from openrois.errors import BadParameter, OutOfResources, TimedOut, Unsupported, require_usable
+from openrois.errors import BadParameter, OutOfResources, TimedOut, Unsupported
 from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
@@ -149,7 +149,7 @@ class LocalRegistry:
         component = self._component(component_ref)
         if not component.profile.has_event(event_type):
             raise Unsupported(f"{component_ref} has no event {event_type!r}")
-        require_usable(component_ref, component.status)
+        component.require_usable(component_ref)
         subscribe_id = new_id(self.engine_id)
         self._subscriptions[subscribe_id] = _Subscription(component_ref, event_type, sink)
         component.subscribers_changed(event_type, len(self._sinks(component_ref, event_type)))

@@ -25,8 +25,8 @@ def main(arguments: Sequence[str]) -> int:
 
 def _simulated(arguments: Sequence[str]) -> int:
     with needing_extra("robot"):
-        from openrois_robots.simulated import command
-    return command.main(arguments)
+        from openrois_robots.simulated.command import COMMAND
+    return COMMAND.main(arguments)
 
 
 ROBOTS: Final[Mapping[str, Callable[[Sequence[str]], int]]] = MappingProxyType({"simulated": _simulated})

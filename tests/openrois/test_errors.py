@@ -46,3 +46,8 @@ def test_a_component_that_can_be_used(status: ComponentStatus) -> None:
 def test_a_component_that_cannot_be_used_says_what_that_means(status: ComponentStatus, sentence: str) -> None:
     with pytest.raises(ComponentFailed, match=sentence):
         require_usable("arm", status)
+
+
+def test_a_component_that_cannot_be_used_says_why_where_that_is_known() -> None:
+    with pytest.raises(ComponentFailed, match=r"^arm does not work now \(ERROR\): its motors are off$"):
+        require_usable("arm", ComponentStatus.ERROR, "its motors are off")

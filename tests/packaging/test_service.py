@@ -9,6 +9,10 @@ from pathlib import Path
 import pytest
 from openrois_avatar import command as avatar
 from openrois_avatar.options.settings import AvatarSettings
+from openrois_robots import command as robot
+from openrois_robots.adapter.options import AdapterSettings
+from openrois_robots.adapter.process import RobotCommand
+from openrois_robots.simulated.simulation import SimulationSettings
 
 from openrois.gateway import command
 from openrois.gateway.configuration import configure
@@ -16,6 +20,7 @@ from openrois.gateway.configuration import configure
 PACKAGING = Path(__file__).parents[2] / "packaging"
 UNIT = PACKAGING / "openrois-gateway.service"
 AVATAR = PACKAGING / "openrois-avatar.service"
+ROBOT = PACKAGING / "openrois-robot@.service"
 
 needs_systemd = pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd is not installed here")
 
@@ -31,7 +36,7 @@ def entries(unit: Path = UNIT) -> dict[str, list[str]]:
 
 
 @needs_systemd
-@pytest.mark.parametrize("unit", [UNIT, AVATAR], ids=lambda unit: unit.stem)
+@pytest.mark.parametrize("unit", [UNIT, AVATAR, ROBOT], ids=lambda unit: unit.stem)
 def test_systemd_understands_every_line(tmp_path: Path, unit: Path) -> None:
     there = tmp_path / unit.name
     there.write_text(unit.read_text(encoding="utf-8").replace("/opt/openrois/bin/openrois", sys.executable))
@@ -52,7 +57,9 @@ def test_systemd_understands_what_is_written_of_ports(tmp_path: Path) -> None:
 
 
 @needs_systemd
-@pytest.mark.parametrize(("unit", "threshold"), [(UNIT, 15), (AVATAR, 15)], ids=["gateway", "avatar"])
+@pytest.mark.parametrize(
+    ("unit", "threshold"), [(UNIT, 15), (AVATAR, 15), (ROBOT, 15)], ids=["gateway", "avatar", "robot"]
+)
 def test_it_is_exposed_as_little_as_can_be(unit: Path, threshold: int) -> None:
     arguments = ["systemd-analyze", "security", "--offline=true", f"--threshold={threshold}", "--no-pager", str(unit)]
     said = subprocess.run(arguments, capture_output=True, text=True, check=False)
@@ -89,6 +96,28 @@ def test_the_avatar_is_watched_and_bounded_and_runs_with_the_options_of_its_unit
     assert avatar.main([each for each in options if each]) == 0
     assert settings[0].gateway == "ws://127.0.0.1:8765/adapter"
     assert settings[0].metrics == ("127.0.0.1", 9466)
+
+
+def test_a_robot_runs_with_the_options_of_its_unit(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    unit = entries(ROBOT)
+    assert (unit["DynamicUser"], unit["Type"], unit["TimeoutStartSec"]) == (["yes"], ["notify"], ["infinity"])
+    assert int(unit["WatchdogSec"][0]) > 0
+    config = tmp_path / "robot.toml"
+    config.write_text("[base]\nspeed = 0.5\n")
+    settings: list[tuple[AdapterSettings, SimulationSettings]] = []
+    monkeypatch.setattr("openrois_robots.adapter.process.set_up_logging", lambda **_options: None)
+    monkeypatch.setattr(RobotCommand, "_serve", lambda _self, *read: settings.append(read))
+    monkeypatch.setattr("openrois_robots.adapter.process.run_until_stopped", lambda work: work)
+    monkeypatch.setattr("uvloop.run", lambda _: None)
+    program, command_name, *options = unit["ExecStart"][0].replace("%i", "simulated").split()
+    assert (program, command_name) == ("/opt/openrois/bin/openrois", "robot")
+    given = dict(line.split("=", 1) for line in unit["Environment"])
+    options = [given.get(each.strip("${}"), each) if each.startswith("$") else each for each in options]
+    options = [str(config) if each == "/etc/openrois/robot-simulated.toml" else each for each in options]
+    assert robot.main([each for each in options if each]) == 0
+    assert settings[0][0].gateway == "ws://127.0.0.1:8765/adapter"
+    assert settings[0][0].metrics == ("127.0.0.1", 9467)
+    assert settings[0][1].base.speed == 0.5
 
 
 def test_a_configuration_that_cannot_be_used_is_not_tried_again() -> None:

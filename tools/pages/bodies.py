@@ -61,9 +61,9 @@ async def _profiles() -> dict[str, Profiles]:
     async def robot() -> AsyncIterator[Profiles]:
         async with (
             simulated_robot("robot", SimulationSettings(), clock) as simulated,
-            hosted_robot("robot", simulated, clock) as host,
+            hosted_robot("robot", simulated, clock) as served,
         ):
-            yield host.engine.directory.component_profiles
+            yield served.host.engine.directory.component_profiles
 
     async with avatar() as of_avatar, robot() as of_robot:
         return {"the avatar": dict(of_avatar), "the simulated robot": dict(of_robot)}

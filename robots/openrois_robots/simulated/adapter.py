@@ -1,8 +1,9 @@
 """The adapter of the simulated robot: one engine with its components and its streams."""
 
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import Final
 
 from openrois_body.body import Body
@@ -16,9 +17,11 @@ from openrois_body.components.speech_synthesis import SpeechSynthesis
 from openrois_body.components.surroundings import Surroundings
 from openrois_body.components.teleoperation import Teleoperation
 from openrois_body.messages import Event
+from openrois_body.metrics import body_figures
 from openrois_body.motion.legs import Legs
 from openrois_body.motion.wayfinding import Ways
 from openrois_body.motion.world import World
+from openrois_body.sensing.figures import SenseFigures
 from openrois_body.sound.mixer import BodySound
 from openrois_body.speech.synthesizer import Synthesizer
 from openrois_body.speech.voice import Voice
@@ -33,14 +36,14 @@ from openrois_streaming.clock import MediaClock
 from openrois.adapter.running import hosted
 from openrois.aio.tasks import TaskScope
 from openrois.component.component import Component
-from openrois.session.session import EngineHost
 from openrois.types.codes import ComponentStatus, ErrorType
 from openrois.types.references import reference
+from openrois_robots.adapter.process import RunningRobot
+from openrois_robots.components.system_information import Pose, SystemInformation
 from openrois_robots.simulated.battery import Battery
 from openrois_robots.simulated.camera import FRAME_RATE, SIZE, RobotCamera
 from openrois_robots.simulated.components.dock import Dock
 from openrois_robots.simulated.components.navigation import Navigation
-from openrois_robots.simulated.components.system_information import SystemInformation
 from openrois_robots.simulated.simulation import Simulation, SimulationSettings
 from openrois_robots.simulated.world.plan import APARTMENT, Plan
 
@@ -49,6 +52,9 @@ __all__ = ["AUDIO", "VIDEO", "Robot", "hosted_robot", "simulated_robot"]
 VIDEO: Final = VideoStreaming.component_type.name
 AUDIO: Final = AudioStreaming.component_type.name
 """The names of the streaming components."""
+
+_FRAME: Final = "map"
+"""The frame of coordinates of its floor plan."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +68,7 @@ class Robot:
         operator_control: which application operates it by hand.
         simulation: of the robot and its rooms.
         voice: speaks.
+        senses: figures of its senses, by their names.
     """
 
     components: tuple[Component, ...]
@@ -70,6 +77,11 @@ class Robot:
     operator_control: OperatorControl
     simulation: Simulation
     voice: Voice
+    senses: Mapping[str, SenseFigures]
+
+    def can_drive(self) -> bool:
+        """Return whether its battery is not empty."""
+        return not self.simulation.battery.is_empty
 
 
 @asynccontextmanager
@@ -100,6 +112,13 @@ async def simulated_robot(
         def status() -> ComponentStatus:
             return ComponentStatus.ERROR if simulation.battery.is_empty else ComponentStatus.READY
 
+        def problem() -> str:
+            return simulation.battery.refusal if simulation.battery.is_empty else ""
+
+        def pose() -> Pose:
+            at = simulation.place
+            return Pose(at.x, at.y, at.th, _FRAME, datetime.fromtimestamp(clock.wall(), UTC))
+
         sound = BodySound(clock)
         voice = Voice(await stack.enter_async_context(Synthesizer(clock)), sound, body)
         camera = await stack.enter_async_context(RobotCamera(plan, simulation.view, clock))
@@ -119,7 +138,7 @@ async def simulated_robot(
         )
         _report_empty(simulation, moving)
         components = (
-            SystemInformation(engine_id, status, lambda: world.place, simulation.battery),
+            SystemInformation(engine_id, status, problem, pose, simulation.battery),
             *moving,
             Gaze(body, status),
             SpeechSynthesis(voice),
@@ -130,7 +149,7 @@ async def simulated_robot(
         tasks = await stack.enter_async_context(TaskScope())
         tasks.start(simulation.run())
         tasks.start(senses.run())
-        yield Robot(components, camera, sound, operator_control, simulation, voice)
+        yield Robot(components, camera, sound, operator_control, simulation, voice, {"vision": senses.watch.figures})
 
 
 def _report_empty(simulation: Simulation, moving: Sequence[Component]) -> None:
@@ -150,7 +169,7 @@ def _report_empty(simulation: Simulation, moving: Sequence[Component]) -> None:
 @asynccontextmanager
 async def hosted_robot(
     engine_id: str, robot: Robot, clock: MediaClock, network: NetworkSettings | None = None
-) -> AsyncIterator[EngineHost]:
+) -> AsyncIterator[RunningRobot]:
     """Make an engine of a robot: its components, and the streams of its camera and its voice.
 
     Args:
@@ -176,4 +195,5 @@ async def hosted_robot(
     async with streams as interface:
         robot.voice.playout_delay.observe_sessions(interface.sessions, reference(engine_id, AUDIO))
         async with hosted(engine_id, *robot.components, *streams.components.values(), extension=interface) as host:
-            yield host
+            collector = streams.collector(lambda: body_figures(robot.senses, robot.operator_control.figures))
+            yield RunningRobot(host, collector.snapshot, {"the robot: its battery is empty": robot.can_drive})

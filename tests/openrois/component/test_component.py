@@ -155,8 +155,18 @@ class TestLife:
         assert device.status.value == "ERROR"
         assert faults == [ErrorType.COMPONENT_INTERNAL_ERROR] * reported
         assert str(error) in caplog.text
+        with pytest.raises(ComponentFailed, match=rf"does not work now \(ERROR\): .*{error}$"):
+            await device.run("start", ())
         assert await device.bring_up()
         assert device.status.value == "READY"
+
+    async def test_a_refusal_says_what_is_the_problem(self, thing: Thing) -> None:
+        thing.is_in = ComponentStatus.WARNING
+        with pytest.raises(ComponentFailed, match=r"does not work now \(WARNING\)$"):
+            await thing.run("start", ())
+        thing.problem = lambda: "its motors are off"  # type: ignore[method-assign]
+        with pytest.raises(ComponentFailed, match=r"does not work now \(WARNING\): its motors are off$"):
+            thing.require_usable("robot/thing")
 
     async def test_what_was_connected_is_let_go(self) -> None:
         device = Device(None)

@@ -4,15 +4,26 @@ import argparse
 from pathlib import Path
 
 import pytest
-from openrois_robots.simulated.options import RobotSettings, add_options, read_settings
+from openrois_robots.adapter.options import AdapterSettings, add_adapter_options, read_adapter_settings
+from openrois_robots.simulated.options import TABLES, add_options, read_settings
+from openrois_robots.simulated.simulation import SimulationSettings
 
 pytestmark = pytest.mark.extra(name="robot")
 
 
-def settings(*arguments: str) -> RobotSettings:
+def parse(*arguments: str) -> argparse.Namespace:
     parser = argparse.ArgumentParser()
+    add_adapter_options(parser, "robot", TABLES)
     add_options(parser)
-    return read_settings(parser.parse_args(arguments))
+    return parser.parse_args(arguments)
+
+
+def settings(*arguments: str) -> SimulationSettings:
+    return read_settings(parse(*arguments))
+
+
+def adapter_settings(*arguments: str) -> AdapterSettings:
+    return read_adapter_settings(parse(*arguments))
 
 
 @pytest.fixture
@@ -23,26 +34,29 @@ def config(tmp_path: Path) -> Path:
 
 
 def test_defaults() -> None:
-    assert settings().simulation == RobotSettings().simulation
-    assert settings().gateway == "ws://127.0.0.1:8765/adapter"
-    assert settings().engine_id == "robot"
+    assert settings() == SimulationSettings()
+    assert adapter_settings().gateway == "ws://127.0.0.1:8765/adapter"
+    assert (adapter_settings().engine_id, adapter_settings().metrics) == ("robot", None)
 
 
 def test_a_file_sets_speeds_and_limits(config: Path) -> None:
-    simulation = settings("--config", str(config)).simulation
+    simulation = settings("--config", str(config))
     assert (simulation.base.speed, simulation.base.turn) == (0.5, 1.0)
     assert (simulation.battery.low, simulation.battery.driving, simulation.battery.charge) == (0.3, 45.0, 1.0)
 
 
 def test_options_come_before_the_file(config: Path) -> None:
     given = ("--max-speed", "0.3", "--max-turn", "0.9", "--battery", "40", "--battery-low", "25", "--visitor")
-    simulation = settings("--config", str(config), *given).simulation
+    simulation = settings("--config", str(config), *given)
     assert (simulation.base.speed, simulation.base.turn, simulation.visitor) == (0.3, 0.9, True)
     assert (simulation.battery.charge, simulation.battery.low, simulation.battery.driving) == (0.4, 0.25, 45.0)
 
 
 def test_network_and_gateway_are_those_of_every_adapter() -> None:
-    chosen = settings("--gateway", "https://robots.example", "--engine-id", "anna", "--udp-ports", "50000-50100")
+    chosen = adapter_settings(
+        "--gateway", "https://robots.example", "--engine-id", "anna", "--udp-ports", "50000-50100"
+    )
+    assert adapter_settings("--metrics", "9470").metrics == ("127.0.0.1", 9470)
     assert (chosen.gateway, chosen.engine_id) == ("wss://robots.example/adapter", "anna")
     assert chosen.network.ports is not None
     assert chosen.network.ports.first == 50_000
@@ -65,7 +79,10 @@ def test_wrong_options_are_refused(arguments: tuple[str, ...], why: str) -> None
     ("text", "why"),
     [
         ("[bas]\nspeed = 1", "there is no table 'bas'; there are base and battery"),
-        ("[base]\nspeeed = 1", "base.speeed is not known; base has speed, turn, acceleration, braking"),
+        (
+            "[base]\nspeeed = 1",
+            "base.speeed is not known; base has speed, turn, acceleration, braking",
+        ),
         ("[base]\nspeed = 'fast'", "base.speed must be a number, not 'fast'"),
         ("[base]\nspeed = true", "base.speed must be a number, not True"),
         ("base = 3", "base must be a table"),

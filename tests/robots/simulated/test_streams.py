@@ -46,11 +46,11 @@ async def house(plan: Plan = APARTMENT) -> AsyncIterator[House]:
     async with (
         gateway() as running,
         simulated_robot("robot", SimulationSettings(), clock, plan) as robot,
-        hosted_robot("robot", robot, clock) as host,
+        hosted_robot("robot", robot, clock) as served,
     ):
         url = running.url.replace("http", "ws", 1)
         there = asyncio.Event()
-        serving = asyncio.create_task(serve_parent(host, f"{url}adapter", attached=lambda _: there.set()))
+        serving = asyncio.create_task(serve_parent(served.host, f"{url}adapter", attached=lambda _: there.set()))
         try:
             async with asyncio.timeout(30):
                 await there.wait()

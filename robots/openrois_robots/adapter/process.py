@@ -1,0 +1,112 @@
+"""The command of one robot: options, logs, metrics, health, and its adapter until a signal stops it."""
+
+import argparse
+import logging
+import sys
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from contextlib import AbstractAsyncContextManager, AsyncExitStack
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Generic, TypeVar
+
+import uvloop
+from openrois_media.metrics.exposition import scraped
+from openrois_media.metrics.figures import Snapshot
+from openrois_media.running import prepare_process
+from openrois_streaming.aiortc_internals.trial import UnsupportedLibrary
+
+from openrois.adapter.process import AdapterProcess, run_until_stopped
+from openrois.cli.command_line import CommandLine
+from openrois.errors import BadParameter
+from openrois.metrics.server import MetricsUnavailable, serving_metrics
+from openrois.observability.health import Readiness, healthz, readyz
+from openrois.observability.logs import set_up_logging
+from openrois.session.session import EngineHost
+from openrois_robots.adapter.options import AdapterSettings, add_adapter_options, read_adapter_settings
+
+__all__ = ["RobotCommand", "RunningRobot"]
+
+_log = logging.getLogger(__name__)
+
+_S = TypeVar("_S")
+
+
+@dataclass(frozen=True, slots=True)
+class RunningRobot:
+    """A robot whose adapter runs.
+
+    Attributes:
+        host: the engine that is served to the gateway.
+        collect_figures: takes a snapshot of all metrics.
+        requirements: what `/readyz` requires beside the gateway: `the robot: it does not answer`, and whether it holds.
+    """
+
+    host: EngineHost
+    collect_figures: Callable[[], Awaitable[Snapshot]]
+    requirements: Mapping[str, Callable[[], bool]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class RobotCommand(Generic[_S]):
+    """`openrois robot NAME`.
+
+    Attributes:
+        name: of the robot.
+        description: for the help.
+        engine_id: the default one.
+        tables: of the configuration file, as `add_adapter_options` takes it.
+        add_options: adds the options that only this robot has.
+        read_settings: returns the settings that only this robot has; `ValueError` says what is wrong.
+        run: runs the robot while a block does; `BadParameter` and `OSError` say why it cannot.
+    """
+
+    name: str
+    description: str
+    engine_id: str
+    tables: str
+    add_options: Callable[[argparse.ArgumentParser], None]
+    read_settings: Callable[[argparse.Namespace], _S]
+    run: Callable[[AdapterSettings, _S], AbstractAsyncContextManager[RunningRobot]]
+
+    def main(self, arguments: Sequence[str]) -> int:
+        """Run the command and return its exit status: 0 when stopped, 1 when it could not start, 2 for wrong usage."""
+        called = f"openrois robot {self.name}"
+        parser = CommandLine(called, description=self.description)
+        add_adapter_options(parser, self.engine_id, self.tables)
+        self.add_options(parser)
+        chosen = parser.parse_args(arguments)
+        try:
+            settings, own = read_adapter_settings(chosen), self.read_settings(chosen)
+        except ValueError as error:
+            parser.error(str(error))
+        try:
+            # Both are read again whenever they are needed; an error now is most likely a mistake.
+            settings.credentials.newest(), settings.credentials.context(settings.gateway)
+        except ValueError as error:
+            print(f"{called}: {error}", file=sys.stderr)
+            return 1
+        set_up_logging(verbose=chosen.verbose, form=chosen.log_format)
+        prepare_process()
+        try:
+            uvloop.run(run_until_stopped(self._serve(settings, own)))
+        except (UnsupportedLibrary, BadParameter, MetricsUnavailable, OSError) as error:
+            print(f"{called}: {error}", file=sys.stderr)
+            return 1
+        return 0
+
+    async def _serve(self, settings: AdapterSettings, own: _S) -> None:
+        process = AdapterProcess(settings.engine_id)
+        async with AsyncExitStack() as stack:
+            robot = await stack.enter_async_context(self.run(settings, own))
+            if settings.metrics is not None:
+                readiness = Readiness()
+                readiness.require("the gateway: it has not accepted this adapter", lambda: process.is_attached)
+                for what, holds in robot.requirements.items():
+                    readiness.require(what, holds)
+                serving = serving_metrics(
+                    *settings.metrics,
+                    partial(scraped, robot.collect_figures),
+                    beside={"/healthz": healthz, "/readyz": partial(readyz, readiness, "")},
+                )
+                _log.info("metrics: %s", await stack.enter_async_context(serving))
+            await process.serve(robot.host, settings.gateway, settings.credentials)

@@ -1,0 +1,1 @@
+"""Components that every robot may have, and bodies without a battery have otherwise."""
