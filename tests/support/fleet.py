@@ -120,7 +120,7 @@ class Part:
             raise Unsupported(f"{self.profile.name} has no query {query_type!r}")
         if query_type == "component_status":
             return (Result(name="status", data_type_ref="Component_Status", value=self.status.value),)
-        self._require_usable()
+        self.require_usable()
         if query_type == "get_stream_status":
             newest = next(reversed(self.streams.values()), StreamStatus.STREAMING_NOT_CONNECTED)
             return StreamStatusResults(status=newest).named(Result)
@@ -136,7 +136,7 @@ class Part:
         if command is None:
             raise Unsupported(f"{self.profile.name} has no command {command_type!r}")
         texts = check_arguments(command.arguments, arguments)
-        self._require_usable()
+        self.require_usable()
         self._running += 1
         try:
             results = await self._run(command_type, texts)
@@ -209,8 +209,8 @@ class Part:
         told = NotifyStreamStatus(timestamp=NOON, status=status, stream_id=stream_id)
         self.emit("notify_stream_status", told.named(Result))
 
-    def _require_usable(self) -> None:
-        require_usable(self.profile.name, self.status)
+    def require_usable(self, name: str = "") -> None:
+        require_usable(name or self.profile.name, self.status)
 
 
 @dataclass(frozen=True)

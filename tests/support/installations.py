@@ -33,6 +33,8 @@ def _environment(more: Mapping[str, str] | None = None) -> dict[str, str]:
     """Return the environment without what leads to the checkout's packages, or to another environment's."""
     left_out = ("PYTHONPATH", "VIRTUAL_ENV", "OPENROIS_REQUIRE_ALL")
     kept = {name: value for name, value in os.environ.items() if name not in left_out}
+    # All seeds are tried in the checkout: here it is found out whether anything is missing.
+    kept["OPENROIS_SEEDS"] = "1"
     versions = str(_CONSTRAINTS)
     return {**kept, "PIP_CONSTRAINT": versions, "PIP_BUILD_CONSTRAINT": versions, **(more or {})}
 
