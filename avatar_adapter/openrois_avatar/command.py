@@ -1,24 +1,21 @@
 """`openrois avatar`: run an avatar adapter until a signal stops it."""
 
 import argparse
-import logging
 import sys
 from collections.abc import Sequence
 from contextlib import AsyncExitStack
-from functools import partial
 
 import uvloop
-from openrois_media.metrics.exposition import scraped
 from openrois_media.network_options import add_network_options, network_settings
+from openrois_media.process import serve_process
 from openrois_media.running import prepare_process
 from openrois_streaming.adaptation.rung import MIN_BITRATE
 from openrois_streaming.aiortc_internals.trial import UnsupportedLibrary
 
-from openrois.adapter.process import AdapterProcess, run_until_stopped
+from openrois.adapter.process import run_until_stopped
 from openrois.cli.command_line import CommandLine
 from openrois.errors import BadParameter
-from openrois.metrics.server import LOOPBACK, MetricsUnavailable, metrics_address, serving_metrics
-from openrois.observability.health import Readiness, healthz, readyz
+from openrois.metrics.server import LOOPBACK, MetricsUnavailable, metrics_address
 from openrois.observability.logs import set_up_logging
 from openrois.transport.address import adapter_url
 from openrois.transport.credential_options import add_credential_options, credentials
@@ -34,8 +31,6 @@ from openrois_avatar.options.pixel_streaming import add_pixel_streaming_options,
 from openrois_avatar.options.settings import AvatarSettings
 
 __all__ = ["main"]
-
-_log = logging.getLogger(__name__)
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -144,14 +139,6 @@ async def _serve(settings: AvatarSettings) -> None:
             avatar = await stack.enter_async_context(run_facade(settings))
         else:
             avatar = await stack.enter_async_context(run_avatar(settings))
-        process = AdapterProcess(settings.engine_id)
-        if settings.metrics is not None:
-            readiness = Readiness()
-            readiness.require("the gateway: it has not accepted this adapter", lambda: process.is_attached)
-            serving = serving_metrics(
-                *settings.metrics,
-                partial(scraped, avatar.collect_figures),
-                beside={"/healthz": healthz, "/readyz": partial(readyz, readiness, "")},
-            )
-            _log.info("metrics: %s", await stack.enter_async_context(serving))
-        await process.serve(avatar.host, settings.gateway, settings.credentials)
+        await serve_process(
+            avatar.host, settings.gateway, settings.credentials, avatar.collect_figures, settings.metrics
+        )

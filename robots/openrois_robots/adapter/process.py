@@ -1,32 +1,27 @@
 """The command of one robot: options, logs, metrics, health, and its adapter until a signal stops it."""
 
 import argparse
-import logging
 import sys
 from collections.abc import Awaitable, Callable, Mapping, Sequence
-from contextlib import AbstractAsyncContextManager, AsyncExitStack
+from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Generic, TypeVar
 
 import uvloop
-from openrois_media.metrics.exposition import scraped
 from openrois_media.metrics.figures import Snapshot
+from openrois_media.process import serve_process
 from openrois_media.running import prepare_process
 from openrois_streaming.aiortc_internals.trial import UnsupportedLibrary
 
-from openrois.adapter.process import AdapterProcess, run_until_stopped
+from openrois.adapter.process import run_until_stopped
 from openrois.cli.command_line import CommandLine
 from openrois.errors import BadParameter
-from openrois.metrics.server import MetricsUnavailable, serving_metrics
-from openrois.observability.health import Readiness, healthz, readyz
+from openrois.metrics.server import MetricsUnavailable
 from openrois.observability.logs import set_up_logging
 from openrois.session.session import EngineHost
 from openrois_robots.adapter.options import AdapterSettings, add_adapter_options, read_adapter_settings
 
 __all__ = ["RobotCommand", "RunningRobot"]
-
-_log = logging.getLogger(__name__)
 
 _S = TypeVar("_S")
 
@@ -95,18 +90,12 @@ class RobotCommand(Generic[_S]):
         return 0
 
     async def _serve(self, settings: AdapterSettings, own: _S) -> None:
-        process = AdapterProcess(settings.engine_id)
-        async with AsyncExitStack() as stack:
-            robot = await stack.enter_async_context(self.run(settings, own))
-            if settings.metrics is not None:
-                readiness = Readiness()
-                readiness.require("the gateway: it has not accepted this adapter", lambda: process.is_attached)
-                for what, holds in robot.requirements.items():
-                    readiness.require(what, holds)
-                serving = serving_metrics(
-                    *settings.metrics,
-                    partial(scraped, robot.collect_figures),
-                    beside={"/healthz": healthz, "/readyz": partial(readyz, readiness, "")},
-                )
-                _log.info("metrics: %s", await stack.enter_async_context(serving))
-            await process.serve(robot.host, settings.gateway, settings.credentials)
+        async with self.run(settings, own) as robot:
+            await serve_process(
+                robot.host,
+                settings.gateway,
+                settings.credentials,
+                robot.collect_figures,
+                settings.metrics,
+                robot.requirements,
+            )

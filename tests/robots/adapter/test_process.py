@@ -62,7 +62,7 @@ def test_figures_and_health_are_served_and_say_what_is_lacking() -> None:
             await ask()
 
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("openrois_robots.adapter.process.AdapterProcess", Served)
+        patched.setattr("openrois_media.process.AdapterProcess", Served)
         assert of(run).main(["--robot", "here", "--metrics", str(port)]) == 0
     assert answers["/healthz"][0] == answers["/metrics"][0] == 200
     assert "openrois_" in answers["/metrics"][1]
