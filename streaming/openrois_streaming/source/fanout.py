@@ -153,6 +153,29 @@ class SourceRun(Generic[T]):
                 reader._end_input(cause)
 
 
+class _FailureLog:
+    """Log of a source that is tried again and again: its first failure, each other reason, and its recovery."""
+
+    __slots__ = ("_name", "_reason", "failed")
+
+    def __init__(self, name: str) -> None:
+        self.failed = False
+        self._name = name
+        self._reason = ""
+
+    def note_failure(self, error: Exception) -> None:
+        """Log `error`, unless its reason is that of the try before."""
+        reason = repr(error)
+        if not self.failed or reason != self._reason:
+            _log.warning("%s: the source failed: %s", self._name, reason)
+        self.failed, self._reason = True, reason
+
+    def note_recovery(self) -> None:
+        """Log that items come again."""
+        self.failed = False
+        _log.info("%s: the source works again", self._name)
+
+
 class Fanout(Generic[T]):
     """Source shared by any number of readers, each with a bounded queue of its own.
 
@@ -174,6 +197,7 @@ class Fanout(Generic[T]):
         self.failure: Exception | None = None
         self._source = source
         self._close_timeout = close_timeout
+        self._failures = _FailureLog(name)
         self._run: SourceRun[T] | None = None
         self._pullers: set[asyncio.Task[None]] = set()
         """The pulling task, and earlier ones that still close the source."""
@@ -226,7 +250,7 @@ class Fanout(Generic[T]):
                 await asyncio.wait(earlier)
             await self._feed(run)
         except Exception as error:
-            _log.warning("%s: the source failed: %r", self.name, error)
+            self._failures.note_failure(error)
             if not run.ended:
                 # A failure while it closes is not why it ended.
                 self.failure = error
@@ -252,5 +276,7 @@ class Fanout(Generic[T]):
         """Queue an item of the source for every reader."""
         self.pulled += 1
         self.failure = None
+        if self._failures.failed:
+            self._failures.note_recovery()
         for reader in run.readers:
             reader._put(item)

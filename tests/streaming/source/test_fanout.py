@@ -130,6 +130,38 @@ async def test_failed_opening_ends_the_readers(fanout: Fanout[int], source: FedS
         assert told.value.__cause__ is source.refusal
 
 
+async def test_a_source_that_is_tried_again_logs_its_first_failure_each_other_reason_and_its_recovery(
+    fanout: Fanout[int], source: FedSource[int], caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.INFO)
+
+    async def fail(text: str) -> None:
+        source.refusal = OSError(text)
+        async with fanout.subscribe() as reader:
+            with pytest.raises(SourceEnded):
+                await reader.get()
+
+    async def recover() -> None:
+        source.refusal = None
+        async with fanout.subscribe() as reader:
+            for item in range(3):
+                await source.feed(item)
+                assert await reader.get() == item
+
+    for text in ("no camera", "no camera", "no camera", "no access", "no access"):
+        await fail(text)
+    for _ in range(2):
+        await recover()
+    await fail("no access")
+    assert [record.getMessage() for record in caplog.records] == [
+        "numbers: the source failed: OSError('no camera')",
+        "numbers: the source failed: OSError('no access')",
+        "numbers: the source works again",
+        "numbers: the source failed: OSError('no access')",
+    ]
+    assert fanout.failure is source.refusal
+
+
 class _Stubborn:
     """Closes only when the test lets it, whatever happens to the task that closes it."""
 
