@@ -45,6 +45,10 @@ async def serve(
 
         serve(engine_id="porch", streams={"camera": opencv_camera(0)})
 
+    As with `run`, threads of this process give way after 0.5 ms (`sys.setswitchinterval`), so that encoders do not hold
+    the event loop up, and OpenCV has no threads of its own (`cv2.setNumThreads(1)`). Both stay so after the block; a
+    program that wants something else sets it inside.
+
     Args:
         components: besides the streaming components, each with a name of its own.
         engine_id: unique behind its gateway; leads every component_ref.
@@ -62,6 +66,7 @@ async def serve(
         ValueError: `gateway` is no address of a gateway, or a stream has two kinds of media.
         UnsupportedLibrary: the installed version of aiortc is not supported.
     """
+    prepare_process()
     own = _streams(engine_id, streams, network, max_encoders, max_viewer_bitrate)
     async with adapter.serve(
         *own.components.values(),
@@ -88,6 +93,8 @@ def run(
     verbose: bool = False,
 ) -> None:
     """Serve components and streams to a gateway until the process is told to stop (Ctrl-C, SIGTERM).
+
+    It sets threads of the process as `serve` does.
 
     Args:
         components: as in `serve`.

@@ -2,9 +2,11 @@
 
 import asyncio
 import json
+import sys
 from collections.abc import Iterator
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 from openrois_media.components import AudioStreaming, VideoStreaming
@@ -19,6 +21,14 @@ from openrois_streaming.publish.publisher import VideoPublisher
 from openrois.errors import BadParameter
 from openrois.types.codes import ComponentStatus
 from tests.support.streaming import FedSource, VirtualClock, settle
+
+
+@pytest.fixture(autouse=True)
+def _as_before() -> Iterator[None]:
+    interval, threads = sys.getswitchinterval(), cv2.getNumThreads()
+    yield
+    sys.setswitchinterval(interval)
+    cv2.setNumThreads(threads)
 
 
 def pictures() -> Iterator[Picture]:
@@ -162,3 +172,12 @@ async def test_limits_are_checked_before_anything_runs() -> None:
     with pytest.raises(ValueError, match="max_encoders must be 1 or more, not -1"):
         async with serve(engine_id="robot", streams={"camera": camera()}, max_encoders=-1):
             pass
+
+
+async def test_threads_of_a_process_that_serves_streams_are_set_as_by_run() -> None:
+    sys.setswitchinterval(0.005)
+    cv2.setNumThreads(2)
+    async with serve(engine_id="robot", streams={"camera": camera()}, gateway="ws://127.0.0.1:9/adapter"):
+        assert sys.getswitchinterval() == pytest.approx(0.0005)
+        assert cv2.getNumThreads() == 1
+    assert cv2.getNumThreads() == 1, "other streams of the process may still run"
