@@ -42,6 +42,7 @@ TESTS = (
     *(f"tests/streaming/test_{part}.py" for part in ("state", "liveness")),
     *(f"tests/streaming/source/test_{part}.py" for part in ("loudness", "supervision")),
     *(f"tests/streaming/publish/test_{part}.py" for part in ("encoder_health", "encoder_limit", "key_frames")),
+    "tests/streaming/capture/test_given.py",
     "tests/streaming/network/test_session_limits.py",
     "tests/streaming/publish/test_reference_chain.py",
     "tests/streaming/adaptation",

@@ -10,6 +10,7 @@ from typing import TypeAlias
 from openrois_signaling.messages import MediaKind
 from openrois_streaming.adaptation.viewer import Caps
 from openrois_streaming.capture.audio import AudioSource
+from openrois_streaming.capture.given import source_remedy
 from openrois_streaming.capture.video import EncodedSource, VideoSource
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.codecs import available_codecs
@@ -168,9 +169,7 @@ class AdapterStreams:
                 return AudioPublisher(source, clock=clock, name=label)
             case _ if hasattr(source, "renditions"):
                 return source
-        raise TypeError(
-            f"{label} is a {type(source).__name__} and no source: wrap it in VideoSource, EncodedSource or AudioSource"
-        )
+        raise TypeError(f"{label} is a {type(source).__name__} and no source: {source_remedy(source)}")
 
 
 def _check_distinct(streams: Mapping[str, Source | Stream]) -> None:

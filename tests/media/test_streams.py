@@ -85,7 +85,8 @@ def test_what_applications_may_send_is_offered_too() -> None:
     [
         (Stream(), ValueError, "a stream has a source, an uplink, or both of one kind of media, not neither"),
         (Stream(camera(), AudioUplink()), ValueError, "not audio and video"),
-        (7, TypeError, "camera is a int and no source: wrap it in VideoSource, EncodedSource or AudioSource"),
+        (7, TypeError, "camera is a int and no source: use opencv_camera, v4l2_camera or ffmpeg_input"),
+        (cv2.VideoCapture(), TypeError, "camera is a VideoCapture and no source: use opencv_camera"),
         (FedSource(), TypeError, "camera is a FedSource and no source: wrap it"),
     ],
 )

@@ -11,6 +11,7 @@ from typing import Any, Final, Literal, Self, TypeVar, overload
 import numpy as np
 from numpy.typing import NDArray
 from openrois_signaling.messages import MediaKind
+from openrois_streaming.capture.given import is_source, source_remedy
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.receive.decoded import DecodedPicture
 from openrois_streaming.recording.jpeg import jpeg_of
@@ -247,6 +248,7 @@ class Media:
 
         Raises:
             ValueError: there is nothing to send.
+            TypeError: what is to be sent is no source.
             Unsupported: no component takes it.
             BadParameter: several do.
             RoISError: the engine refuses, such as OutOfResources without control.
@@ -254,8 +256,11 @@ class Media:
         """
         streams = self._require_open()
         sources: dict[MediaKind, MediaSource[Any] | None] = {"video": camera, "audio": microphone}
-        if not any(sources.values()):
+        if camera is None and microphone is None:
             raise ValueError("there is nothing to send: give a camera, a microphone or both")
+        for name, source in (("camera", camera), ("microphone", microphone)):
+            if source is not None and not is_source(source):
+                raise TypeError(f"{name} is a {type(source).__name__} and no source: {source_remedy(source)}")
         sent = [
             SentStream(await self._destination(kind, to), kind, source, streams, self._clock)
             for kind, source in sources.items()

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from openrois_signaling.messages import MediaKind
 
+from openrois_streaming.capture.given import check_function, is_source
 from openrois_streaming.capture.iterated import Item, Items, IteratedSource
 from openrois_streaming.capture.moments import SampleClock, capture_time
 from openrois_streaming.clock import MediaClock, SystemClock
@@ -33,7 +34,7 @@ class AudioSource:
         name: its name in the log and in errors.
 
     Raises:
-        TypeError: `blocks` is no function.
+        TypeError: `blocks` is neither a function without arguments nor a source.
         ValueError: the rate is none of 8,000 to 192,000.
     """
 
@@ -51,11 +52,13 @@ class AudioSource:
             raise ValueError(f"sample_rate of {name} must be 8000 to 192000, not {sample_rate}")
         self._rate = sample_rate
         self._name = name
-        self._source: MediaSource[RawAudio] | IteratedSource[Sound] = (
-            cast("MediaSource[RawAudio]", blocks)
-            if hasattr(blocks, "open")
-            else IteratedSource(blocks, clock=clock or SystemClock(), depth=_BLOCKS, name=name)
-        )
+        self._source: MediaSource[RawAudio] | IteratedSource[Sound]
+        if is_source(blocks):
+            self._source = cast("MediaSource[RawAudio]", blocks)
+        else:
+            check_function(blocks, name, "use piped_sound for a program that writes sound, such as arecord")
+            items = cast("Items[Sound]", blocks)
+            self._source = IteratedSource(items, clock=clock or SystemClock(), depth=_BLOCKS, name=name)
 
     def open(self) -> AbstractAsyncContextManager[AsyncIterator[RawAudio]]:
         """Open the microphone; its iterator raises what the microphone's raises.

@@ -37,16 +37,9 @@ class IteratedSource(Generic[T]):
         clock: the media clock.
         depth: items that may wait while the event loop is busy; the oldest is lost first, and its number is missing.
         name: its name in the log and in errors.
-
-    Raises:
-        TypeError: `items` is no function.
     """
 
     def __init__(self, items: Items[T], *, clock: MediaClock, depth: int, name: str) -> None:
-        if not callable(items):
-            raise TypeError(
-                f"{name} must be a function that returns an iterator, not a {type(items).__name__}: do not call it"
-            )
         self._items = items
         self._clock = clock
         self._depth = depth

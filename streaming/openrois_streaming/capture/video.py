@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from openrois_signaling.messages import MediaKind
 
+from openrois_streaming.capture.given import CAMERA_REMEDY, check_function, is_source
 from openrois_streaming.capture.iterated import Item, Items, IteratedSource
 from openrois_streaming.capture.moments import capture_time
 from openrois_streaming.clock import MediaClock, SystemClock
@@ -53,7 +54,7 @@ class VideoSource:
         name: its name in the log and in errors.
 
     Raises:
-        TypeError: `pictures` is no function.
+        TypeError: `pictures` is neither a function without arguments nor a source.
         ValueError: no camera has such a size, frame rate or format.
     """
 
@@ -77,11 +78,13 @@ class VideoSource:
         self.frame_rate = frame_rate
         self._format = format
         self._name = name
-        self._source: MediaSource[RawVideo] | IteratedSource[Picture] = (
-            cast("MediaSource[RawVideo]", pictures)
-            if hasattr(pictures, "open")
-            else IteratedSource(pictures, clock=clock or SystemClock(), depth=_PICTURES, name=name)
-        )
+        self._source: MediaSource[RawVideo] | IteratedSource[Picture]
+        if is_source(pictures):
+            self._source = cast("MediaSource[RawVideo]", pictures)
+        else:
+            check_function(pictures, name, CAMERA_REMEDY)
+            items = cast("Items[Picture]", pictures)
+            self._source = IteratedSource(items, clock=clock or SystemClock(), depth=_PICTURES, name=name)
 
     def open(self) -> AbstractAsyncContextManager[AsyncIterator[RawVideo]]:
         """Open the camera; its iterator raises what the camera's raises.
@@ -121,7 +124,7 @@ class EncodedSource:
         name: its name in the log and in errors.
 
     Raises:
-        TypeError: `units` is no function.
+        TypeError: `units` is no function without arguments.
         ValueError: the media type is another one, or no camera has such a size or frame rate.
     """
 
@@ -142,6 +145,7 @@ class EncodedSource:
         if mime_type not in (H264, VP8):
             raise ValueError(f"pictures of {name} must come encoded as {H264} or {VP8}, not as {mime_type!r}")
         _check_expected(size, frame_rate, name)
+        check_function(units, name, "use piped_units for a program that writes encoded pictures")
         self.size = size
         self.mime_type = mime_type
         self.frame_rate = frame_rate

@@ -282,6 +282,9 @@ async def test_the_end_and_the_failure_of_what_is_sent(robot: Body) -> None:
         with pytest.raises(ValueError, match="nothing to send"):
             async with media.send():
                 pass
+        with pytest.raises(TypeError, match=r"camera is a int and no source: use opencv_camera, v4l2_camera or ffmpeg"):
+            async with media.send(camera=0, to=CAMERA):  # type: ignore[arg-type]
+                pass
         with pytest.raises(Unsupported, match="no component of other/arm takes the video"):
             async with media.send(camera=ending, to="other/arm"):
                 pass
