@@ -64,7 +64,7 @@ export class Client extends Link {
   /**
    * @param url the gateway, `ws://`, `wss://` or what it prints, `http://`; read relative to the page, which is what
    *   it is without it
-   * @throws TypeError when `url` is no address, or there is no WebSocket here and no `webSocket` is given
+   * @throws TypeError when `url` is no address, there is no WebSocket here and no `webSocket` is given, or that is a class
    */
   constructor(url?: string | URL, options?: ClientOptions) {
     super(url, options);

@@ -45,8 +45,8 @@ export interface ConnectionOptions {
   /** Milliseconds after which an unanswered request fails. */
   readonly requestTimeout?: number;
   /**
-   * Opens a WebSocket; by default the one of the platform. Node has one from 22 on; for Node 20, with `ws`:
-   * `(url, protocols, headers) => new WebSocket(url, protocols, { headers })`.
+   * Opens a WebSocket, a function and not the class; by default the one of the platform. Node has one from 22 on; for
+   * Node 20, with `ws`: `(url, protocols, headers) => new WebSocket(url, protocols, { headers })`.
    */
   readonly webSocket?: (
     url: string,
@@ -74,12 +74,13 @@ export class Connection {
   #timer: ReturnType<typeof setTimeout> | undefined;
   #attempt = 0;
 
-  /** @throws TypeError when `url` is no address, or nothing here can open a WebSocket */
+  /** @throws TypeError when `url` is no address, nothing here can open a WebSocket, or the option does not */
   constructor(
     url: string | URL,
     options: ConnectionOptions,
     handshake: (session: JsonRpcSession) => Promise<void>,
   ) {
+    requireOpener(options.webSocket);
     if (!options.webSocket && !("WebSocket" in globalThis)) {
       throw new TypeError("there is no WebSocket here: give the option webSocket, or use Node 22 or later");
     }
@@ -150,7 +151,7 @@ export class Connection {
     this.#enter({ name: "connecting", attempt: this.#backoff.failures });
     let socket: SocketLike;
     try {
-      socket = this.#createSocket();
+      socket = requireSocket(this.#createSocket());
     } catch (error) {
       return this.#fail(attempt, error instanceof Error ? error.message : String(error));
     }
@@ -235,6 +236,26 @@ export function gatewayUrl(url: string | URL, base: string | undefined = globalT
   address.protocol = address.protocol.replace(/^http/, "ws");
   address.hash = "";
   return address.href;
+}
+
+const OPENER = "webSocket must be a function such as (url, protocols) => new WebSocket(url, protocols)";
+
+/** Refuses what cannot be called for a socket: a class, above all, which has to be called with `new`. */
+function requireOpener(given: unknown): void {
+  if (given === undefined) return;
+  if (typeof given !== "function")
+    throw new TypeError(`${OPENER}, not ${given === null ? "null" : typeof given}`);
+  const prototype: unknown = given.prototype;
+  // A class may also be a function that was compiled from one; a socket's has `send`.
+  const isSocket = typeof prototype === "object" && prototype !== null && "send" in prototype;
+  if (isSocket || /^class\b/.test(Function.prototype.toString.call(given)))
+    throw new TypeError(`${OPENER}, not the class ${given.name}`);
+}
+
+/** Refuses what a function that opens sockets returned, where it is none. */
+function requireSocket(made: SocketLike | undefined): SocketLike {
+  if (typeof made?.addEventListener === "function") return made;
+  throw new TypeError(`${OPENER}, and return a socket with addEventListener`);
 }
 
 function openWebSocket(

@@ -118,7 +118,7 @@ export abstract class Link {
 
   /**
    * @param url the gateway, `ws://`, `wss://` or what it prints, `http://`; read relative to the page
-   * @throws TypeError when `url` is no address, or there is no WebSocket here and no `webSocket` is given
+   * @throws TypeError when `url` is no address, there is no WebSocket here and no `webSocket` is given, or that is a class
    */
   constructor(url: string | URL = "./", options: ClientOptions = {}) {
     this.#idleProbe = options.idleProbe ?? 20_000;

@@ -128,6 +128,39 @@ describe("connecting", () => {
     vi.unstubAllGlobals();
   });
 
+  it("refuses a class in place of the function that opens a socket at once", () => {
+    class Socket extends EventTarget {
+      send(): void {}
+    }
+    class Empty {}
+    // As a compiler for old browsers writes a class.
+    function Compiled(): void {}
+    Compiled.prototype.send = (): void => undefined;
+    const wrong: [unknown, string][] = [
+      [Socket, "not the class Socket"],
+      [Empty, "not the class Empty"],
+      [Compiled, "not the class Compiled"],
+      [gateway.webSocket("ws://test/", []), "not object"],
+      ["ws", "not string"],
+      [null, "not null"],
+    ];
+    for (const [webSocket, told] of wrong) {
+      const make = (): Client => new Client("ws://test/", { webSocket } as unknown as ClientOptions);
+      expect(make, told).toThrow(TypeError);
+      expect(make).toThrow(
+        `webSocket must be a function such as (url, protocols) => new WebSocket(url, protocols), ${told}`,
+      );
+    }
+    expect(
+      () =>
+        new Client("ws://test/", {
+          webSocket: function open(url, protocols) {
+            return gateway.webSocket(url, protocols);
+          },
+        }),
+    ).not.toThrow();
+  });
+
   it("can be given up", async () => {
     gateway.running = false;
     const client = clientOf();

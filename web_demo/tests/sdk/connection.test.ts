@@ -177,6 +177,15 @@ describe("reconnecting", () => {
     expect(vi.getTimerCount()).toBe(0);
   });
 
+  it("reports a function that returns no socket", async () => {
+    const client = start({ webSocket: () => undefined as unknown as FakeSocket });
+    expect(client.state).toMatchObject({
+      name: "waiting",
+      reason: expect.stringContaining("return a socket"),
+    });
+    await client.close();
+  });
+
   it("closes while it dials, and hears nothing more", async () => {
     const client = start();
     const closing = client.close();
