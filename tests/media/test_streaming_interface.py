@@ -494,6 +494,7 @@ async def test_a_viewer_for_whose_only_codec_there_is_no_encoder_is_refused(stag
     stage.publisher.full = {"video/VP8"}
     viewer = Caller(stage)
     with pytest.raises(
-        OutOfResources, match="all encoders of the engine are in use, and none of them encodes video/VP8"
+        OutOfResources,
+        match=r"all encoders of the adapter are in use, and none of them encodes video/VP8: disconnect .*max_encoders",
     ):
         await viewer.connect(VP8)

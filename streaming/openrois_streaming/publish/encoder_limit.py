@@ -36,6 +36,10 @@ T = TypeVar("T", bound=Encodable)
 class EncoderLimit:
     """Limit on the encoders of the sources that share it.
 
+    Each source that is watched has one encoder for each codec that is watched, as many as there are; what is left goes
+    to further sizes and paces. Such an encoder gives way when another source or codec comes to be watched: its viewers
+    share the nearest that runs. Until they have changed, for about a second, more than `limit` may run.
+
     Args:
         limit: how many may run at a time.
     """
@@ -48,45 +52,74 @@ class EncoderLimit:
         """Count the encoders of a source, of which `made` returns all renditions."""
         self._sources.append(made)
 
-    def choose(self, asked: Sequence[T], first: T, made: Iterable[T], codecs: int) -> tuple[T, ...]:
+    def choose(self, asked: Sequence[T], first: T, made: Iterable[T]) -> tuple[T, ...]:
         """Return the renditions that a viewer of a source can have; as `within_limit`."""
-        everywhere = [each for source in self._sources for each in source()]
-        return within_limit(asked, first, made, everywhere, self.limit, codecs * len(self._sources))
+        own = [each for each in made if each.is_wanted and each.mime_type == first.mime_type]
+        everywhere = [group for source in self._sources for group in _by_codec(source())]
+        return within_limit(asked, first, own, everywhere, self.limit)
 
 
 def within_limit(
-    asked: Sequence[T], first: T, made: Iterable[T], everywhere: Iterable[Encodable], limit: int, reserved: int
+    asked: Sequence[T], first: T, own: Sequence[T], everywhere: Sequence[Sequence[Encodable]], limit: int
 ) -> tuple[T, ...]:
     """Return the renditions that a viewer can have in place of those that suit it.
 
-    An encoder is reserved for the first rendition of each source and codec, the largest at the full pace: whatever
-    other viewers ask for, it stays available. Where no encoder is left, the nearest running rendition replaces the one
-    that would need another.
+    The first rendition of its codec, the largest at the full pace, is always one of them. Where no encoder is left, the
+    nearest of what it can have replaces each other one.
 
     Args:
         asked: renditions of one codec that suit the viewer.
         first: the first rendition of that codec.
-        made: all renditions of the source.
-        everywhere: all renditions of all sources.
+        own: running renditions of the same source and codec.
+        everywhere: running renditions of all sources, those of each source and codec together.
         limit: how many may be encoded at a time.
-        reserved: how many first renditions there are: one for each source and codec.
 
     Raises:
-        NoEncoder: not even the first one can be encoded; only where there are fewer encoders than first renditions.
+        NoEncoder: as many sources and codecs are watched as there may be encoders, and this one is not among them.
     """
-    running = [each for each in everywhere if each.is_wanted]
-    room = sum(not _is_first(each) for each in running) < limit - reserved
-    usable = [each for each in asked if each.is_wanted or room]
-    if first.is_wanted or len(running) < limit:
-        usable.append(first)
-    usable += [each for each in made if each.is_wanted and each.mime_type == first.mime_type]
-    if not usable:
-        raise NoEncoder(f"all {limit} encoders are in use, and none encodes {first.mime_type}: try again later")
+    if not own and len(everywhere) >= limit:
+        raise NoEncoder(
+            f"all {limit} encoders are in use, and none encodes {first.mime_type} of this source:"
+            " disconnect another stream, or raise max_encoders of the adapter"
+        )
+    running = sum(map(len, everywhere))
+    if own and running >= limit:
+        ending = _giving_way(everywhere, running - limit)
+        usable = [first, *(each for each in own if each not in ending)]
+    else:
+        usable = [first, *own, *asked]
     return tuple(each if each in usable else min(usable, key=lambda other: _distance(each, other)) for each in asked)
 
 
-def _is_first(rendition: Encodable) -> bool:
-    return rendition.rung is not None and rendition.rung.halvings == 0 and rendition.rung.every == 1
+def _by_codec(made: Iterable[Encodable]) -> list[list[Encodable]]:
+    """Return the running renditions of a source, those of each codec together."""
+    groups: dict[str, list[Encodable]] = {}
+    for each in made:
+        if each.is_wanted:
+            groups.setdefault(each.mime_type, []).append(each)
+    return list(groups.values())
+
+
+def _giving_way(groups: Sequence[Sequence[Encodable]], count: int) -> list[Encodable]:
+    """Return `count` running renditions that give way, the same ones for all viewers.
+
+    One of each group stays, the largest at the greatest pace. Of the others those end first that differ least from
+    another of their group: their viewers notice it least.
+    """
+    spare: list[tuple[float, Encodable]] = []
+    for group in groups:
+        kept = max(group, key=_weight)
+        for each in group:
+            if each is not kept:
+                spare.append((min(_distance(each, other) for other in group if other is not each), each))
+    spare.sort(key=lambda entry: entry[0])
+    return [each for _, each in spare[:count]]
+
+
+def _weight(rendition: Encodable) -> float:
+    """Return the pixels that a rendition has in a second."""
+    rung = rendition.rung
+    return 0.0 if rung is None else rung.width * rung.height * rung.frame_rate
 
 
 def _distance(one: Encodable, other: Encodable) -> float:

@@ -2,7 +2,6 @@
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from functools import cache
 from typing import Final, Generic, Protocol, TypeVar
 
 from openrois_signaling.messages import MediaKind
@@ -10,7 +9,7 @@ from openrois_signaling.messages import MediaKind
 from openrois_streaming.adaptation.demand import LOWEST, MIDDLE, TOP, Demands
 from openrois_streaming.adaptation.rung import Rung, Thinning, every_for, ladder
 from openrois_streaming.clock import MediaClock, wall_at
-from openrois_streaming.codecs import CodecUnavailable, available_codecs, codec_named
+from openrois_streaming.codecs import CodecUnavailable, codec_named
 from openrois_streaming.encoded import AUDIO_CLOCK_RATE, VIDEO_CLOCK_RATE
 from openrois_streaming.errors import NoEncoder, words_of
 from openrois_streaming.publish.audio_encoder import OpusEncoder
@@ -223,7 +222,7 @@ class VideoPublisher(Publisher[RawVideo]):
             raise CodecUnavailable(f"{codec} is no video codec: use video/H264 or video/VP8")
         asked = self._ladder(codec, every_for(self._frame_rate, fps))
         first = asked[0] if fps is None else self._ladder(codec, 1)[0]
-        return self._encoders.choose(asked, first, self._made.values(), len(_video_codecs()))
+        return self._encoders.choose(asked, first, self._made.values())
 
     def has_room(self, mime_type: str) -> bool:
         """Tell whether a viewer can be sent that media type now."""
@@ -283,11 +282,6 @@ class AudioPublisher(Publisher[RawAudio]):
             encoding = _audio_encoding(codec)
             self._made[codec,] = encoded_rendition(self._raw, encoding, clock=self._clock, bitrate=self._bitrate)
         return (self._made[codec,],)
-
-
-@cache
-def _video_codecs() -> tuple[str, ...]:
-    return tuple(codec for codec in available_codecs() if codec.startswith("video/"))
 
 
 def _video_encoding(mime_type: str, demands: Demands) -> Encoding[RawVideo]:

@@ -197,7 +197,8 @@ class StreamSession:
             chosen = tuple(codec for codec in chosen if publisher.has_room(codec))
             if not chosen:
                 raise NoEncoder(
-                    f"all encoders of the engine are in use, and none of them encodes {names}; try again later"
+                    f"all encoders of the adapter are in use, and none of them encodes {names}:"
+                    " disconnect another stream, or raise max_encoders of the adapter"
                 )
             chosen = tuple(codec for codec in chosen if publisher.can_encode(codec)) or chosen
         stream = Stream(
