@@ -21,7 +21,7 @@ from openrois_body.vision.gallery import Gallery
 from openrois_body.vision.head_reader import HeadReader
 from openrois_body.vision.patterns import PatternRecognizer
 from openrois_body.vision.sighting import Refs
-from openrois_body.vision.watch import Watch
+from openrois_body.vision.watch import Locate, Watch
 
 __all__ = ["CameraSenses", "camera_senses"]
 
@@ -38,19 +38,20 @@ class CameraSenses:
         return self.watch.run()
 
 
-def camera_senses(engine_id: str, camera: Camera, clock: MediaClock) -> CameraSenses:
+def camera_senses(engine_id: str, camera: Camera, clock: MediaClock, *, locate: Locate | None = None) -> CameraSenses:
     """Return the senses of a camera, with the best backends that are installed.
 
     Args:
         engine_id: leads every ref.
         camera: source of the pictures.
         clock: the media clock.
+        locate: tells where on the floor persons are; None: their places are in the axes of the camera.
     """
     finder, recognizer = chosen(FINDERS, CascadeFinder), chosen(RECOGNIZERS, PatternRecognizer)
     reader = chosen(GESTURE_READERS, HeadReader)
     gallery, refs = Gallery(), Refs(engine_id)
     works, reason = finder.available()
-    watch = Watch(camera, clock, Analysis(finder, recognizer, reader, gallery), "" if works else reason)
+    watch = Watch(camera, clock, Analysis(finder, recognizer, reader, gallery), "" if works else reason, locate=locate)
     components = (
         PersonDetection(watch),
         PersonLocalization(watch, refs),

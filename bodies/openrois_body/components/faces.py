@@ -37,6 +37,8 @@ class FaceDetection(CameraSense, components.FaceDetection):
 class FaceLocalization(CameraSense, Localizing, components.FaceLocalization):
     """Announces where the faces are that look at the camera: an estimate from their size in the picture.
 
+    Places are on the floor of the body where it is known where its camera is, else in the axes of the camera.
+
     Args:
         watch: analyses the camera's pictures.
         refs: makes the refs of faces.

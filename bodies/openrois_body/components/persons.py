@@ -36,6 +36,8 @@ class PersonDetection(CameraSense, components.PersonDetection):
 class PersonLocalization(CameraSense, Localizing, components.PersonLocalization):
     """Announces where the persons are: the last place of each face, an estimate from its size in the picture.
 
+    Places are on the floor of the body where it is known where its camera is, else in the axes of the camera.
+
     Args:
         watch: analyses the camera's pictures.
         refs: makes the refs of persons.

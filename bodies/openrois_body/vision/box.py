@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 from openrois_body.sensing.changes import Place
 
-__all__ = ["FACE_WIDTH", "FIELD_OF_VIEW", "Box", "Face", "Motion", "place_of"]
+__all__ = ["FACE_WIDTH", "FIELD_OF_VIEW", "Box", "Face", "Motion", "place_of", "place_on_floor"]
 
 FIELD_OF_VIEW: Final = math.radians(60)
 """Assumed field of view of the longer side of a camera's picture; webcams and telephones have 55 to 75 degrees."""
@@ -81,3 +81,20 @@ def place_of(box: Box, aspect: float) -> Place:
     ahead = FACE_WIDTH / (box.width * wide)
     right = (box.centre[0] - 0.5) * wide * ahead
     return Place(right, ahead, math.atan2(-ahead, -right))
+
+
+def place_on_floor(seen: Place, camera: Place, tilt: float = 0.0) -> Place:
+    """Return where on the floor something is that a camera sees at about its own height.
+
+    Args:
+        seen: in the axes of the camera, as `place_of` returns it.
+        camera: over which place of the floor the camera is; `th` is where it looks.
+        tilt: radians by which it looks up.
+    """
+    ahead = seen.y / math.cos(tilt)
+    along, across = math.cos(camera.th), math.sin(camera.th)
+    return Place(
+        camera.x + ahead * along + seen.x * across,
+        camera.y + ahead * across - seen.x * along,
+        math.remainder(seen.th + camera.th - math.pi / 2, math.tau),
+    )

@@ -17,7 +17,7 @@ class Person:
     Attributes:
         number: the same as long as the person is tracked; unique.
         box: of the face, where it was last known.
-        place: an estimate.
+        place: an estimate, in the axes of the camera, or on the floor where it is known where the camera is.
         face: whether the face is seen now; else the person has turned away.
         name: the enrolled name, if the person is recognised.
         gesture: the ref of the gesture that this picture completes.

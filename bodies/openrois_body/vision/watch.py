@@ -4,10 +4,11 @@ import asyncio
 import logging
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
-from typing import Final
+from dataclasses import replace
+from typing import Final, TypeAlias
 
 from openrois_media.devices import Camera
 from openrois_streaming.clock import MediaClock, wall_at
@@ -16,14 +17,19 @@ from openrois_streaming.source.source import RawVideo
 from openrois.aio.listeners import Listeners
 from openrois.aio.tasks import TaskScope
 from openrois_body.sensing.activity import Activity
+from openrois_body.sensing.changes import Place
 from openrois_body.sensing.figures import SenseFigures
 from openrois_body.vision.analysis import Analysis
-from openrois_body.vision.sighting import Sighting
+from openrois_body.vision.sighting import Person, Sighting
 from openrois_body.vision.view import View
 
-__all__ = ["BLIND", "PATIENCE", "RATE", "Watch"]
+__all__ = ["BLIND", "PATIENCE", "RATE", "Locate", "Watch"]
 
 _log = logging.getLogger(__name__)
+
+Locate: TypeAlias = Callable[[Place, float], Place | None]
+"""Function that returns where on the floor something is, by its place in the axes of the camera and the moment of the
+picture; None where it is not known where the camera was."""
 
 RATE: Final = 10.0
 """Most pictures a second that are analysed; of the others only the newest is kept."""
@@ -45,9 +51,18 @@ class Watch:
         clock: paces the analysis.
         analysis: analyses them; it begins anew whenever the watch does.
         failure: why pictures cannot be analysed from the beginning; empty if they can.
+        locate: tells where on the floor persons are; None: their places are in the axes of the camera.
     """
 
-    def __init__(self, camera: Camera, clock: MediaClock, analysis: Analysis, failure: str = "") -> None:
+    def __init__(
+        self,
+        camera: Camera,
+        clock: MediaClock,
+        analysis: Analysis,
+        failure: str = "",
+        *,
+        locate: Locate | None = None,
+    ) -> None:
         self.seen: Listeners[Sighting] = Listeners()
         """Called with the persons of each picture; without pictures repeatedly with none, for senses that begin."""
         self.figures = SenseFigures()
@@ -56,6 +71,9 @@ class Watch:
         self._camera = camera
         self._clock = clock
         self._analysis = analysis
+        self._locate = locate
+        self._places: dict[int, Place] = {}
+        """Where on the floor each person's face was seen last."""
         self._wishes: list[Activity] = []
         self._collectors = 0
         self._changed = asyncio.Event()
@@ -139,7 +157,7 @@ class Watch:
         error = looking.exception()
         if error is None:
             self.failure = ""
-            self.seen.notify_all(looking.result())
+            self.seen.notify_all(self._located(looking.result()))
             return 1 / RATE
         if not self.failure:
             _log.error("camera: a picture cannot be analysed", exc_info=error)
@@ -147,6 +165,22 @@ class Watch:
         self._clear_persons()
         self._anew = True
         return _RECOVERY
+
+    def _located(self, seen: Sighting) -> Sighting:
+        """Return what is seen with the places on the floor; persons without a known one are left out."""
+        locate = self._locate
+        if locate is None:
+            return seen
+        persons: list[Person] = []
+        places: dict[int, Place] = {}
+        for person in seen.persons:
+            # Where the camera turns, a face that is not found any more is not where it was in the picture.
+            now = locate(person.place, seen.moment) if person.face else None
+            if (place := now or self._places.get(person.number)) is not None:
+                places[person.number] = place
+                persons.append(replace(person, place=place))
+        self._places = places
+        return replace(seen, persons=tuple(persons))
 
     def _analyse(self, view: View, anew: bool) -> Sighting:
         if anew:

@@ -21,12 +21,14 @@ from openrois_body.metrics import body_figures
 from openrois_body.motion.legs import Legs
 from openrois_body.motion.wayfinding import Ways
 from openrois_body.motion.world import World
+from openrois_body.sensing.changes import Place
 from openrois_body.sensing.figures import SenseFigures
 from openrois_body.sound.mixer import BodySound
 from openrois_body.speech.synthesizer import Synthesizer
 from openrois_body.speech.voice import Voice
 from openrois_body.teleoperation.figure_controls import FigureControls
 from openrois_body.teleoperation.operator_control import OperatorControl
+from openrois_body.vision.box import place_on_floor
 from openrois_media import AudioSource, NetworkSettings, VideoSource
 from openrois_media.components import AudioStreaming, VideoStreaming
 from openrois_media.devices import Camera
@@ -124,7 +126,15 @@ async def simulated_robot(
         camera = await stack.enter_async_context(RobotCamera(plan, simulation.view, clock))
         eye = Camera()
         eye.inlet.plug("own camera", camera)
-        senses = camera_senses(engine_id, eye, clock)
+
+        def locate(seen: Place, moment: float) -> Place | None:
+            view = camera.view_at(moment)
+            if view is None:
+                return None
+            at = view.camera
+            return place_on_floor(seen, Place(at.x, at.y, at.th), view.tilt)
+
+        senses = camera_senses(engine_id, eye, clock, locate=locate)
         # What else can be sensed with a camera is for the face of an operator before it.
         sensing = tuple(each for each in senses.components if isinstance(each, PersonDetection | PersonLocalization))
         operator_control = OperatorControl(reference(engine_id, Teleoperation.component_type.name), clock)

@@ -1,6 +1,7 @@
 """The robot's camera as a source of pictures: drawn in a thread of its own, and only while the source is open."""
 
 import asyncio
+from collections import deque
 from collections.abc import AsyncGenerator, AsyncIterator, Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import aclosing, asynccontextmanager
@@ -22,6 +23,8 @@ FRAME_RATE: Final = 30.0
 """Pictures a second."""
 SIZE: Final = 640, 360
 """Width and height of the pictures, in pixels."""
+_VIEWS: Final = round(12 * FRAME_RATE)
+"""Views that are remembered: an analysis of a picture takes 10 s at most."""
 _CLOSE_TIMEOUT: Final = 5.0
 """Seconds that the renderer may take to close."""
 
@@ -44,6 +47,7 @@ class RobotCamera:
         self._clock = clock
         self._renderer: Renderer | None = None
         self._sequence = 0
+        self._views: deque[tuple[float, View]] = deque(maxlen=_VIEWS)
         self._thread = ThreadPoolExecutor(1, "camera")
         self._pictures: Fanout[RawVideo] = Fanout(_Drawn(self._draw), name="camera")
 
@@ -66,6 +70,10 @@ class RobotCamera:
         """The number of pictures that were drawn."""
         return self._sequence
 
+    def view_at(self, moment: float) -> View | None:
+        """Return what a picture shows, by its capture time; None where that is long ago."""
+        return next((view for at, view in reversed(self._views) if at == moment), None)
+
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[RawVideo]]:
         """Yield the pictures from now on; a slow reader gets the newest."""
@@ -79,6 +87,7 @@ class RobotCamera:
         while True:
             await self._clock.sleep_until(due)
             view, moment = self._look(), self._clock.now()
+            self._views.append((moment, view))
             pixels = await loop.run_in_executor(self._thread, self._picture, view)
             self._sequence += 1
             yield RawVideo(pixels, "bgra", width, height, self._sequence, moment)

@@ -3,7 +3,8 @@
 import math
 
 import pytest
-from openrois_body.vision.box import FACE_WIDTH, FIELD_OF_VIEW, Box, Face, Motion, place_of
+from openrois_body.sensing.changes import Place
+from openrois_body.vision.box import FACE_WIDTH, FIELD_OF_VIEW, Box, Face, Motion, place_of, place_on_floor
 
 HERE = Box(0.4, 0.3, 0.2, 0.4)
 
@@ -43,3 +44,23 @@ def test_a_face_that_a_pinhole_camera_shows_is_where_it_was(metres: float, right
 
 def test_face_straight_ahead_faces_the_camera() -> None:
     assert place_of(Box(0.4, 0.4, 0.2, 0.2), 1.0).th == pytest.approx(-math.pi / 2)
+
+
+@pytest.mark.parametrize(
+    ("camera", "seen", "there"),
+    [
+        (Place(0, 0, math.pi / 2), Place(0.5, 2, -math.pi / 2), Place(0.5, 2, -math.pi / 2)),
+        (Place(1, -1, 0), Place(0.5, 2, -math.pi / 2), Place(3, -1.5, math.pi)),
+        (Place(1, -1, math.pi), Place(-0.5, 2, -math.pi / 2), Place(-1, -1.5, 0)),
+    ],
+)
+def test_what_is_right_of_a_camera_is_right_of_where_it_looks(camera: Place, seen: Place, there: Place) -> None:
+    place = place_on_floor(seen, camera)
+    assert (place.x, place.y) == pytest.approx((there.x, there.y))
+    assert math.cos(place.th - there.th) == pytest.approx(1)
+    assert -math.pi <= place.th <= math.pi
+
+
+def test_a_camera_that_looks_up_sees_the_way_to_a_face_shorter_than_it_is() -> None:
+    place = place_on_floor(Place(0, 2, -math.pi / 2), Place(0, 0, 0), 0.3)
+    assert (place.x, place.y) == pytest.approx((2 / math.cos(0.3), 0))

@@ -1,6 +1,7 @@
 """When the camera is watched, and what happens when it cannot be."""
 
 import asyncio
+import math
 import threading
 from collections.abc import AsyncIterator, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -12,8 +13,9 @@ import numpy as np
 import pytest
 from openrois_body.components.persons import PersonDetection
 from openrois_body.sensing.activity import Activity
+from openrois_body.sensing.changes import Place
 from openrois_body.vision.analysis import Analysis
-from openrois_body.vision.box import Box, Face
+from openrois_body.vision.box import Box, Face, place_on_floor
 from openrois_body.vision.gallery import Gallery
 from openrois_body.vision.head_reader import HeadReader
 from openrois_body.vision.patterns import PatternRecognizer
@@ -31,13 +33,14 @@ class ScriptedFinder:
 
     def __init__(self) -> None:
         self.does: Callable[[], object] = lambda: None
+        self.face: Face | None = Face(Box(0.3, 0.3, 0.4, 0.4))
 
     def available(self) -> tuple[bool, str]:
         return True, ""
 
     def find(self, view: View, known: Sequence[Face]) -> Sequence[Face]:
         self.does()
-        return [Face(Box(0.3, 0.3, 0.4, 0.4))]
+        return [] if self.face is None else [self.face]
 
 
 class Stage:
@@ -49,13 +52,17 @@ class Stage:
         self.source: FedSource[RawVideo] = FedSource()
         self.finder, self.gallery = ScriptedFinder(), Gallery()
         self.analysis = Analysis(self.finder, PatternRecognizer(), HeadReader(), self.gallery)
-        self.watch = Watch(self.camera, self.clock, self.analysis)
+        self.at: Place | None = Place(0.0, 0.0, 0.0)
+        self.watch = Watch(self.camera, self.clock, self.analysis, locate=self._locate)
         self.activity = Activity()
         self.watch.serve(self.activity)
         self.seen: asyncio.Queue[Sighting] = asyncio.Queue()
         self.watch.seen.add(self.seen.put_nowait)
         self.running = asyncio.ensure_future(self.watch.run())
         self._pixels = np.random.default_rng(5).integers(0, 255, (120, 160, 3)).astype(np.uint8)
+
+    def _locate(self, seen: Place, _moment: float) -> Place | None:
+        return None if self.at is None else place_on_floor(seen, self.at)
 
     async def show(self) -> None:
         """Let the camera send a picture, and time pass until the next one can be looked at."""
@@ -311,3 +318,30 @@ async def test_while_the_analysis_hangs_nothing_piles_up_behind_it(
     go_on.set()
     assert (await stage.until_person()).persons
     assert stage.watch.failure == ""
+
+
+async def test_persons_are_on_the_floor_and_stay_where_they_were_while_the_camera_turns_away(stage: Stage) -> None:
+    stage.camera.inlet.plug("s", stage.source)
+    stage.activity.start()
+    await settle()
+    stage.at = Place(1.0, 2.0, 0.0)
+    (there,) = (await stage.until_person()).persons
+    assert (there.place.x, there.place.y) == pytest.approx((1.325, 2.0), abs=0.1), "ahead of the camera"
+    stage.finder.face = None
+    while (seen := await stage.look()).persons[0].face:
+        there = seen.persons[0]
+    stage.at = Place(1.0, 2.0, math.pi)
+    assert (await stage.look()).persons[0].place == there.place
+    while (await stage.look()).persons:
+        pass
+
+
+async def test_a_person_is_told_once_it_is_known_where_the_camera_is(stage: Stage) -> None:
+    stage.camera.inlet.plug("s", stage.source)
+    stage.activity.start()
+    await settle()
+    stage.at = None
+    for _ in range(5):
+        assert (await stage.look()).persons == ()
+    stage.at = Place(0.0, 0.0, 0.0)
+    assert len((await stage.look()).persons) == 1

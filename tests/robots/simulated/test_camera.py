@@ -63,6 +63,9 @@ async def test_pictures_show_the_moment_they_say(stage: Stage) -> None:
     assert (first.width, first.height, first.format) == (WIDTH, HEIGHT, "bgra")
     assert first.data.std() > 10, "there is something to see"
     assert (first.data != second.data).any()
+    views = [stage.camera.view_at(each.captured_at) for each in (first, second)]
+    assert [view.camera.th for view in views if view] == pytest.approx([0.1, 0.2])
+    assert stage.camera.view_at(first.captured_at - 1) is None
 
 
 async def test_after_the_last_viewer_nothing_is_drawn(stage: Stage) -> None:

@@ -1,6 +1,7 @@
 """The simulated robot behind a real gateway: its picture over WebRTC, its voice, and what it sees of persons."""
 
 import asyncio
+import math
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -102,6 +103,8 @@ async def test_it_tells_of_persons_that_its_camera_sees_while_that_is_asked_for(
                 while found.number == 0:
                     found = await anext(aiter(detected))
                 assert found.number == 1
-                _, ahead, _ = (await anext(aiter(localized))).position_data[0].split(",")
-                assert 1.0 < float(ahead) < 3.0, "two metres ahead"
+                x, y, th = map(float, (await anext(aiter(localized))).position_data[0].split(","))
+                clerk = next(each for each in APARTMENT.persons if each.name == "clerk").place
+                assert math.dist((x, y), (clerk.x, clerk.y)) < 0.7, "on the robot's map; a third of two metres is far"
+                assert abs(math.remainder(th - clerk.th, math.tau)) < 0.5
             await closed(home.robot.camera)
