@@ -1,7 +1,7 @@
 """A body with a camera and a microphone behind a real gateway, whose sources, sessions and connections a test holds."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from typing import Any, Final
 
@@ -9,6 +9,7 @@ from openrois_media import Media
 from openrois_media.components import AudioStreaming, VideoStreaming
 from openrois_media.streaming_interface import Published, StreamingInterface
 from openrois_streaming.clock import SystemClock
+from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.publish.publisher import AudioPublisher, VideoPublisher
 from openrois_streaming.session.session import StreamSession
 from openrois_streaming.source.shared_inlet import SharedInlet
@@ -18,9 +19,11 @@ from openrois_streaming.synthetic import ColourBars, Tone
 from openrois.adapter.dialer import serve_parent
 from openrois.adapter.running import hosted
 from openrois.client import Client, Reconnect
+from openrois.component.component import Component
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.testing import FaultRelay
+from openrois.transport.credentials import Credentials
 from openrois.types.codes import ComponentStatus
 from openrois.types.references import reference
 from tests.support.loopback import PATIENCE, Interruptible, some_address
@@ -44,9 +47,19 @@ class Body:
         streams: the Streaming Interface of the adapter that is there now.
     """
 
-    def __init__(self, gateway: Gateway, relay: FaultRelay) -> None:
+    def __init__(
+        self,
+        gateway: Gateway,
+        relay: FaultRelay,
+        network: NetworkSettings | None = None,
+        token: str | None = None,
+        others: Sequence[Component] = (),
+    ) -> None:
         self.url = relay.url
         self.relay = relay
+        self._network = network
+        self._token = token
+        self._others = others
         clock = SystemClock()
         self.picture = Interruptible(ColourBars(320, 180, clock=clock))
         self.video = VideoPublisher(self.picture, clock=clock, stamp=True, name="bars")
@@ -65,13 +78,16 @@ class Body:
             CAMERA: Published(self.video, "video", self.screen),
             MICROPHONE: Published(self.audio, "audio", self.speaker),
         }
-        self.streams = StreamingInterface(ENGINE, published, SystemClock())
+        self.streams = StreamingInterface(ENGINE, published, SystemClock(), self._network)
         camera = VideoStreaming(("video/H264", "video/VP8"), published[CAMERA].directions, _ready)
         microphone = AudioStreaming(("audio/opus",), published[MICROPHONE].directions, _ready)
         await self._adapter.enter_async_context(self.streams.sessions)
-        host = await self._adapter.enter_async_context(hosted(ENGINE, camera, microphone, extension=self.streams))
+        components = (camera, microphone, *self._others)
+        host = await self._adapter.enter_async_context(hosted(ENGINE, *components, extension=self.streams))
         self._changed.clear()
-        serving = asyncio.create_task(serve_parent(host, f"{self._gateway_url}adapter"))
+        serving = asyncio.create_task(
+            serve_parent(host, f"{self._gateway_url}adapter", credentials=Credentials(self._token))
+        )
         self._adapter.push_async_callback(_cancelled, serving)
         async with asyncio.timeout(PATIENCE):
             await self._changed.wait()
@@ -109,12 +125,24 @@ async def _cancelled(task: asyncio.Task[None]) -> None:
 
 
 @asynccontextmanager
-async def body() -> AsyncIterator[Body]:
-    """Run gateway and adapter in this process; nothing of them is left in the end."""
+async def body(
+    settings: GatewaySettings | None = None,
+    network: NetworkSettings | None = None,
+    token: str | None = None,
+    others: Sequence[Component] = (),
+) -> AsyncIterator[Body]:
+    """Run gateway and adapter in this process; nothing of them is left in the end.
+
+    Args:
+        settings: of the gateway.
+        network: how the body's streams use the network.
+        token: of the adapter.
+        others: components of the body beside those of its streams.
+    """
     with some_address():
-        async with run_gateway(GatewaySettings(port=0)) as gateway:
+        async with run_gateway(settings or GatewaySettings(port=0)) as gateway:
             async with FaultRelay(gateway.url.replace("http", "ws", 1)) as relay:
-                one = Body(gateway, relay)
+                one = Body(gateway, relay, network, token, others)
                 await one.start()
                 try:
                     yield one
@@ -124,10 +152,10 @@ async def body() -> AsyncIterator[Body]:
 
 
 @asynccontextmanager
-async def application(one: Body) -> AsyncIterator[tuple[Client, Media]]:
+async def application(one: Body, token: str | None = None) -> AsyncIterator[tuple[Client, Media]]:
     """An application of the body, which comes back at once when it is cut off."""
     at_once = Reconnect(first=0.01, limit=0.05)
-    async with Client(one.url, reconnect=at_once) as client, Media(client) as media:
+    async with Client(one.url, token=token, reconnect=at_once) as client, Media(client) as media:
         yield client, media
 
 
