@@ -68,6 +68,21 @@ def mono() -> Mono:
 
 
 @pytest.fixture(scope="session")
+def csharp_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder for what is compiled of C#, once for all workers of a run."""
+    root = tmp_path_factory.getbasetemp()
+    shared = (root.parent if "PYTEST_XDIST_WORKER" in os.environ else root) / "csharp"
+    shared.mkdir(exist_ok=True)
+    return shared
+
+
+@pytest.fixture(scope="session")
+def csharp_library(mono: Mono, csharp_folder: Path) -> Path:
+    """The SDK for C# as a library."""
+    return mono.library(csharp_folder)
+
+
+@pytest.fixture(scope="session")
 def node() -> Path:
     """The program of Node, where the tools of the page are installed as well."""
     found = shutil.which("node")

@@ -1,15 +1,13 @@
-"""C#: the wire's types with Newtonsoft's attributes, typed method names, and names of the catalog; C# 6 for Unity.
+"""C#: the wire's types with Newtonsoft's attributes, and typed method names; C# 6 for Unity.
 
 Pure.
 """
 
 import json
-import re
-from collections.abc import Iterable, Iterator, Sequence
-from xml.sax.saxutils import escape
+from typing import Final
 
+from openrois_codegen.csharp_source import block, documented, source_file
 from openrois_codegen.ir import (
-    Component,
     Document,
     Enumeration,
     Field,
@@ -17,16 +15,18 @@ from openrois_codegen.ir import (
     Integer,
     ListOf,
     MapOf,
-    Message,
     Named,
     Structure,
     Text,
     Type,
     Union,
 )
-from openrois_codegen.names import first_paragraph, pascal, wrapped
+from openrois_codegen.names import pascal
 
-__all__ = ["components", "methods", "types"]
+__all__ = ["methods", "types"]
+
+_OUTCOME: Final = "IOutcome"
+"""What every result of a method is: it has a return code."""
 
 
 def types(document: Document) -> str:
@@ -46,7 +46,7 @@ def types(document: Document) -> str:
         else:
             parts.append(_class(document, found, interfaces.get(found.name, "")))
     parts.append(_unions(document))
-    return _file(
+    return source_file(
         "OpenRoIS",
         "Types of the wire.",
         parts,
@@ -64,41 +64,19 @@ def methods(document: Document) -> str:
         _static(method.name, method.doc, f"Method<{method.params}, {method.result}>") for method in document.methods
     ]
     told = [_static(found.name, found.doc, f"Notification<{found.params}>") for found in document.notifications]
-    return _file(
+    return source_file(
         "OpenRoIS",
         "Methods and notifications of the wire.",
         [
-            _block("public static class Methods", "What an application may call.", requests),
-            _block("public static class Notifications", "What an application may be told.", told),
+            block("public static class Methods", "What an application may call.", requests),
+            block("public static class Notifications", "What an application may be told.", told),
         ],
     )
 
 
-def components(document: Document) -> str:
-    """Return the file of the names of the catalog's components and messages."""
-    found = {component.name: component for component in document.components}
-    return _file(
-        "OpenRoIS.Components",
-        "The component types of the catalog, by their names on the wire.",
-        [_component(document, component, found) for component in document.components],
-    )
-
-
-def _file(namespace: str, doc: str, parts: Iterable[str], *usings: str) -> str:
-    head = f"// {doc} Written by `make generate`; edits are lost.\n"
-    used = "".join(f"using {using};\n" for using in usings)
-    body = "\n".join(_indented(part) for part in parts)
-    return f"{head}{used}{chr(10) if used else ''}namespace {namespace}\n{{\n{body}}}\n"
-
-
-def _block(head: str, doc: str, members: Sequence[str], separator: str = "") -> str:
-    body = separator.join(_indented(member) for member in members)
-    return f"{_doc(doc)}{head}\n{{\n{body}}}\n"
-
-
 def _enumeration(found: Enumeration) -> str:
     members = [f'[EnumMember(Value = "{member}")]\n{_member(member)},\n' for member in found.members]
-    return _block(f"public enum {found.name}", found.doc, members)
+    return block(f"public enum {found.name}", found.doc, members)
 
 
 def _member(name: str) -> str:
@@ -106,7 +84,7 @@ def _member(name: str) -> str:
 
 
 def _interface(union: Union) -> str:
-    return f"{_doc(union.doc)}public interface I{union.name}\n{{\n}}\n"
+    return f"{documented(union.doc)}public interface I{union.name}\n{{\n}}\n"
 
 
 def _converter(document: Document, union: Union) -> str:
@@ -117,7 +95,7 @@ def _converter(document: Document, union: Union) -> str:
         f"    {{\n        return read.ToObject<{member}>(serializer);\n    }}\n"
         for member in others
     )
-    return _block(
+    return block(
         f"public sealed class {union.name}Converter : ReadingConverter",
         f"Reads each {union.name} as the type that it is.",
         [
@@ -134,7 +112,7 @@ def _converter(document: Document, union: Union) -> str:
 def _unions(document: Document) -> str:
     names = [found.name for found in document.definitions.values() if isinstance(found, Union)]
     made = ", ".join(f"new {name}Converter()" for name in names)
-    return _block(
+    return block(
         "internal static class Unions",
         "The converters of all unions.",
         [f"internal static readonly JsonConverter[] Converters = {{ {made} }};\n"],
@@ -154,8 +132,10 @@ def _required(document: Document, name: str) -> list[str]:
 
 def _class(document: Document, structure: Structure, interface: str) -> str:
     members = [_property(document, structure, field) for field in structure.fields]
-    implemented = f" : {interface}" if interface else ""
-    return _block(f"public sealed class {structure.name}{implemented}", structure.doc, members, "\n")
+    is_outcome = any(field.type == Named("ReturnCode") and field.required for field in structure.fields)
+    interfaces = [*([interface] if interface else []), *([_OUTCOME] if is_outcome else [])]
+    implemented = f" : {', '.join(interfaces)}" if interfaces else ""
+    return block(f"public sealed class {structure.name}{implemented}", structure.doc, members, "\n")
 
 
 def _property(document: Document, structure: Structure, field: Field) -> str:
@@ -169,7 +149,7 @@ def _property(document: Document, structure: Structure, field: Field) -> str:
     if isinstance(field.type, Identity):
         lines.append("[JsonConverter(typeof(IdentityConverter))]")
     lines.append(f"public {_type(document, field.type)}{null} {name} {{ get; set; }}{_initial(document, field)}")
-    return _doc(field.doc) + "\n".join(lines) + "\n"
+    return documented(field.doc) + "\n".join(lines) + "\n"
 
 
 def _attribute(field: Field) -> str:
@@ -224,40 +204,4 @@ def _fits_int(limit: int | None) -> bool:
 
 def _static(wire_name: str, doc: str, kind: str) -> str:
     name = pascal(wire_name.removeprefix("openrois.").removeprefix("rois."))
-    return f'{_doc(doc)}public static readonly {kind} {name} =\n    new {kind}("{wire_name}");\n'
-
-
-def _component(document: Document, component: Component, known: dict[str, Component]) -> str:
-    def all_of(kind: str) -> Iterator[Message]:
-        for included in component.includes:
-            yield from getattr(known[included], kind)
-        yield from getattr(component, kind)
-
-    members = [f'public const string Urn = "{component.urn}";\n']
-    for kind in ("commands", "queries", "events"):
-        constants = [_constant(message.name, message.doc) for message in all_of(kind)]
-        if constants:
-            members.append(_block(f"public static class {pascal(kind)}", "", constants))
-    if component.parameters:
-        fields = document.payloads[component.parameters].fields
-        constants = [_constant(field.name, field.doc) for field in fields]
-        members.append(_block("public static class Parameters", "", constants))
-    return _block(f"public static class {component.name}", component.doc, members, "\n")
-
-
-def _constant(name: str, doc: str) -> str:
-    return f'{_doc(doc)}public const string {pascal(name)} = "{name}";\n'
-
-
-def _doc(text: str) -> str:
-    text = re.sub(r"`([^`]+)`", r"<c>\1</c>", escape(first_paragraph(text)))
-    if not text:
-        return ""
-    if len(text) <= 90:
-        return f"/// <summary>{text}</summary>\n"
-    lines = "".join(f"/// {line}\n" for line in wrapped(text, 100))
-    return f"/// <summary>\n{lines}/// </summary>\n"
-
-
-def _indented(text: str) -> str:
-    return "".join(f"    {line}" if line.strip() else line for line in text.splitlines(keepends=True))
+    return f'{documented(doc)}public static readonly {kind} {name} =\n    new {kind}("{wire_name}");\n'

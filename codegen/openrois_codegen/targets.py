@@ -11,6 +11,7 @@ from openrois.schema import VERSION
 from openrois_codegen import (
     corpus,
     csharp,
+    csharp_components,
     json_schema,
     openrpc,
     python_bases,
@@ -27,7 +28,7 @@ __all__ = ["GENERATED", "targets"]
 GENERATED: Final = (
     f"openrois/schema/{VERSION}/*",
     f"tests/corpus/{VERSION}/**/*",
-    "sdk/csharp/OpenRoIS/Generated/*",
+    "sdk/csharp/Runtime/OpenRoIS/Generated/*.cs",
     "web_demo/sdk/rois/generated/*",
 )
 """Where nothing stands but what is generated."""
@@ -53,9 +54,10 @@ def targets(root: Path) -> dict[str, str]:
         f"{folder}/openrpc.json": openrpc.emit(found),
         "openrois/adapter/components.py": python_bases.emit(BASIC_COMPONENTS),
         "openrois/client/components.py": python_proxies.emit(BASIC_COMPONENTS),
-        "sdk/csharp/OpenRoIS/Generated/Types.cs": csharp.types(found),
-        "sdk/csharp/OpenRoIS/Generated/Methods.cs": csharp.methods(found),
-        "sdk/csharp/OpenRoIS/Generated/Components.cs": csharp.components(found),
+        "sdk/csharp/Runtime/OpenRoIS/Generated/Types.cs": csharp.types(found),
+        "sdk/csharp/Runtime/OpenRoIS/Generated/Methods.cs": csharp.methods(found),
+        "sdk/csharp/Runtime/OpenRoIS/Generated/Payloads.cs": csharp_components.payloads(found),
+        "sdk/csharp/Runtime/OpenRoIS/Generated/Components.cs": csharp_components.components(found),
         "web_demo/sdk/rois/generated/types.ts": typescript.types(found),
         "web_demo/sdk/rois/generated/methods.ts": typescript.methods(found),
         "web_demo/sdk/rois/generated/components.ts": typescript.components(found),

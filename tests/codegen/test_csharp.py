@@ -19,9 +19,12 @@ LEFT_TO_THE_ENGINE = {"range", "rule"}
 
 
 @pytest.fixture(scope="module")
-def told(mono: Mono, tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, bool, str], dict[str, Any]]:
+def told(
+    mono: Mono, csharp_library: Path, tmp_path_factory: pytest.TempPathFactory
+) -> dict[tuple[str, bool, str], dict[str, Any]]:
     """What came of each case when C# read it and wrote it again."""
-    program = mono.compile([Path(__file__).with_name("RoundTrip.cs")], tmp_path_factory.mktemp("round_trip"))
+    sources = [Path(__file__).with_name("RoundTrip.cs")]
+    program = mono.compile(sources, tmp_path_factory.mktemp("round_trip"), csharp_library)
     lines = [json.loads(line) for line in mono.run(program, str(FOLDER)).splitlines()]
     return {(line["type"], line["valid"], line["name"]): line for line in lines}
 
@@ -68,15 +71,15 @@ public static class Nulls
 """
 
 
-def test_null_is_never_written_where_the_wire_has_none(mono: Mono, tmp_path: Path) -> None:
+def test_null_is_never_written_where_the_wire_has_none(mono: Mono, csharp_library: Path, tmp_path: Path) -> None:
     source = tmp_path / "Nulls.cs"
     source.write_text(NULLS, encoding="utf-8")
-    assert mono.run(mono.compile([source], tmp_path)).splitlines() == ['{"code":"x"}', "refused"]
+    assert mono.run(mono.compile([source], tmp_path, csharp_library)).splitlines() == ['{"code":"x"}', "refused"]
 
 
-def test_the_readme_tells_the_truth(mono: Mono, tmp_path: Path) -> None:
+def test_the_readme_tells_the_truth(mono: Mono, csharp_library: Path, tmp_path: Path) -> None:
     text = (SDK / "README.md").read_text(encoding="utf-8")
     source = tmp_path / "Example.cs"
     source.write_text(re.findall(r"```csharp\n(.+?)```", text, re.DOTALL)[0], encoding="utf-8")
     printed = re.findall(r"```text\n(.+?)```", text, re.DOTALL)[0]
-    assert mono.run(mono.compile([source], tmp_path)) == printed
+    assert mono.run(mono.compile([source], tmp_path, csharp_library)) == printed

@@ -1,17 +1,34 @@
 """C# on this machine: Mono's compiler, its run time, and Newtonsoft's library."""
 
+import fcntl
 import shutil
 import subprocess
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-__all__ = ["SDK", "Mono"]
+__all__ = ["SDK", "Mono", "once", "sdk_sources"]
 
 SDK = Path(__file__).parents[2] / "sdk" / "csharp"
 
 _PATIENCE = 60
+_LIBRARY = "-target:library"
+_SERIALIZATION = "-r:System.Runtime.Serialization"
+
+
+def sdk_sources() -> list[Path]:
+    """The sources of the SDK that need no game engine."""
+    return sorted((SDK / "Runtime" / "OpenRoIS").rglob("*.cs"))
+
+
+def once(made: Path, make: Callable[[Path], None]) -> Path:
+    """Make a file where it is not there yet, also where several processes want it at the same time."""
+    with made.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not made.exists():
+            make(made)
+    return made
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,10 +48,15 @@ class Mono:
             return None
         return cls(compiler, runtime, newtonsoft)
 
-    def compile(self, sources: Iterable[Path], folder: Path) -> Path:
-        """Compile the SDK with further sources to a program in `folder`; a warning is an error."""
+    def library(self, folder: Path) -> Path:
+        """Compile the SDK for C# to a library in `folder`, where one is not there yet; a warning is an error."""
+        return once(folder / "OpenRoIS.dll", lambda made: self.build(made, sdk_sources(), _SERIALIZATION, _LIBRARY))
+
+    def compile(self, sources: Iterable[Path], folder: Path, library: Path) -> Path:
+        """Compile sources, which see the public side of `library` alone, to a program in `folder`."""
         program = folder / "program.exe"
-        self.build(program, (*sorted(SDK.rglob("*.cs")), *sources), "-r:System.Runtime.Serialization")
+        self.build(program, sources, f"-r:{library}")
+        shutil.copy(library, folder)
         return program
 
     def build(self, target: Path, sources: Iterable[Path], *options: str) -> None:

@@ -21,8 +21,9 @@ from tests.support.deployment import gateway, until
 from tests.support.fleet import NOON, Robot, everything, fleet
 from tests.support.ground import gateway_program
 from tests.support.guarded import guarded
+from tests.support.json_program import JsonProgram
 from tests.support.tokens import issue
-from tests.web_sdk.conftest import Application, Start
+from tests.web_sdk.conftest import Start
 
 
 @asynccontextmanager
@@ -88,7 +89,7 @@ async def test_token_is_sent_outside_of_a_page(start: Start, node: Path, tmp_pat
         await app.ends()
 
 
-async def comes_back(app: Application) -> list[tuple[str, object]]:
+async def comes_back(app: JsonProgram) -> list[tuple[str, object]]:
     """Return what the application says until its binding and subscription are restored."""
     said: list[tuple[str, object]] = []
     while [about for about, _ in said].count("restored") < 2:

@@ -5,10 +5,18 @@ using System.Collections.Generic;
 using System.Reflection;
 using System.Runtime.Serialization;
 using Newtonsoft.Json;
+using Newtonsoft.Json.Linq;
 using Newtonsoft.Json.Serialization;
 
 namespace OpenRoIS
 {
+    /// <summary>What every method gives.</summary>
+    public interface IOutcome
+    {
+        /// <summary>How the operation ended; otherwise than OK all else is empty.</summary>
+        ReturnCode ReturnCode { get; }
+    }
+
     /// <summary>A method of the wire, with the types of what it takes and gives.</summary>
     public sealed class Method<TParams, TResult>
     {
@@ -81,6 +89,36 @@ namespace OpenRoIS
         public static string Write(object message)
         {
             return JsonConvert.SerializeObject(message, CreateSettings());
+        }
+
+        /// <summary>Reads what came of a message, and passes over members that this version does not know.</summary>
+        /// <exception cref="JsonException">It is no message of this type.</exception>
+        internal static T Known<T>(JToken message)
+            where T : class
+        {
+            JsonSerializerSettings settings = CreateSettings();
+            settings.MissingMemberHandling = MissingMemberHandling.Ignore;
+            settings.CheckAdditionalContent = false;
+            T read = message.ToObject<T>(JsonSerializer.Create(settings));
+            if (read == null)
+            {
+                throw new JsonSerializationException("null is no " + typeof(T).Name);
+            }
+            return read;
+        }
+
+        /// <summary>Writes a message for the inside of another one.</summary>
+        /// <exception cref="JsonException">Something required is null.</exception>
+        internal static JObject ToObject(object message)
+        {
+            return JObject.FromObject(message, JsonSerializer.Create(CreateSettings()));
+        }
+
+        /// <summary>The name of an enumerator on the wire.</summary>
+        internal static string NameOf(object member)
+        {
+            FieldInfo field = member.GetType().GetField(member.ToString());
+            return ((EnumMemberAttribute)Attribute.GetCustomAttribute(field, typeof(EnumMemberAttribute))).Value;
         }
 
         // Contracts are cached by the resolver; one per call would reflect on every message anew.
@@ -210,7 +248,7 @@ namespace OpenRoIS
             Type enumeration = Nullable.GetUnderlyingType(type) ?? type;
             foreach (object member in Enum.GetValues(enumeration))
             {
-                if (reader.TokenType == JsonToken.String && NameOf(member) == (string)reader.Value)
+                if (reader.TokenType == JsonToken.String && RoISJson.NameOf(member) == (string)reader.Value)
                 {
                     return member;
                 }
@@ -220,13 +258,7 @@ namespace OpenRoIS
 
         public override void WriteJson(JsonWriter writer, object value, JsonSerializer serializer)
         {
-            writer.WriteValue(NameOf(value));
-        }
-
-        private static string NameOf(object member)
-        {
-            FieldInfo field = member.GetType().GetField(member.ToString());
-            return ((EnumMemberAttribute)Attribute.GetCustomAttribute(field, typeof(EnumMemberAttribute))).Value;
+            writer.WriteValue(RoISJson.NameOf(value));
         }
     }
 

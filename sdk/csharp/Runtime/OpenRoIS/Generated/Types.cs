@@ -54,7 +54,7 @@ namespace OpenRoIS
     }
 
     /// <summary>Result of <c>openrois.auth.refresh</c>: for how many seconds the connection may now go on.</summary>
-    public sealed class AuthRefreshResult
+    public sealed class AuthRefreshResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -245,7 +245,7 @@ namespace OpenRoIS
     }
 
     /// <summary>Result of connect_stream: the id that stands for this stream until it ends.</summary>
-    public sealed class ConnectStreamResult
+    public sealed class ConnectStreamResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -418,7 +418,7 @@ namespace OpenRoIS
     }
 
     /// <summary>Result of <c>openrois.hello</c>.</summary>
-    public sealed class HelloResult
+    public sealed class HelloResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -456,7 +456,7 @@ namespace OpenRoIS
     /// Result of <c>signaling.ice_servers</c>: the servers to use, and for how many seconds their
     /// credentials hold.
     /// </summary>
-    public sealed class IceServersResult
+    public sealed class IceServersResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -542,7 +542,7 @@ namespace OpenRoIS
     /// <summary>
     /// Result of <c>openrois.lease.request</c>; <c>request_id</c> is empty where no holder has to be asked.
     /// </summary>
-    public sealed class LeaseRequestResult
+    public sealed class LeaseRequestResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -574,7 +574,7 @@ namespace OpenRoIS
     }
 
     /// <summary>Result of <c>openrois.lease.query</c>, <c>.request</c> and <c>.take</c>: the lease now.</summary>
-    public sealed class LeaseResult
+    public sealed class LeaseResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -621,7 +621,7 @@ namespace OpenRoIS
     /// <summary>
     /// Result of <c>openrois.lease.token</c>: good once, for this subject, so long after a lost connection.
     /// </summary>
-    public sealed class LeaseTokenResult
+    public sealed class LeaseTokenResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -712,7 +712,7 @@ namespace OpenRoIS
     }
 
     /// <summary>Result of get_parameter.</summary>
-    public sealed class ParametersResult
+    public sealed class ParametersResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -722,7 +722,7 @@ namespace OpenRoIS
     }
 
     /// <summary>Result of get_profile; <c>component_profiles</c> is an extension of the wire.</summary>
-    public sealed class ProfileResult
+    public sealed class ProfileResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -772,7 +772,7 @@ namespace OpenRoIS
     }
 
     /// <summary>Result of bind_any.</summary>
-    public sealed class ReferenceResult
+    public sealed class ReferenceResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -817,7 +817,7 @@ namespace OpenRoIS
     }
 
     /// <summary>Result of query, get_command_result, get_event_detail and get_error_detail.</summary>
-    public sealed class ResultsResult
+    public sealed class ResultsResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -842,7 +842,7 @@ namespace OpenRoIS
     /// Result of <c>openrois.lease.resume</c>: the next token, what is held, and which commands are not
     /// known.
     /// </summary>
-    public sealed class ResumeResult
+    public sealed class ResumeResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -878,7 +878,7 @@ namespace OpenRoIS
     }
 
     /// <summary>A result without out parameters. On the wire its return code always stands.</summary>
-    public sealed class ReturnResult
+    public sealed class ReturnResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -903,7 +903,7 @@ namespace OpenRoIS
     }
 
     /// <summary>Result of search.</summary>
-    public sealed class SearchResult
+    public sealed class SearchResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -970,7 +970,7 @@ namespace OpenRoIS
     }
 
     /// <summary>Result of set_parameter; the outcome comes as <c>completed</c> with this id.</summary>
-    public sealed class SetParameterResult
+    public sealed class SetParameterResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -996,7 +996,7 @@ namespace OpenRoIS
     /// Result of <c>openrois.stop_all</c>: which components have stopped, and which have not confirmed it
     /// in time.
     /// </summary>
-    public sealed class StopAllResult
+    public sealed class StopAllResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -1071,7 +1071,7 @@ namespace OpenRoIS
     }
 
     /// <summary>Result of query_stream_status.</summary>
-    public sealed class StreamStatusResult
+    public sealed class StreamStatusResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }
@@ -1091,7 +1091,7 @@ namespace OpenRoIS
     }
 
     /// <summary>Result of subscribe.</summary>
-    public sealed class SubscribeResult
+    public sealed class SubscribeResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
         public ReturnCode ReturnCode { get; set; }

@@ -1,0 +1,76 @@
+"""Bodies, as applications in C# reserve them, share them and lose them."""
+
+import asyncio
+from pathlib import Path
+
+import pytest
+
+from tests.sdk_csharp.conftest import Start
+from tests.sdk_csharp.test_operations import attached
+from tests.support.deployment import gateway, until
+from tests.support.fleet import everything, fleet
+from tests.support.mono import Mono
+
+pytestmark = pytest.mark.timeout(120)
+
+
+async def test_two_bodies_receive_visitors(mono: Mono, two_bodies: Path) -> None:
+    async with gateway() as running, attached(running, everything("avatar"), everything("robot")):
+        visitors = [f"visitor {number}" for number in range(1, 6)]
+        printed = await asyncio.to_thread(mono.run, two_bodies, running.url, *visitors)
+    first, *others = printed.splitlines()
+    assert first == "avatar greeted, robot guided"
+    served = dict(line.removesuffix(" took care").split(": ") for line in others)
+    assert set(served) == set(visitors)
+    assert set(served.values()) == {"avatar", "robot"}
+
+
+async def test_of_rivals_one_gets_a_body_and_the_other_nothing_of_it(start: Start) -> None:
+    async with gateway() as running, attached(running, everything()), start("rivals", running.url) as app:
+        assert await app.says("first") == "robot"
+        assert await app.says("free") == [["robot", False]]
+        assert await app.says("refs") == ["robot/reaction"]
+        refused = await app.says("refused")
+        assert refused.startswith("no body with Navigation and Reaction is free: robot: rois.command.bind(robot/reaction): ")
+        assert await app.says("rest") == "robot/navigation"
+        assert await app.says("partly") == [True, True]
+        assert await app.says("without") == "KeyNotFoundException"
+        assert await app.says("waited") == "robot"
+        assert await app.says("again") == "robot"
+        assert await app.says("over") == "ConnectionLostException"
+        await app.ends()
+
+
+async def test_a_body_that_is_lost_is_given_back(start: Start) -> None:
+    async with gateway() as running:
+        url = running.url.replace("http", "ws") + "adapter"
+        async with fleet(url, everything("robot")):
+            await until(running.engine, lambda ids: "robot" in ids)
+            app = start("owner", running.url)
+            owner = await app.__aenter__()
+            assert await owner.says("has") == "robot"
+        assert await owner.says("lost") == ["robot", "UnsupportedException", True]
+        assert await owner.says("part") == "UnsupportedException"
+        async with attached(running, everything("avatar")):
+            assert await owner.says("another") == "avatar"
+            await owner.go_on()
+            await owner.ends()
+            await app.__aexit__(None, None, None)
+
+
+async def test_callbacks_come_on_the_thread_that_pumps(start: Start) -> None:
+    async with gateway() as running, attached(running, everything()), start("main_thread", running.url) as app:
+        # All notices of the connection wait in one place, 400 events in another.
+        assert await app.says("before") == [0, 2]
+        assert await app.says("after") == [256, "place 144", "place 199", 144]
+        assert await app.says("threads") is True
+        assert await app.says("failures") == ["a mistake of the application"] * 2
+        assert await app.says("disposed") == 256
+        await app.ends()
+
+
+async def test_a_client_needs_no_threads(start: Start) -> None:
+    async with gateway() as running, attached(running, everything()), start("one_thread", running.url) as app:
+        assert await app.says("reached") == "lobby"
+        assert await app.says("elsewhere") == []
+        await app.ends()
