@@ -148,14 +148,7 @@ public static class Leaser
         Program.Say("stopped", await other.Control.StopAllAsync("robot"));
         using (var soon = new CancellationTokenSource())
         {
-            Task<LeaseChangedNotification> inLine = Program.First<LeaseChangedNotification>(take =>
-                holder.ControlChanged += changed =>
-                {
-                    if (changed.Position == 1)
-                    {
-                        take(changed);
-                    }
-                });
+            Task inLine = Program.First<LeaseRequestedNotification>(take => other.ControlRequested += take);
             Task waiting = holder.Control.RequestAsync(reaction, true, soon.Token);
             await Task.WhenAny(waiting, inLine);
             soon.Cancel();

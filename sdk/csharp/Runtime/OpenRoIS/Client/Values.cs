@@ -45,7 +45,7 @@ namespace OpenRoIS
             JToken read;
             try
             {
-                read = JsonRpcMessage.Parse(text);
+                read = StrictJson.Parse(text);
             }
             catch (JsonException)
             {

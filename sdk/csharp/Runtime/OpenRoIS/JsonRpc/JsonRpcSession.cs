@@ -61,6 +61,8 @@ namespace OpenRoIS
         private readonly Dictionary<long, Waiter> _waiters = new Dictionary<long, Waiter>();
         private readonly Dictionary<long, Action<JToken>> _late = new Dictionary<long, Action<JToken>>();
         private readonly Queue<long> _lateOrder = new Queue<long>();
+        private readonly TaskCompletionSource<bool> _over =
+            new TaskCompletionSource<bool>(TaskCreationOptions.RunContinuationsAsynchronously);
         private readonly Queue<string> _outgoing = new Queue<string>();
         private int _outgoingText;
         private bool _sending;
@@ -97,7 +99,10 @@ namespace OpenRoIS
         {
             while (!_closed)
             {
-                string text = await _socket.ReceiveAsync();
+                Task<string> receiving = _socket.ReceiveAsync();
+                // Not every socket that is closed here ends what waits for its next message.
+                await Task.WhenAny(receiving, _over.Task);
+                string text = receiving.IsCompleted ? await receiving : null;
                 if (text == null || _closed)
                 {
                     break;
@@ -186,6 +191,7 @@ namespace OpenRoIS
         {
             End(new Closing(code, reason));
             await _socket.CloseAsync(code, reason);
+            _over.TrySetResult(true);
         }
 
         private void Receive(JsonRpcMessage message)
