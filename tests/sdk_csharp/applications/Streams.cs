@@ -44,19 +44,30 @@ public static class Viewer
     {
         Client client = await Program.Connect(url);
         var media = new MediaSession(client, request => new Elsewhere(request));
-        media.StreamStatusChanged += told => Program.Say("status", told.Status.ToString());
+        var over = new TaskCompletionSource<bool>();
+        media.StreamStatusChanged += told =>
+        {
+            Program.Say("status", told.Status.ToString());
+            if (told.Status == StreamStatus.StreamingNotConnected)
+            {
+                over.TrySetResult(true);
+            }
+        };
         VideoStreaming camera = await client.FindAsync(VideoStreaming.Type);
         string streamId = await camera.ConnectStreamAsync(encoding: new { codecs = new[] { "video/VP8" } });
         Program.Say("stream", streamId);
         await Elsewhere.Enough.Task;
         await camera.DisconnectStreamAsync(streamId);
+        await over.Task;
         media.Dispose();
+        await Elsewhere.Disposed.Task;
         await client.CloseAsync();
     }
 
     private sealed class Elsewhere : IMediaPeer
     {
         internal static readonly TaskCompletionSource<bool> Enough = new TaskCompletionSource<bool>();
+        internal static readonly TaskCompletionSource<bool> Disposed = new TaskCompletionSource<bool>();
 
         internal Elsewhere(MediaPeerRequest request)
         {
@@ -78,7 +89,7 @@ public static class Viewer
 
         public void Dispose()
         {
-            Program.Say("disposed", null);
+            Disposed.TrySetResult(true);
         }
 
         private static async void Wait()

@@ -4,6 +4,7 @@ using System.Threading.Tasks;
 using OpenRoIS.Components;
 using OpenRoIS.Media;
 using OpenRoIS.Unity;
+using Unity.WebRTC;
 using UnityEngine;
 
 namespace OpenRoIS.Samples
@@ -21,6 +22,7 @@ namespace OpenRoIS.Samples
         [Tooltip("What the body says")]
         public string Words = "Hello! I am glad to see you.";
 
+        private Client _client;
         private MediaSession _media;
         private Body _body;
         private bool _isBusy;
@@ -42,6 +44,10 @@ namespace OpenRoIS.Samples
                 // Another application has taken the body, or it has failed.
                 Debug.LogWarning(error.Message);
             }
+            catch (ConnectionLostException error)
+            {
+                Debug.LogWarning(error.Message);
+            }
             _isBusy = false;
         }
 
@@ -49,32 +55,56 @@ namespace OpenRoIS.Samples
         {
             try
             {
-                Client client = await GetComponent<OpenRoISClient>().ConnectedAsync();
-                client.BodyLost += loss => Debug.LogWarning(loss.EngineId + " is lost: " + loss.Error.Message);
-                _media = new MediaSession(client, request => new WebRtcPeer(request, this, Show));
-                _body = await client.BodyAsync(new BodyRequest(SpeechSynthesis.Type)
-                {
-                    Optional = new ComponentType[] { Reaction.Type, VideoStreaming.Type },
-                    Wait = TimeSpan.FromMinutes(10)
-                });
-                await WatchAsync(_body.Find(VideoStreaming.Type));
-                // The stream ends with its connection: a lost one is another one's to connect.
-                client.ConnectionChanged += change => Again(change, client);
+                _client = await GetComponent<OpenRoISClient>().ConnectedAsync();
             }
             catch (OperationCanceledException)
             {
-                // The scene has ended.
+                return;
             }
-            catch (Exception error)
-            {
-                Debug.LogException(error);
-            }
+            // Unity's WebRTC package decodes pictures in this coroutine.
+            StartCoroutine(WebRTC.Update());
+            _media = new MediaSession(_client, request => new WebRtcPeer(request, this, Show));
+            _client.BodyLost += Lost;
+            _client.ConnectionChanged += Changed;
+            Reserve();
         }
 
         private void OnDestroy()
         {
             _media?.Dispose();
             _body?.Dispose();
+        }
+
+        private async void Reserve()
+        {
+            try
+            {
+                _body = await _client.BodyAsync(new BodyRequest(SpeechSynthesis.Type)
+                {
+                    Optional = new ComponentType[] { Reaction.Type, VideoStreaming.Type },
+                    Wait = TimeSpan.FromDays(1)
+                });
+            }
+            catch (ConnectionLostException)
+            {
+                // The scene has ended, or the gateway does not let this application in any more: the client says why.
+                return;
+            }
+            Watch();
+        }
+
+        private async void Watch()
+        {
+            VideoStreaming video = _body?.Find(VideoStreaming.Type);
+            try
+            {
+                await (video?.ConnectStreamAsync(encoding: new { codecs = new[] { "video/H264", "video/VP8" } })
+                    ?? Task.FromResult(""));
+            }
+            catch (Exception error)
+            {
+                Debug.LogWarning("no pictures: " + error.Message);
+            }
         }
 
         private async Task GreetAsync(Body body)
@@ -88,30 +118,23 @@ namespace OpenRoIS.Samples
                 return;
             }
             await reaction.SetAsync(reactionRef: (await reaction.AvailableReactionsAsync()).First());
-            await body.Part(SpeechSynthesis.Type).Client.RunAsync(new Concurrent(speech.StartStep(), reaction.StartStep()));
+            await _client.RunAsync(new Concurrent(speech.StartStep(), reaction.StartStep()));
         }
 
-        private static async Task WatchAsync(VideoStreaming video)
+        private void Lost(BodyLoss loss)
         {
-            if (video != null)
-            {
-                await video.ConnectStreamAsync(encoding: new { codecs = new[] { "video/H264", "video/VP8" } });
-            }
+            Debug.LogWarning(loss.EngineId + " is lost: " + loss.Error.Message);
+            _body?.Dispose();
+            _body = null;
+            Reserve();
         }
 
-        private async void Again(ConnectionChange change, Client client)
+        private void Changed(ConnectionChange change)
         {
-            if (change.State != ConnectionState.Connected)
+            // Streams end with their connection; the body is kept.
+            if (change.State == ConnectionState.Connected)
             {
-                return;
-            }
-            try
-            {
-                await WatchAsync(_body.Find(VideoStreaming.Type));
-            }
-            catch (Exception error)
-            {
-                Debug.LogWarning("no pictures: " + error.Message);
+                Watch();
             }
         }
 

@@ -15,7 +15,6 @@ namespace OpenRoIS.Samples
         private readonly RTCPeerConnection _connection;
         private readonly MonoBehaviour _host;
         private readonly Action<Texture> _show;
-        private readonly Coroutine _decoding;
         private AudioSource _sound;
 
         /// <param name="request">the peer that an engine has offered</param>
@@ -41,8 +40,6 @@ namespace OpenRoIS.Samples
                 }
             };
             _connection.OnTrack = received => Play(received.Track);
-            // Textures are decoded in this coroutine.
-            _decoding = host.StartCoroutine(WebRTC.Update());
         }
 
         public Task<string> AnswerAsync(Offer offer)
@@ -67,7 +64,6 @@ namespace OpenRoIS.Samples
 
         public void Dispose()
         {
-            _host.StopCoroutine(_decoding);
             _connection.Close();
             _connection.Dispose();
         }

@@ -141,8 +141,9 @@ namespace OpenRoIS
             {
                 work();
             }
-            catch (Exception error)
+            catch (Exception error) when (!(error is ThreadAbortException))
             {
+                // A thread is aborted where its domain ends: with the process, or as Unity loads scripts anew.
                 _failed(error);
             }
         }
