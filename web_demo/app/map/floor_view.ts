@@ -2,6 +2,8 @@
 
 import { drawn, extentOf, gridLines, turned } from "./geometry.ts";
 import type { Extent, Place, Point, Thing } from "./geometry.ts";
+import { placeLabels } from "./labels.ts";
+import type { Label } from "./labels.ts";
 import type { Target } from "./walk.ts";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -24,7 +26,7 @@ export class FloorView {
   readonly #ground = draw("g", { class: "map-ground" });
   readonly #way = draw("polyline", { class: "map-way" });
   readonly #targets = draw("g", {});
-  readonly #things = draw("g", {});
+  readonly #marks = draw("g", {});
   readonly #figure = draw(
     "g",
     { class: "map-figure", "data-testid": "map-figure" },
@@ -40,9 +42,11 @@ export class FloorView {
   );
   readonly #known = new Map<string, SVGGElement>();
   #extent: Extent = { left: -1, top: -1, width: 2, height: 2 };
+  #things: readonly Thing[] = [];
+  #labels: ReadonlyMap<string, Label> = new Map();
 
   constructor() {
-    this.element.append(this.#ground, this.#way, this.#targets, this.#things, this.#figure, this.#cursor);
+    this.element.append(this.#ground, this.#way, this.#targets, this.#marks, this.#figure, this.#cursor);
     this.#figure.style.display = this.#cursor.style.display = "none";
   }
 
@@ -56,17 +60,20 @@ export class FloorView {
     const { left, top, width, height } = extent;
     this.#extent = extent;
     this.element.setAttribute("viewBox", `${left} ${top} ${width} ${height}`);
-    this.element.style.setProperty("--letters", `${(LETTERS * Math.max(width, height)).toFixed(3)}px`);
+    this.element.style.setProperty("--letters", `${this.#letters.toFixed(3)}px`);
     this.#ground.replaceChildren(
       draw("polygon", { class: "map-floor", points: drawn(outline) }),
       draw("path", { class: "map-grid", d: gridLines(extent) }),
       draw("polygon", { class: "map-edge", points: drawn(outline) }),
       ...obstacles.map((corners) => draw("polygon", { class: "map-obstacle", points: drawn(corners) })),
     );
+    this.#labels = new Map();
+    this.#showNames();
   }
 
   /** Those that are known move to where they are now. */
   showThings(things: readonly Thing[]): void {
+    this.#things = things;
     const refs = new Set(things.map(({ ref }) => ref));
     for (const [ref, mark] of this.#known) {
       if (refs.has(ref)) continue;
@@ -76,9 +83,8 @@ export class FloorView {
     for (const thing of things) {
       const mark = this.#known.get(thing.ref) ?? this.#mark(thing);
       put(mark, thing.place);
-      const label = mark.lastElementChild;
-      if (label && label.textContent !== thing.name) label.textContent = thing.name;
     }
+    this.#showNames();
   }
 
   showFigure(place: Place | null): void {
@@ -118,6 +124,24 @@ export class FloorView {
     return [x, -y];
   }
 
+  /** How high letters are, in metres of the drawing. */
+  get #letters(): number {
+    return LETTERS * Math.max(this.#extent.width, this.#extent.height);
+  }
+
+  /** Places the names beside their marks. */
+  #showNames(): void {
+    this.#labels = placeLabels(this.#things, this.#extent, this.#letters, this.#labels);
+    for (const { ref, name } of this.#things) {
+      const text = this.#known.get(ref)?.lastElementChild;
+      const label = this.#labels.get(ref);
+      if (!text || !label) continue;
+      if (text.textContent !== name) text.textContent = name;
+      text.setAttribute("x", label.x.toFixed(3));
+      text.setAttribute("y", label.y.toFixed(3));
+    }
+  }
+
   #mark({ ref, kind }: Thing): SVGGElement {
     const shape =
       kind === "person"
@@ -130,10 +154,9 @@ export class FloorView {
               }),
             ]
           : [];
-    const below = kind === "sound" ? "-0.32" : "0.52";
-    const mark = draw("g", { class: `map-thing ${kind}` }, ...shape, draw("text", { y: below }));
+    const mark = draw("g", { class: `map-thing ${kind}` }, ...shape, draw("text", {}));
     this.#known.set(ref, mark);
-    this.#things.append(mark);
+    this.#marks.append(mark);
     return mark;
   }
 }
