@@ -102,7 +102,7 @@ async def test_viewer_sees_the_picture_and_why_controls_are_disabled(browser: Br
         for item in (*map(visit.item, names), reaction):
             await expect(item).to_be_disabled()
             await expect(item).to_have_accessible_description(
-                "You are watching: your token does not let you operate the avatar"
+                "You are watching: your token does not let you operate the body"
             )
 
 

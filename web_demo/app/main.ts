@@ -280,7 +280,7 @@ installShortcuts([
     label: "Say something, or search in the inspector",
     run: () => (views.current === "avatar" ? say.focus() : views.search()),
   },
-  { keys: ["i"], label: "Inspector or avatar", run: () => views.toggle() },
+  { keys: ["i"], label: "Inspector or body", run: () => views.toggle() },
   { keys: ["Escape"], label: "Stop speaking, and leave the text field", run: toAvatar(() => say.stop()) },
   {
     keys: ["1", "2", "3", "4", "5", "6", "7", "8", "9", "0"],

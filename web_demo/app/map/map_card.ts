@@ -29,7 +29,7 @@ const PACE = 400;
 /** Metres from a thing within which a click means it. */
 const REACH = 0.35;
 const HINT = "Click where it should go. With Shift it goes there afterwards.";
-const NO_WALK = "This avatar does not walk.";
+const NO_WALK = "This body does not walk.";
 const NO_FLOOR = "The floor is not known: it walks straight to where you click.";
 const NOWHERE: Ground = { outline: [], obstacles: [] };
 

@@ -17,7 +17,7 @@ export interface Target {
 
 export type WalkState = "idle" | "walking" | "done" | "stopped" | "failed" | "refused";
 
-const BUSY = "another visitor is moving the avatar; try again in a moment";
+const BUSY = "another visitor is moving the body; try again in a moment";
 /** Milliseconds for which it is said what became of a walk. */
 const READABLE = 10_000;
 /** Millimetres between the avatar and the person that it follows. */

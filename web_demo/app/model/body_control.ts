@@ -233,7 +233,7 @@ export class BodyControl {
 
   /** Checks that no part was lost, and the avatar not changed, while further parts were bound. */
   #requireUnchanged(refs: readonly string[], parts: readonly Part[]): void {
-    if (refs !== this.#refs) throw new Error("Another avatar was chosen.");
+    if (refs !== this.#refs) throw new Error("Another body was chosen.");
     for (const { componentRef } of parts) {
       const { state, holder = "" } = this.#leases.get(componentRef) ?? {};
       if (state === "HELD" || state === "ABSENT") throw new BodyTaken(componentRef, holder);

@@ -25,7 +25,7 @@ export function deviceWords(
     return failed ? { state: "trouble", text: "Not available" } : { state: "off", text: "Off" };
   }
   if (status === "STREAMING_RUNNING") return { state: "on", text: used === "" ? "Sent" : `Sent, ${used}` };
-  if (status === "STREAMING_SUSPENDED") return { state: "held", text: "Paused by the avatar" };
+  if (status === "STREAMING_SUSPENDED") return { state: "held", text: "Paused by the body" };
   return { state: "waiting", text: "Connecting" };
 }
 
@@ -40,13 +40,13 @@ export function deviceTrouble(device: CaptureProblem | null, stream: Problem | n
   if (device) return device.detail;
   switch (stream?.kind) {
     case "no-media":
-      return "Nothing gets through to the avatar. Another way through the network is being looked for.";
+      return "Nothing gets through to the body. Another way through the network is being looked for.";
     case "no-streaming":
       return "This gateway cannot stream. Run an OpenRoIS gateway of this version.";
     case "unsupported":
     case "refused": {
       const why = plainReason(stream.detail);
-      return `The avatar does not take it${why && `: ${why}`}.`;
+      return `The body does not take it${why && `: ${why}`}.`;
     }
     default:
       return null;

@@ -33,7 +33,7 @@ export function describeCompleted(status: CompletedStatus, elapsed: number, reas
     case "TIMEOUT":
       return { state: "failed", text: why || "it took too long" };
     default:
-      return { state: "failed", text: `the avatar could not do it${why && `: ${why}`}` };
+      return { state: "failed", text: `the body could not do it${why && `: ${why}`}` };
   }
 }
 
@@ -59,18 +59,18 @@ export function describeFailure(error: unknown, busy = BUSY): Outcome {
   if (error instanceof RoISError) {
     if (error.returnCode === "OUT_OF_RESOURCES") return { state: "refused", text: busy };
     const why = plainReason(error.reason);
-    return { state: "failed", text: `the avatar refused it${why && `: ${why}`}` };
+    return { state: "failed", text: `the body refused it${why && `: ${why}`}` };
   }
   if (error instanceof CommandFailed) {
     const why = plainReason(error.reason);
-    return { state: "failed", text: why || "the avatar could not do it" };
+    return { state: "failed", text: why || "the body could not do it" };
   }
   return { state: "failed", text: failureWords(error) };
 }
 
 /** Words for errors of the SDK, whose own texts name methods, ids and codes for programmers. */
 function failureWords(error: unknown): string {
-  if (error instanceof ConnectionLost) return "the connection ended before the avatar had finished";
+  if (error instanceof ConnectionLost) return "the connection ended before the body had finished";
   if (error instanceof RequestTimeout) return "the gateway did not answer in time; try again";
   if (error instanceof RpcError)
     return "this gateway does not support it; run an OpenRoIS gateway of this version";

@@ -1,8 +1,8 @@
 /** Reasons why a control cannot be used now: the token, or another visitor in control. */
 
-export const WATCHING = "You are watching: your token does not let you operate the avatar";
+export const WATCHING = "You are watching: your token does not let you operate the body";
 
-export const AWAY = "The avatar is away";
+export const AWAY = "The body is away";
 
 /** Id of the element with the reason, which screen readers read for a disabled control. */
 const REASON = "handover-words";

@@ -104,14 +104,14 @@ function bodyTrouble({ connection, body }: Situation): Trouble | null {
     return {
       kind: "no-adapter",
       title: "No avatar or robot is connected",
-      text: "The gateway runs, but nothing that it knows can be seen, heard or moved here. Start an avatar with “openrois avatar”; it appears here by itself. Other components are in the Inspector.",
+      text: "The gateway runs, but nothing that it knows can be seen, heard or moved here. Start an avatar with “openrois avatar”, or a robot with “openrois robot”; it appears here by itself. Other components are in the Inspector.",
     };
   }
   if (body.present) return null;
   return {
     kind: "adapter-gone",
     title: `“${body.name}” has left`,
-    text: "It has stopped, or lost the gateway. When it is started again (an avatar with “openrois avatar”), everything goes on by itself.",
+    text: "It has stopped, or lost the gateway. When it is started again (an avatar with “openrois avatar”, a robot with “openrois robot”), everything goes on by itself.",
   };
 }
 
@@ -121,7 +121,7 @@ function streamTrouble({ connection, body, codecs, video }: Situation): Trouble 
     return {
       kind: "no-codec",
       title: "This browser decodes neither H.264 nor VP8",
-      text: "The avatar sends one of these. Install the browser's media codecs, or use another browser.",
+      text: "The body sends one of these. Install the browser's media codecs, or use another browser.",
     };
   }
   if (video.problem) return problemTrouble(video.problem);
@@ -130,7 +130,7 @@ function streamTrouble({ connection, body, codecs, video }: Situation): Trouble 
   return {
     kind: "stalled",
     title: "The picture has stopped",
-    text: "The avatar still sends, but nothing arrives. Another way through the network is being looked for.",
+    text: "The body still sends, but nothing arrives. Another way through the network is being looked for.",
   };
 }
 
@@ -140,7 +140,7 @@ function problemTrouble(problem: Problem): Trouble {
       return {
         kind: "no-media",
         title: "The picture does not get through",
-        text: "The avatar is connected, but its video packets do not arrive. A firewall or VPN may block UDP between this browser and the avatar: allow it, or set up a TURN server at the gateway. Other ways are being tried.",
+        text: "The body is connected, but its video packets do not arrive. A firewall or VPN may block UDP between this browser and the body: allow it, or set up a TURN server at the gateway. Other ways are being tried.",
       };
     case "no-streaming":
       return {
@@ -151,13 +151,13 @@ function problemTrouble(problem: Problem): Trouble {
     case "unsupported":
       return {
         kind: "no-codec",
-        title: "The avatar cannot send what this browser plays",
-        text: `${said(problem.detail) ?? "They have no video codec in common, or the avatar has no video right now."} The page goes on trying.`,
+        title: "The body cannot send what this browser plays",
+        text: `${said(problem.detail) ?? "They have no video codec in common, or the body has no video right now."} The page goes on trying.`,
       };
     case "refused":
       return {
         kind: "refused",
-        title: "The avatar refuses the video",
+        title: "The body refuses the video",
         text: `${said(problem.detail) ?? "The log of its adapter tells why."} The page goes on trying.`,
       };
   }

@@ -83,6 +83,6 @@ export class FiguresPanel {
 }
 
 function latencyTitle(clock: ClockOffset | null): string {
-  if (clock === null) return "Unknown: the avatar's clock has not been read";
+  if (clock === null) return "Unknown: the body's clock has not been read";
   return `From the camera to this screen; exact to ${formatNumber(clock.uncertainty + 1, 0)} ms`;
 }

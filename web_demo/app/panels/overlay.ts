@@ -38,7 +38,7 @@ const CHARTS: readonly Chart[] = [
   {
     name: "latency",
     label: "To the screen",
-    title: "From the avatar's camera to this screen",
+    title: "From the body's camera to this screen",
     least: 50,
     format: milliseconds,
     lines: [({ latency }) => latency],

@@ -9,7 +9,7 @@ import { PassingText } from "../dom/passing_text.ts";
 import { explain } from "../model/permission.ts";
 import { bestColumns, reactionLook } from "../model/reaction_looks.ts";
 
-const BUSY = "another visitor is moving the avatar; try again in a moment";
+const BUSY = "another visitor is moving the body; try again in a moment";
 
 export class Reactions {
   readonly #client: Client;

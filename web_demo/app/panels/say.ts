@@ -18,7 +18,7 @@ import { SpeechWords } from "./speech_words.ts";
 
 type State = "idle" | "speaking" | "paused" | "done" | "stopped" | "failed" | "refused" | "unavailable";
 
-const BUSY = "another visitor is speaking through the avatar; try again in a moment";
+const BUSY = "another visitor is speaking through the body; try again in a moment";
 
 export class SayLine {
   readonly #client: Client;
@@ -198,7 +198,7 @@ export class SayLine {
     if (!usable && status !== null) {
       this.#show(
         "unavailable",
-        `speech is not available. Install it beside the avatar with “pip install openrois[speech]”.`,
+        `speech is not available. Install it beside the body's adapter with “pip install openrois[speech]”.`,
       );
     }
     this.#render();

@@ -8,7 +8,7 @@ export type Look = "blind" | "waiting" | "connecting" | "live" | "suspended" | "
 
 const WORDS: Readonly<Record<Look, string>> = {
   blind: "This body sends no picture",
-  waiting: "Waiting for the avatar",
+  waiting: "Waiting for the body",
   connecting: "Connecting",
   live: "Live",
   suspended: "Suspended",
@@ -17,7 +17,7 @@ const WORDS: Readonly<Record<Look, string>> = {
   stalled: "Frozen",
 };
 
-const AWAITED = { waiting: "waiting for the avatar", connecting: "connecting" } as const;
+const AWAITED = { waiting: "waiting for the body", connecting: "connecting" } as const;
 
 /** The page shows a picture as frozen when it is this old, in milliseconds, although the stream should run. */
 const FROZEN_AFTER = 1000;

@@ -8,7 +8,7 @@ import { idOf } from "../inspector/routes.ts";
 export type View = "avatar" | "inspector";
 
 const SKIP: Readonly<Record<View, string>> = {
-  avatar: "Skip to the avatar's controls",
+  avatar: "Skip to the body's controls",
   inspector: "Skip to the search",
 };
 

@@ -19,7 +19,7 @@ export class HearingPanel {
   readonly #client: Client;
   readonly #onChange: () => void;
   readonly #here = new LevelBar("here", "Here");
-  readonly #there = new LevelBar("there", "At the avatar");
+  readonly #there = new LevelBar("there", "At the body");
   readonly #local = new TrackLevel((level) => this.#here.show(level));
   readonly #level = new Wanted();
   readonly #heard = new Wanted((error) => this.#refused(error));

@@ -15,7 +15,8 @@ const FRESH = 1500;
 /** Milliseconds for which it stands why something failed. */
 const READABLE = 4000;
 const BUSY = "Another visitor uses it now";
-const KEPT = "A face is kept in the avatar's memory and nowhere else, and is gone when the avatar ends.";
+const KEPT =
+  "A face is kept in the memory of the body's adapter and nowhere else, and is gone when that ends.";
 
 export class SightPanel {
   readonly element = make("div", { class: "sense" });

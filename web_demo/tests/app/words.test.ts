@@ -54,9 +54,9 @@ describe("outcomes in words", () => {
     ],
     [describeCompleted("TIMEOUT", 1), "failed", "it took too long"],
     [describeFailure(new RoISError("OUT_OF_RESOURCES", "m"), "busy"), "refused", "busy"],
-    [describeFailure(new RoISError("ERROR", "m"), "busy"), "failed", "the avatar refused it"],
-    [describeFailure(new RoISError("ERROR", "m", "", "no"), "busy"), "failed", "the avatar refused it: no"],
-    [describeCompleted("ERROR", 5, "no voice"), "failed", "the avatar could not do it: no voice"],
+    [describeFailure(new RoISError("ERROR", "m"), "busy"), "failed", "the body refused it"],
+    [describeFailure(new RoISError("ERROR", "m", "", "no"), "busy"), "failed", "the body refused it: no"],
+    [describeCompleted("ERROR", 5, "no voice"), "failed", "the body could not do it: no voice"],
     [
       describeFailure(new CommandFailed("enrol of a/b", "command-1", "ERROR", "no face"), "busy"),
       "failed",
@@ -65,7 +65,7 @@ describe("outcomes in words", () => {
     [
       describeFailure(new CommandFailed("enrol of a/b", "command-1", "ERROR"), "busy"),
       "failed",
-      "the avatar could not do it",
+      "the body could not do it",
     ],
     [
       describeFailure(new InvalidMessage("rois.command.bind: result must be an object"), "busy"),

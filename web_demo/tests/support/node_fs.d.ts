@@ -3,7 +3,7 @@ declare module "node:fs" {
   export function existsSync(path: URL): boolean;
   export function mkdtempSync(prefix: string): string;
   export function readFileSync(path: URL, encoding: "utf8"): string;
-  export function readdirSync(path: URL): string[];
+  export function readdirSync(path: URL, options?: { recursive: boolean }): string[];
   export function rmSync(path: string, options: { recursive: boolean }): void;
   export function writeFileSync(path: string, text: string): void;
 }

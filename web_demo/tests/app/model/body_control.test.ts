@@ -181,7 +181,7 @@ it("forgets a request when its time is over", async () => {
 it("takes nothing of an avatar that is not chosen any more", async () => {
   const taken = body.takeControl();
   body.setComponents(["b/teleoperation", "b/navigation"]);
-  await expect(taken).rejects.toThrow("Another avatar was chosen.");
+  await expect(taken).rejects.toThrow("Another body was chosen.");
   await settle();
   expect(verbs()).toEqual([`bind ${OPERATED}`, `release ${OPERATED}`]);
   expect(body.state).toEqual({ kind: "free" });

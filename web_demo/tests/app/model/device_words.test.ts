@@ -31,11 +31,9 @@ describe("deviceTrouble", () => {
     const device = { kind: "refused", detail: "Allow it." } as const;
     const stream = { kind: "refused", detail: "another application sends already" } as const;
     expect(deviceTrouble(device, stream)).toBe("Allow it.");
-    expect(deviceTrouble(null, stream)).toBe(
-      "The avatar does not take it: another application sends already.",
-    );
+    expect(deviceTrouble(null, stream)).toBe("The body does not take it: another application sends already.");
     expect(deviceTrouble(null, { kind: "unsupported", detail: "UNSUPPORTED" })).toBe(
-      "The avatar does not take it.",
+      "The body does not take it.",
     );
     expect(deviceTrouble(null, { kind: "no-media", detail: "" })).toContain("gets through");
     expect(deviceTrouble(null, { kind: "no-streaming", detail: "" })).toContain("gateway");
