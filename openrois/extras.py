@@ -25,6 +25,7 @@ EXTRAS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "panda3d": (*_AVATAR, "panda3d"),
         "puppet": (*_AVATAR, "pygame"),
         "robot": (*_AVATAR, "panda3d"),
+        "ros2": (*_AVATAR, "cyclonedds"),
         "demo": (*_GATEWAY, *_AVATAR, "espeakng_loader", "panda3d", "pocketsphinx", "pygame"),
     }
 )

@@ -1,0 +1,91 @@
+"""Cyclone DDS keeps the contract of a backend; and what is its own."""
+
+import asyncio
+import os
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+from unittest.mock import patch
+
+import pytest
+from openrois_robots.ros2.cyclone.backend import CycloneBackend
+from openrois_robots.ros2.graph.backend import RosBackend
+from openrois_robots.ros2.graph.matching import BEST_EFFORT, Qos
+from openrois_robots.ros2.interfaces.definitions import DefinitionError
+from openrois_robots.ros2.interfaces.store import Interfaces
+
+from openrois.errors import ComponentFailed
+from tests.robots.ros2.backend_suite import GO, STRING, BackendSuite
+from tests.support.ros_graph import INTERFACES, URI, free_domain, until
+
+pytestmark = pytest.mark.extra(name="ros2")
+
+
+@asynccontextmanager
+async def joined(domain: int) -> AsyncIterator[CycloneBackend]:
+    with patch.dict(os.environ, {"CYCLONEDDS_URI": URI}):
+        async with CycloneBackend(domain, Interfaces(folder=INTERFACES)) as backend:
+            yield backend
+
+
+class TestCyclone(BackendSuite):
+    __test__ = True
+
+    def backend(self, domain: int) -> Any:
+        return joined(domain)
+
+    async def test_a_server_with_another_definition_of_its_type_is_said(self) -> None:
+        async with self.graph() as (backend, _):
+            old = backend.action("/old", GO)
+            await until(lambda: "another definition" in old.problem, "nothing was said of the definition")
+            assert "the action /old is served as nav2_msgs/action/NavigateToPose_" in old.problem
+            assert "name its distribution" in old.problem
+
+
+async def test_of_messages_that_wait_the_newest_are_kept() -> None:
+    domain = free_domain()
+    async with joined(domain) as sender, joined(domain) as receiver:
+        heard: list[str] = []
+        subscription = receiver.subscribe("/many", STRING, BEST_EFFORT, lambda message: heard.append(message.data))
+        publisher = sender.publisher("/many", STRING, Qos())
+        await until(lambda: publisher.is_matched and subscription.is_matched, "they did not match")
+        # The event loop is busy meanwhile.
+        for number in range(500):
+            publisher.publish({"data": str(number)})
+        await until(lambda: heard[-1:] == ["499"], "the newest did not come")
+        assert len(heard) < 10
+
+
+async def test_a_domain_that_cannot_be_joined_is_said() -> None:
+    with pytest.raises(OSError, match="DDS cannot join domain 400"):
+        async with CycloneBackend(400, Interfaces()):
+            pass
+
+
+async def test_one_topic_with_two_types_is_refused() -> None:
+    async with joined(free_domain()) as backend:
+        backend.publisher("/one", STRING, Qos())
+        with pytest.raises(ComponentFailed, match="rt/one is used with two types, std_msgs/msg/String and"):
+            backend.publisher("/one", "geometry_msgs/msg/Twist", Qos())
+
+
+async def test_types_that_are_not_known_are_said() -> None:
+    async with joined(free_domain()) as backend:
+        with pytest.raises(DefinitionError, match="kachaka_interfaces/msg/Nothing is not known"):
+            backend.publisher("/one", "kachaka_interfaces/msg/Nothing", Qos())
+
+
+async def test_a_value_that_does_not_fit_is_refused() -> None:
+    async with joined(free_domain()) as backend:
+        publisher = backend.publisher("/twist", "geometry_msgs/msg/Twist", Qos())
+        with pytest.raises(ValueError, match="does not fit"):
+            publisher.publish({"linear": {"x": "fast"}})
+
+
+async def test_what_waits_ends_with_the_node() -> None:
+    async with joined(free_domain()) as backend:
+        kept: RosBackend = backend
+        publisher = kept.publisher("/one", STRING, Qos())
+    with pytest.raises(ComponentFailed, match="has left the graph"):
+        publisher.publish({"data": "late"})
+    await asyncio.sleep(0)
