@@ -29,5 +29,11 @@ def _simulated(arguments: Sequence[str]) -> int:
     return COMMAND.main(arguments)
 
 
-ROBOTS: Final[Mapping[str, Callable[[Sequence[str]], int]]] = MappingProxyType({"simulated": _simulated})
+def _ros2(arguments: Sequence[str]) -> int:
+    with needing_extra("ros2"):
+        from openrois_robots.ros2.command import COMMAND
+    return COMMAND.main(arguments)
+
+
+ROBOTS: Final[Mapping[str, Callable[[Sequence[str]], int]]] = MappingProxyType({"simulated": _simulated, "ros2": _ros2})
 """The robots, and the function that runs each; its libraries are imported then."""

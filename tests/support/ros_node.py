@@ -20,6 +20,7 @@ from openrois.aio.tasks import TaskScope
 from tests.support.ros_graph import INTERFACES
 
 STRING = "std_msgs/msg/String"
+GO = "nav2_msgs/action/NavigateToPose"
 
 
 def say(line: str) -> None:
@@ -30,7 +31,7 @@ class Acts:
     """Executes goals."""
 
     def accepts(self, goal: Any) -> bool:
-        return goal.behavior_tree != "reject"
+        return bool(goal.behavior_tree != "reject")
 
     async def execute(self, goal: Any) -> AsyncGenerator[Mapping[str, Any], None]:
         say(f"begun {goal.behavior_tree}")
@@ -64,12 +65,10 @@ async def main(domain: int, reliability: str) -> None:
 
         service = types.interfaces.service("std_srvs/srv/SetBool")
         DdsServiceServer(participant, types, "/switch", service, switch, tasks)
-        DdsActionServer(participant, types, "/go", "nav2_msgs/action/NavigateToPose", Acts(), tasks)
+        DdsActionServer(participant, types, "/go", GO, Acts(), tasks)
         # What it has of another type, and of another definition of the same type.
         DdsPublisher(participant, types, "/odd", "geometry_msgs/msg/Twist", Qos())
-        DdsActionServer(
-            participant, TypeMaker(Interfaces("humble")), "/old", "nav2_msgs/action/NavigateToPose", Acts(), tasks
-        )
+        DdsActionServer(participant, TypeMaker(Interfaces("humble")), "/old", GO, Acts(), tasks)
         say("ready")
         await asyncio.Event().wait()
 

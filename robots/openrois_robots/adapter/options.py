@@ -19,7 +19,7 @@ from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-__all__ = ["AdapterSettings", "add_adapter_options", "read_adapter_settings", "read_config", "read_table"]
+__all__ = ["AdapterSettings", "add_adapter_options", "read_adapter_settings", "read_config", "read_table", "read_toml"]
 
 _D = TypeVar("_D", bound="DataclassInstance")
 
@@ -105,7 +105,7 @@ def read_config(path: Path | None, tables: Mapping[str, Callable[[str, Any], Any
     Raises:
         ValueError: the file cannot be read, or something in it is wrong; a sentence for a person.
     """
-    found = {} if path is None else _toml(path)
+    found = {} if path is None else read_toml(path)
     unknown = found.keys() - tables.keys()
     if unknown:
         raise ValueError(f"--config: {path}: there is no table {min(unknown)!r}; there are {_listed(tuple(tables))}")
@@ -138,7 +138,12 @@ def read_table(kind: type[_D], name: str, table: Any) -> _D:
     return kind(**{key: float(value) if known[key] is float else value for key, value in table.items()})
 
 
-def _toml(path: Path) -> dict[str, Any]:
+def read_toml(path: Path) -> dict[str, Any]:
+    """Return what stands in a configuration file.
+
+    Raises:
+        ValueError: it cannot be read, or is no TOML; a sentence for a person.
+    """
     try:
         with path.open("rb") as file:
             text = file.read(_LARGEST + 1)

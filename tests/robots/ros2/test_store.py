@@ -34,7 +34,9 @@ def test_the_folder_of_the_user_comes_first(tmp_path: Path) -> None:
 
 
 def test_what_is_not_there_is_said_with_where_it_may_be() -> None:
-    with pytest.raises(DefinitionError, match="kit_msgs/msg/Kit is not known: name the folder .* /opt/ros/jazzy/share"):
+    with pytest.raises(
+        DefinitionError, match=r"kit_msgs/msg/Kit is not known: name the folder .* /opt/ros/jazzy/share"
+    ):
         Interfaces().message("kit_msgs/msg/Kit")
 
 

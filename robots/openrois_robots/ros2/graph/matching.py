@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-__all__ = ["BEST_EFFORT", "Direction", "Peer", "Qos", "is_match", "topic_problem"]
+__all__ = ["BEST_EFFORT", "Direction", "Durability", "Peer", "Qos", "Reliability", "is_match", "topic_problem"]
 
 Reliability: TypeAlias = Literal["reliable", "best_effort"]
 Durability: TypeAlias = Literal["volatile", "transient_local"]

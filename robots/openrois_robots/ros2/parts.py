@@ -1,0 +1,150 @@
+"""The parts of a robot that several components share, made of its mapping and its graph."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final, cast
+
+from openrois_body.components.moving import Figure
+from openrois_body.motion.legs import Legs
+from openrois_body.motion.wayfinding import Ways
+from openrois_body.motion.world import World
+from openrois_streaming.clock import MediaClock
+
+from openrois_robots.adapter.link import RobotLink
+from openrois_robots.ros2.components.bound import Ends
+from openrois_robots.ros2.components.goals import Goals
+from openrois_robots.ros2.graph.backend import Matched, RosBackend
+from openrois_robots.ros2.graph.matching import Durability, Qos, Reliability
+from openrois_robots.ros2.mapping.settings import ODOMETRY, POSES, TWISTS, RobotMapping
+from openrois_robots.ros2.robot.poses import Heard
+from openrois_robots.ros2.robot.state import BatteryState, OdometryState, PoseState, probe_any
+from openrois_robots.ros2.robot.strokes import Limits
+from openrois_robots.ros2.robot.wheels import Wheels
+
+__all__ = ["Parts"]
+
+_NAVIGATE: Final = "nav2_msgs/action/NavigateToPose"
+_SPEED_LIMIT: Final = "nav2_msgs/msg/SpeedLimit"
+_BATTERY: Final = "sensor_msgs/msg/BatteryState"
+
+
+def quality(reliability: str, durability: str = "volatile", depth: int = 1) -> Qos:
+    """Return a quality of service, as a mapping file has it."""
+    return Qos(cast("Reliability", reliability), cast("Durability", durability), depth)
+
+
+@dataclass(slots=True)
+class _Base:
+    """What moves the robot: its velocity, and its motions one at a time."""
+
+    wheels: Wheels | None
+    legs: Legs
+    figure: Figure
+
+
+class Parts:
+    """Makes the parts; names that cannot be subscribed to raise `DefinitionError` here.
+
+    Args:
+        engine_id: leads every ref.
+        mapping: of the robot.
+        backend: its graph.
+        clock: the media clock.
+        robot: what is linked, for sentences.
+    """
+
+    def __init__(
+        self, engine_id: str, mapping: RobotMapping, backend: RosBackend, clock: MediaClock, robot: str
+    ) -> None:
+        self.mapping = mapping
+        self.backend = backend
+        self.clock = clock
+        self.battery = BatteryState(mapping.battery)
+        self.world = World(engine_id)
+        self.odometry = self._odometry()
+        self.pose = self._pose()
+        self._others: list[Matched] = []
+        probe = self._probe_others if self.odometry is None else self.odometry.probe
+        self.link = RobotLink(robot, probe, clock)
+        self._listen_to_battery()
+        base = self._base()
+        self.wheels, self.legs, self.figure = base.wheels, base.legs, base.figure
+        self.goals, self._action = self._goals()
+
+    def ends(self, *ends: Matched) -> Ends:
+        """Return the ends of a component."""
+        self._others += ends
+        return Ends(self.link, ends)
+
+    def velocity_ends(self) -> Ends:
+        """Return what driving by velocity needs."""
+        return self.ends(*(() if self.wheels is None else (self.wheels.publisher,)))
+
+    def goal_ends(self) -> Ends:
+        """Return what goals need."""
+        return self.ends(*(() if self._action is None else (self._action,)))
+
+    def pose_states(self, topics: Mapping[str, str], reliability: str) -> dict[str, PoseState]:
+        """Return the last poses of topics of `PoseStamped`, by their names."""
+        states = {name: PoseState(self.clock) for name in topics}
+        for name, topic in topics.items():
+            self.backend.subscribe(topic, POSES[1], quality(reliability), states[name].take)
+        return states
+
+    def heard_pose(self) -> Heard | None:
+        """Return the last pose of the robot: that of its map, where the mapping names one, else of its odometry."""
+        state = self.pose or (None if self.odometry is None else self.odometry.pose)
+        return None if state is None else state.heard
+
+    async def _probe_others(self) -> None:
+        await probe_any(tuple(self._others))
+
+    def _odometry(self) -> OdometryState | None:
+        settings = self.mapping.odometry
+        if settings is None:
+            return None
+        state = OdometryState(settings, self.world, self.clock)
+        state.subscription = self.backend.subscribe(settings.topic, ODOMETRY, quality(settings.reliability), state.take)
+        return state
+
+    def _pose(self) -> PoseState | None:
+        settings = self.mapping.pose
+        if settings is None:
+            return None
+        state = PoseState(self.clock)
+        qos = quality(settings.reliability, settings.durability)
+        self.backend.subscribe(settings.topic, settings.type, qos, state.take)
+        return state
+
+    def _listen_to_battery(self) -> None:
+        settings = self.mapping.battery
+        if settings is not None:
+            self.backend.subscribe(settings.topic, _BATTERY, quality(settings.reliability), self.battery.take)
+
+    def _base(self) -> _Base:
+        settings, limits = self.mapping.velocity, self.mapping.base
+        wheels = None
+        if settings is not None:
+            publisher = self.backend.publisher(settings.topic, settings.type, quality(settings.reliability))
+            frame = settings.frame if settings.type == TWISTS[1] else None
+            wheels = Wheels(
+                publisher, Limits(limits.max_speed, limits.max_turn), self.clock, frame, sideways=settings.sideways
+            )
+        send: Callable[[Any], None] = _ignore if wheels is None else wheels.send
+        legs = Legs(send, lambda: True, lambda: self.world.place, self.clock, limits.max_speed)
+        figure = Figure(legs, self.world, Ways(self.world), lambda: self.link.status)
+        return _Base(wheels, legs, figure)
+
+    def _goals(self) -> tuple[Goals | None, Matched | None]:
+        settings, backend = self.mapping.navigation, self.backend
+        if settings is None:
+            return None, None
+        action = backend.action(settings.action, _NAVIGATE)
+        limit = backend.publisher(settings.speed_limit, _SPEED_LIMIT, Qos()) if settings.speed_limit else None
+        speed = self.mapping.base.max_speed
+        goals = Goals(action, settings, self.mapping.places, speed, limit, self.heard_pose, self.legs, self.clock)
+        return goals, action
+
+
+def _ignore(_command: object) -> None:
+    """Stand in for the wheels of a robot that has none: it goes where goals take it."""

@@ -1,0 +1,1 @@
+"""A robot as its topics show it: signs of life, poses, battery, velocity, pictures."""
