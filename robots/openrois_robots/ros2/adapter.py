@@ -34,6 +34,7 @@ from openrois_robots.ros2.robot.pictures import camera_source
 __all__ = ["Robot", "hosted_robot", "ros_robot"]
 
 _BOOL: Final = "std_msgs/msg/Bool"
+_EMPTY: Final = "std_msgs/msg/Empty"
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +87,9 @@ async def ros_robot(
     report_losses(link, moving)
     async with TaskScope() as tasks:
         tasks.start(link.run())
-        if parts.wheels is not None:
-            tasks.start(parts.wheels.run())
+        for part in (parts.wheels, parts.goals):
+            if part is not None:
+                tasks.start(part.run())
         yield Robot((information, *moving, *speech), cameras, operator_control, link)
 
 
@@ -153,5 +155,6 @@ def _speech(parts: Parts) -> tuple[Component, ...]:
 
     if settings.speaking:
         ends.append(backend.subscribe(settings.speaking, _BOOL, Qos(), take))
-    speech.append(SpeechSynthesis(settings, mouth, parts.ends(*ends), parts.clock))
+    hush = backend.publisher(settings.hush, _EMPTY, Qos()) if settings.hush else None
+    speech.append(SpeechSynthesis(settings, mouth, hush, parts.ends(*ends), parts.clock))
     return tuple(speech)

@@ -1,6 +1,7 @@
 """The parts of a robot that several components share, made of its mapping and its graph."""
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Final, cast
 
@@ -10,6 +11,7 @@ from openrois_body.motion.wayfinding import Ways
 from openrois_body.motion.world import World
 from openrois_streaming.clock import MediaClock
 
+from openrois.adapter import ComponentFailed
 from openrois_robots.adapter.link import RobotLink
 from openrois_robots.ros2.components.bound import Ends
 from openrois_robots.ros2.components.goals import Goals
@@ -96,6 +98,12 @@ class Parts:
         state = self.pose or (None if self.odometry is None else self.odometry.pose)
         return None if state is None else state.heard
 
+    def _stand(self) -> None:
+        """Let the robot stand by its velocity, as far as it takes one."""
+        if self.wheels is not None:
+            with suppress(ComponentFailed):
+                self.wheels.halt()
+
     async def _probe_others(self) -> None:
         await probe_any(tuple(self._others))
 
@@ -142,7 +150,7 @@ class Parts:
         action = backend.action(settings.action, _NAVIGATE)
         limit = backend.publisher(settings.speed_limit, _SPEED_LIMIT, Qos()) if settings.speed_limit else None
         speed = self.mapping.base.max_speed
-        goals = Goals(action, settings, self.mapping.places, speed, limit, self.heard_pose, self.legs, self.clock)
+        goals = Goals(action, settings, self.mapping.places, speed, limit, self.heard_pose, self._stand, self.clock)
         return goals, action
 
 

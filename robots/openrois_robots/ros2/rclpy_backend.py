@@ -40,7 +40,8 @@ _LOOK: Final = 0.5
 _LATE: Final = 10.0
 """Seconds for which the acceptance of a goal that is not wanted any more is waited for."""
 _OUTCOMES: Final[Mapping[int, Outcome]] = {4: "succeeded", 5: "canceled", 6: "aborted"}
-_TERMINATED: Final = 3
+_GONE: Final = frozenset({2, 3})
+"""What `CancelGoal` returns for a goal that its server does not know, or that has ended."""
 
 
 def is_rclpy_installed() -> bool:
@@ -400,7 +401,7 @@ class _RclpyGoal:
                 response = await self._backend.bridged(self._handle.cancel_goal_async())
         except TimeoutError:
             raise NoAnswer(f"the action {self._client.name} has not answered within {timeout:g} s") from None
-        if response.return_code not in (0, _TERMINATED):
+        if response.return_code not in {0, *_GONE}:
             raise NoAnswer(f"the action {self._client.name} refuses to cancel the goal (code {response.return_code})")
 
 

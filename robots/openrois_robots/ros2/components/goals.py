@@ -2,11 +2,11 @@
 
 import asyncio
 import logging
+from collections import deque
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
 from typing import Any, Final
 
-from openrois_body.motion.legs import Legs
 from openrois_streaming.clock import MediaClock
 
 from openrois.errors import ComponentFailed
@@ -19,6 +19,11 @@ __all__ = ["CANCEL_TIMEOUT", "Goals"]
 
 CANCEL_TIMEOUT: Final = 0.4
 """Seconds within which the robot has to confirm that it cancels a goal: a stop takes no longer than half a second."""
+
+_ORPHANS: Final = 10
+"""Goals that wait for being cancelled."""
+_RETRY: Final = 0.2
+"""Seconds between two tries."""
 
 _log = logging.getLogger(__name__)
 
@@ -33,7 +38,7 @@ class Goals:
         max_speed: m/s, which is published as the limit of Nav2 where the settings name its topic.
         speed_limit: publishes it; None: the settings name no topic.
         pose: returns the robot's last pose in its map.
-        legs: of the robot, which stand where a goal cannot be cancelled.
+        stand: lets the robot stand by its velocity, where a goal cannot be cancelled; must not raise.
         clock: the media clock.
     """
 
@@ -45,7 +50,7 @@ class Goals:
         max_speed: float,
         speed_limit: Publisher | None,
         pose: Callable[[], Heard | None],
-        legs: Legs,
+        stand: Callable[[], None],
         clock: MediaClock,
     ) -> None:
         self.settings = settings
@@ -54,9 +59,11 @@ class Goals:
         self._action = action
         self._max_speed = max_speed
         self._speed_limit = speed_limit
-        self._legs = legs
+        self._stand = stand
         self._clock = clock
         self._running: Goal | None = None
+        self._orphans: deque[Goal] = deque(maxlen=_ORPHANS)
+        self._orphaned = asyncio.Event()
 
     def place(self, text: str) -> Place | None:
         """Return the place of a name, or of `x,y` or `x,y,th`; None: it is none."""
@@ -102,7 +109,7 @@ class Goals:
             await self.give_up(ending)
 
     async def give_up(self, ending: "asyncio.Future[GoalResult]") -> None:
-        """Cancel the goal that runs, unless it has ended; where the robot does not confirm it, let the legs stand."""
+        """Cancel the goal that runs, unless it has ended; where the robot does not confirm it, later again."""
         if ending.done():
             self._running = None
             # A goal whose server is gone has an error, which whoever awaits it is told.
@@ -112,10 +119,28 @@ class Goals:
         try:
             await self.cancel()
         except ComponentFailed as error:
-            _log.warning("a goal may not be cancelled: %s", error)
+            _log.warning("a goal is not cancelled yet: %s", error)
+            if self._running is not None:
+                self._orphans.append(self._running)
+                self._orphaned.set()
             self._running = None
-            self._legs.halt("a goal could not be cancelled")
+            self._stand()
         await asyncio.wait({ending})
+
+    async def run(self) -> None:
+        """Cancel the goals that could not be cancelled as soon as they can, until cancelled.
+
+        A robot that hung, or was out of reach, would go on with a goal that no application wants any more.
+        """
+        while True:
+            await self._orphaned.wait()
+            while self._orphans:
+                try:
+                    await self._orphans[0].cancel(CANCEL_TIMEOUT)
+                    self._orphans.popleft()
+                except ComponentFailed:
+                    await self._clock.sleep_until(self._clock.now() + _RETRY)
+            self._orphaned.clear()
 
     def reason(self, end: GoalResult) -> str:
         """Return what the robot says of a goal that has not succeeded."""

@@ -28,17 +28,26 @@ class SpeechSynthesis(Bound, components.SpeechSynthesis, omit=("ssml_text", "vol
     Args:
         settings: of the speech.
         mouth: takes texts.
+        hush: makes the robot fall silent; None: it cannot be stopped.
         ends: that it needs.
         clock: the media clock.
     """
 
     speech_text: Annotated[str, Field(max_length=4000)] | None = parameter(None)
 
-    def __init__(self, settings: Speech, mouth: Publisher | ServiceClient, ends: Ends, clock: MediaClock) -> None:
+    def __init__(
+        self,
+        settings: Speech,
+        mouth: Publisher | ServiceClient,
+        hush: Publisher | None,
+        ends: Ends,
+        clock: MediaClock,
+    ) -> None:
         super().__init__()
         self.ends = ends
         self._settings = settings
         self._mouth = mouth
+        self._hush = hush
         self._clock = clock
         self._is_speaking = False
         self._changed = asyncio.Event()
@@ -57,6 +66,16 @@ class SpeechSynthesis(Bound, components.SpeechSynthesis, omit=("ssml_text", "vol
         if not self.speech_text:
             raise BadParameter("speech_text is not set; set it before start")
         await self.ends.link.during(self._say(self.speech_text))
+
+    async def stop(self) -> None:
+        """Let the robot fall silent.
+
+        Raises:
+            ComponentFailed: the mapping file names no topic that makes it do so: it speaks to its end.
+        """
+        if self._hush is None:
+            raise ComponentFailed("the robot's voice cannot be stopped: the mapping file has no speech.hush")
+        self._hush.publish({})
 
     def take_speaking(self, message: Any) -> None:
         """Note whether the robot speaks: a `std_msgs/msg/Bool`."""

@@ -28,8 +28,8 @@ FEEDBACK_QOS: Final = Qos("reliable", "volatile", 10)
 OUTCOMES: Final[Mapping[int, Outcome]] = {4: "succeeded", 5: "canceled", 6: "aborted"}
 """The statuses of `action_msgs/msg/GoalStatus` that end a goal."""
 _CANCEL: Final = "action_msgs/srv/CancelGoal"
-_TERMINATED: Final = 3
-"""What `CancelGoal` returns for a goal that has ended."""
+_GONE: Final = frozenset({2, 3})
+"""What `CancelGoal` returns for a goal that its server does not know, or that has ended."""
 _LATE: Final = 10.0
 """Seconds for which the acceptance of a goal that is not wanted any more is waited for."""
 
@@ -112,7 +112,7 @@ class DdsActionClient:
         """Cancel a goal; called by the goal."""
         stamp = {"sec": 0, "nanosec": 0}
         response = await self._cancel.call({"goal_info": {"goal_id": {"uuid": goal_id}, "stamp": stamp}}, timeout)
-        if response.return_code not in (0, _TERMINATED):
+        if response.return_code not in {0, *_GONE}:
             raise NoAnswer(f"{self._called} refuses to cancel the goal (code {response.return_code})")
 
     def close(self) -> None:

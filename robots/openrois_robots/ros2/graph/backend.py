@@ -118,7 +118,7 @@ class Goal(Protocol):
         ...
 
     async def cancel(self, timeout: float = ANSWER_TIMEOUT) -> None:
-        """Ask the server to cancel the goal; return when it does, or the goal has ended already.
+        """Ask the server to cancel the goal; return when it does, or has no such goal any more.
 
         Raises:
             NoAnswer: it has not answered within `timeout` seconds, or it refused.

@@ -199,13 +199,9 @@ def _speech(name: str, table: Any, namespace: str) -> settings.Speech:
         raise ValueError(f"{name}.text must be the name of a field, not {speech.text!r}")
     if not re.fullmatch(r"[a-z]{2,3}( *, *[a-z]{2,3})*", speech.languages):
         raise ValueError(f'{name}.languages must be codes as "en, ja", not {speech.languages!r}')
+    names = {key: getattr(speech, key) for key in ("topic", "service", "speaking", "hush")}
     return replace(
-        speech,
-        **{
-            key: _resolved(f"{name}.{key}", value, namespace)
-            for key, value in (("topic", speech.topic), ("service", speech.service), ("speaking", speech.speaking))
-            if value
-        },
+        speech, **{key: _resolved(f"{name}.{key}", value, namespace) for key, value in names.items() if value}
     )
 
 

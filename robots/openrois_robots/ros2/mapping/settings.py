@@ -203,6 +203,7 @@ class Speech:
         type: of the topic or service.
         text: the field of the message, or of the request, with the text.
         speaking: topic of `std_msgs/msg/Bool` that is true while the robot speaks; empty: it does not tell.
+        hush: topic of `std_msgs/msg/Empty` that makes it fall silent; empty: it cannot be stopped.
         languages: that it speaks, ISO 639-1 codes with commas between them.
     """
 
@@ -211,6 +212,7 @@ class Speech:
     type: str = "std_msgs/msg/String"
     text: str = "data"
     speaking: str = ""
+    hush: str = ""
     languages: str = "en"
 
 

@@ -10,7 +10,7 @@
 | `speed_limit` | SpeedLimit | for goals |
 | `camera/image_raw`, `camera/image_raw/compressed` | Image, CompressedImage | 15 a second, while something subscribes |
 | `visitor_pose` | PoseStamped | a person who walks on a circle, 10 a second |
-| `say`, `speaking` | String, Bool | it speaks for half a second |
+| `say`, `speaking`, `hush` | String, Bool, Empty | it speaks for half a second |
 """
 
 import asyncio
@@ -134,11 +134,20 @@ class SimulatedNode:
 
         async def say() -> None:
             speaking.publish({"data": True})
-            await self._clock.sleep_until(self._clock.now() + _SPEAKING)
-            speaking.publish({"data": False})
+            try:
+                await self._clock.sleep_until(self._clock.now() + _SPEAKING)
+            finally:
+                speaking.publish({"data": False})
 
-        def speak(_text: Any) -> None:
-            tasks.start(say())
+        speaks: list[asyncio.Task[None]] = []
+
+        def speak(text: Any) -> None:
+            hush(text)
+            speaks.append(tasks.start(say()))
+
+        def hush(_message: Any) -> None:
+            while speaks:
+                speaks.pop().cancel()
 
         def obey(twist: Any) -> None:
             self.model.obey(twist.linear.x, twist.angular.z, self._clock.now())
@@ -149,6 +158,7 @@ class SimulatedNode:
         subscribe("cmd_vel", "geometry_msgs/msg/Twist", obey)
         subscribe("speed_limit", "nav2_msgs/msg/SpeedLimit", limit)
         subscribe("say", "std_msgs/msg/String", speak)
+        subscribe("hush", "std_msgs/msg/Empty", hush)
 
     def _publishers(self, participant: Participant, types: TypeMaker) -> Mapping[str, DdsPublisher]:
         is_best_effort = self._settings.reliability == "best_effort"
