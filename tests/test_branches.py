@@ -89,6 +89,9 @@ TESTS = (
         for part in ("messages", "sections", "streamers", "session", "session_negotiation")
     ),
     *(f"tests/robots/simulated/{part}" for part in ("test_battery.py", "test_driving.py", "world", "drawing")),
+    *(f"tests/robots/ros2/test_{part}.py" for part in ("definitions", "matching", "names")),
+    *(f"tests/robots/ros2/robot/test_{part}.py" for part in ("poses", "strokes")),
+    "tests/robots/ros2/simulator/test_model.py",
     "tests/media/test_health.py",
     "tests/body/motion/test_world.py",
     "tests/body/speech/test_markup.py",

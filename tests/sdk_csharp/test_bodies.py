@@ -31,7 +31,9 @@ async def test_of_rivals_one_gets_a_body_and_the_other_nothing_of_it(start: Star
         assert await app.says("free") == [["robot", False]]
         assert await app.says("refs") == ["robot/reaction"]
         refused = await app.says("refused")
-        assert refused.startswith("no body with Navigation and Reaction is free: robot: rois.command.bind(robot/reaction): ")
+        assert refused.startswith(
+            "no body with Navigation and Reaction is free: robot: rois.command.bind(robot/reaction): "
+        )
         assert await app.says("rest") == "robot/navigation"
         assert await app.says("partly") == [True, True]
         assert await app.says("without") == "KeyNotFoundException"

@@ -54,7 +54,9 @@ def test_the_client_does_not_know_unity() -> None:
 
 def test_no_file_needs_a_newer_language_than_the_oldest_compiler() -> None:
     """Mono's compiler takes some of these outside of asynchronous methods, and crashes inside."""
-    newer = re.compile(r"\bout (?:var|[A-Z]\w*) \w+\s*[,)]|\bis [A-Z]\w* [a-z]\w*\b|\bswitch\s*\{|^\s*using var |\brecord\b")
+    newer = re.compile(
+        r"\bout (?:var|[A-Z]\w*) \w+\s*[,)]|\bis [A-Z]\w* [a-z]\w*\b|\bswitch\s*\{|^\s*using var |\brecord\b"
+    )
     sources = (*sdk_sources(), *COMPONENTS, *SCENE, *(SDK / "Samples~" / "Console").glob("*.cs"))
     code = {path: re.sub(r"//.*", "", path.read_text()) for path in sources}
     declared = re.compile(r"\((?:[^()]*,\s*)?out [A-Z]\w* \w+\)\s*$", re.MULTILINE)

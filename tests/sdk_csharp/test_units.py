@@ -17,8 +17,13 @@ def names() -> list[str]:
     """Return the tests that the sources have."""
     found = []
     for path in sorted(UNITS.glob("*Tests.cs")):
-        for name, body in re.findall(r"^public static class (\w+Tests)\n\{(.+?)^\}", path.read_text(), re.DOTALL | re.MULTILINE):
-            found += [f"{name}.{test}" for test in re.findall(r"^    public static (?:async )?(?:void|Task) (\w+)\(\)", body, re.MULTILINE)]
+        for name, body in re.findall(
+            r"^public static class (\w+Tests)\n\{(.+?)^\}", path.read_text(), re.DOTALL | re.MULTILINE
+        ):
+            found += [
+                f"{name}.{test}"
+                for test in re.findall(r"^    public static (?:async )?(?:void|Task) (\w+)\(\)", body, re.MULTILINE)
+            ]
     return found
 
 

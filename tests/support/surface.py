@@ -65,7 +65,7 @@ def surface() -> dict[str, object]:
 def _commands() -> Iterator[tuple[str, str]]:
     """Yield the help of each command, and of each command below it."""
     with mock.patch.dict(os.environ, {"COLUMNS": "100"}):
-        waiting: list[tuple[str, ...]] = [(), ("avatar", "check"), ("robot", "simulated")]
+        waiting: list[tuple[str, ...]] = [(), ("avatar", "check"), ("robot", "simulated"), ("robot", "ros2")]
         waiting += [(each.name,) for each in entry_points(group="openrois.commands")]
         while waiting:
             words = waiting.pop()

@@ -35,7 +35,12 @@ def check_assemblies(package: Path, pure: str, components: str) -> None:
     manifest = json.loads((package / "package.json").read_text())
     assert "com.unity.nuget.newtonsoft-json" in manifest["dependencies"]
     assert all((package / sample["path"]).is_dir() for sample in manifest["samples"])
-    assemblies = {found["name"]: found for path in imported(package) if path.suffix == ".asmdef" for found in [json.loads(path.read_text())]}
+    assemblies = {
+        found["name"]: found
+        for path in imported(package)
+        if path.suffix == ".asmdef"
+        for found in [json.loads(path.read_text())]
+    }
     assert set(assemblies) == {pure, components}
     assert assemblies[pure]["noEngineReferences"] is True
     assert pure in assemblies[components]["references"]

@@ -1,13 +1,20 @@
 """What each body can do, as its own profile says: a row for each type of component, a column for each body."""
 
 import asyncio
+import re
 import tempfile
+import tomllib
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
-from typing import Final
+from pathlib import Path
+from typing import Any, Final, Self, cast
 
 from openrois_avatar.adapter import serve_scene
 from openrois_avatar.scene import external_scene
+from openrois_robots.ros2.adapter import hosted_robot as hosted_robot_of_ros
+from openrois_robots.ros2.adapter import ros_robot
+from openrois_robots.ros2.graph.backend import RosBackend
+from openrois_robots.ros2.mapping.reading import read_mapping
 from openrois_robots.simulated.adapter import hosted_robot, simulated_robot
 from openrois_robots.simulated.simulation import SimulationSettings
 from openrois_streaming.clock import SystemClock
@@ -18,6 +25,8 @@ from openrois.types.profiles import HRIComponentProfile
 __all__ = ["bodies"]
 
 Profiles = Mapping[str, HRIComponentProfile]
+
+_PAGE: Final = Path(__file__).parents[2] / "docs/how-to/ros2.md"
 
 
 def bodies() -> list[str]:
@@ -65,5 +74,43 @@ async def _profiles() -> dict[str, Profiles]:
         ):
             yield served.host.engine.directory.component_profiles
 
-    async with avatar() as of_avatar, robot() as of_robot:
-        return {"the avatar": dict(of_avatar), "the simulated robot": dict(of_robot)}
+    @asynccontextmanager
+    async def ros() -> AsyncIterator[Profiles]:
+        mapping = read_mapping(tomllib.loads(_mapping_file()))
+        async with (
+            ros_robot("robot", mapping, cast("RosBackend", _NoGraph()), clock, "the robot") as robot,
+            hosted_robot_of_ros("robot", robot, clock) as served,
+        ):
+            yield served.host.engine.directory.component_profiles
+
+    async with avatar() as of_avatar, robot() as of_robot, ros() as of_ros:
+        return {"the avatar": dict(of_avatar), "the simulated robot": dict(of_robot), "ROS 2": dict(of_ros)}
+
+
+def _mapping_file() -> str:
+    """Return the mapping file of the page about ROS 2, which names all that can be mapped."""
+    found = re.search(r"```toml\n(.*?)```", _PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    assert found is not None
+    return found[1]
+
+
+class _Nothing:
+    """An end of a graph that has no other node."""
+
+    name, is_matched, problem = "", False, "there is no robot"
+
+    def close(self) -> None: ...
+
+    def publish(self, message: object) -> None: ...
+
+
+class _NoGraph:
+    """A graph without a robot: profiles follow from the mapping file alone."""
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *error: object) -> None: ...
+
+    def __getattr__(self, _make: str) -> Any:
+        return lambda *_what: _Nothing()
