@@ -26,6 +26,7 @@ EXTRAS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "puppet": (*_AVATAR, "pygame"),
         "robot": (*_AVATAR, "panda3d"),
         "ros2": (*_AVATAR, "cyclonedds"),
+        "kachaka": (*_AVATAR, "grpc", "kachaka_api"),
         "demo": (*_GATEWAY, *_AVATAR, "espeakng_loader", "panda3d", "pocketsphinx", "pygame"),
     }
 )

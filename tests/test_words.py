@@ -16,6 +16,7 @@ INTERFACE_VERBS: Final = {
     "from_json": "reads a message of the engine link",
     "open": "begins what `close` ends",
     "run": "does the work of an object until it is cancelled or done",
+    "stop": "ends what `start` of a component has begun (RoIS_Common)",
     "to_json": "writes a message of the engine link",
 }
 """Method names that many classes share, and what each means in all of them."""

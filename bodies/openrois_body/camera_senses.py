@@ -1,6 +1,6 @@
 """The senses of the operator's camera: six components of the standard and two of OpenRoIS, on one watch."""
 
-from collections.abc import Coroutine
+from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,7 +38,14 @@ class CameraSenses:
         return self.watch.run()
 
 
-def camera_senses(engine_id: str, camera: Camera, clock: MediaClock, *, locate: Locate | None = None) -> CameraSenses:
+def camera_senses(
+    engine_id: str,
+    camera: Camera,
+    clock: MediaClock,
+    *,
+    locate: Locate | None = None,
+    camera_problem: Callable[[], str] = lambda: "",
+) -> CameraSenses:
     """Return the senses of a camera, with the best backends that are installed.
 
     Args:
@@ -46,12 +53,20 @@ def camera_senses(engine_id: str, camera: Camera, clock: MediaClock, *, locate: 
         camera: source of the pictures.
         clock: the media clock.
         locate: tells where on the floor persons are; None: their places are in the axes of the camera.
+        camera_problem: returns why the camera has no pictures; empty where it has, or where they may come any time.
     """
     finder, recognizer = chosen(FINDERS, CascadeFinder), chosen(RECOGNIZERS, PatternRecognizer)
     reader = chosen(GESTURE_READERS, HeadReader)
     gallery, refs = Gallery(), Refs(engine_id)
     works, reason = finder.available()
-    watch = Watch(camera, clock, Analysis(finder, recognizer, reader, gallery), "" if works else reason, locate=locate)
+    watch = Watch(
+        camera,
+        clock,
+        Analysis(finder, recognizer, reader, gallery),
+        "" if works else reason,
+        locate=locate,
+        camera_problem=camera_problem,
+    )
     components = (
         PersonDetection(watch),
         PersonLocalization(watch, refs),

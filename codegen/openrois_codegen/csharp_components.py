@@ -170,7 +170,7 @@ def _operations(document: Document, component: Component, *, streams: bool) -> I
     for query in component.queries:
         yield _query(document, query)
     for event in component.events:
-        member = f"get {{ return Event(\"{event.name}\", Components.{event.gives}.Read); }}\n"
+        member = f'get {{ return Event("{event.name}", Components.{event.gives}.Read); }}\n'
         yield block(f"public ComponentEvent<{event.gives}> {pascal(event.name)}", event.doc, [member])
 
 

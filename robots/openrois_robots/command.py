@@ -2,11 +2,12 @@
 
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from importlib.util import find_spec
 from types import MappingProxyType
 from typing import Final
 
 from openrois.cli.command_line import CommandLine
-from openrois.extras import MissingExtra, needing_extra
+from openrois.extras import MissingExtra, install_command, needing_extra
 
 __all__ = ["ROBOTS", "main"]
 
@@ -35,5 +36,19 @@ def _ros2(arguments: Sequence[str]) -> int:
     return COMMAND.main(arguments)
 
 
-ROBOTS: Final[Mapping[str, Callable[[Sequence[str]], int]]] = MappingProxyType({"simulated": _simulated, "ros2": _ros2})
+def _kachaka(arguments: Sequence[str]) -> int:
+    if sys.version_info >= (3, 13) and find_spec("kachaka_api") is None:
+        raise MissingExtra(
+            "the Kachaka API needs Python 3.12 or older, and this is"
+            f" {sys.version_info.major}.{sys.version_info.minor}: run `python3.12 -m venv kachaka` and"
+            f" `kachaka/bin/{install_command('kachaka')}`, and start the robot with `kachaka/bin/openrois`"
+        )
+    with needing_extra("kachaka"):
+        from openrois_robots.kachaka.command import COMMAND
+    return COMMAND.main(arguments)
+
+
+ROBOTS: Final[Mapping[str, Callable[[Sequence[str]], int]]] = MappingProxyType(
+    {"simulated": _simulated, "kachaka": _kachaka, "ros2": _ros2}
+)
 """The robots, and the function that runs each; its libraries are imported then."""

@@ -14,7 +14,7 @@ from openrois.extras import EXTRAS
 from tests.support.packages import NOT_SHIPPED, ROOT, packages
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-BROUGHT = {"cryptography": "pyjwt", "ifaddr": "aioice", "pylibsrtp": "aiortc"}
+BROUGHT = {"cryptography": "pyjwt", "grpc": "kachaka-api", "ifaddr": "aioice", "pylibsrtp": "aiortc"}
 """Modules of distributions that come with another one, and which that is."""
 FOR_DEVELOPERS = {"dev", "docs"}
 """Extras for a clone, which the product does not look for."""

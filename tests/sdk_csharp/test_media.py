@@ -44,7 +44,7 @@ class Pictures:
         await self._tasks.__aenter__()
         return self
 
-    async def __aexit__(self, *error: Any) -> None:
+    async def __aexit__(self, *error: object) -> None:
         await self._tasks.__aexit__(*error)
 
     async def wait(self, count: int) -> None:

@@ -16,6 +16,8 @@ from pathlib import Path
 from typing import Final
 from unittest import mock
 
+from openrois_robots.command import ROBOTS
+
 from openrois.cli.__main__ import main
 from openrois.gateway.configuration import settings_of
 from tests.support.packages import ROOT, packages
@@ -65,7 +67,8 @@ def surface() -> dict[str, object]:
 def _commands() -> Iterator[tuple[str, str]]:
     """Yield the help of each command, and of each command below it."""
     with mock.patch.dict(os.environ, {"COLUMNS": "100"}):
-        waiting: list[tuple[str, ...]] = [(), ("avatar", "check"), ("robot", "simulated"), ("robot", "ros2")]
+        robots = (("robot", name) for name in ROBOTS)
+        waiting: list[tuple[str, ...]] = [(), ("avatar", "check"), *robots]
         waiting += [(each.name,) for each in entry_points(group="openrois.commands")]
         while waiting:
             words = waiting.pop()

@@ -5,6 +5,7 @@ from typing import Any, Final
 
 from openrois_body import metrics as body
 from openrois_media.metrics import figures as adapter
+from openrois_robots.kachaka import metrics as kachaka
 
 from openrois.gateway import metrics as gateway
 from openrois.metrics.figure import Figure
@@ -32,6 +33,9 @@ _ADAPTER: Final[tuple[tuple[str, Sequence[str], Sequence[Figure[Any]]], ...]] = 
     ("The guard of media", adapter.GUARD_LABELS, adapter.GUARD),
     ("Senses", body.SENSE_LABELS, body.SENSE),
     ("Input of operators", body.INPUT_LABELS, body.INPUT),
+    ("A Kachaka's link", (), kachaka.LINK),
+    ("A Kachaka's commands and velocities", kachaka.OUTCOMES, (*kachaka.COMMAND, *kachaka.VELOCITY)),
+    ("A Kachaka's cameras", kachaka.CAMERA_LABELS, kachaka.CAMERA),
     ("Sources", adapter.SOURCE_LABELS, adapter.SOURCE),
     ("Renditions", adapter.RENDITION_LABELS, adapter.RENDITION),
     ("Streams", adapter.STREAM_LABELS, (*adapter.STREAM, *adapter.ADAPTATION, *adapter.RECEPTION)),

@@ -46,7 +46,11 @@ class Enrolment(Component, authority="OpenRoIS", function="function"):
 
     def condition(self) -> ComponentStatus:
         """Return ERROR where pictures cannot be analysed, else READY, with a camera or without."""
-        return ComponentStatus.ERROR if self._watch.failure else ComponentStatus.READY
+        return ComponentStatus.ERROR if self._watch.problem() else ComponentStatus.READY
+
+    def problem(self) -> str:
+        """Return why pictures cannot be analysed."""
+        return self._watch.problem()
 
     @command(result="person_ref")
     async def enrol(self, name: Name) -> str:

@@ -3,11 +3,10 @@
 from datetime import datetime
 
 from openrois.adapter import components
-from openrois_body.components.camera_sense import CameraSense
+from openrois_body.components.camera_sense import CameraSense, SightingSource
 from openrois_body.components.sensing import Localizing
 from openrois_body.sensing.changes import Numbers
 from openrois_body.vision.sighting import Refs, Sighting
-from openrois_body.vision.watch import Watch
 
 __all__ = ["PersonDetection", "PersonIdentification", "PersonLocalization"]
 
@@ -16,10 +15,10 @@ class PersonDetection(CameraSense, components.PersonDetection):
     """Announces how many persons are in front of the camera, when that changes: their faces were seen not long ago.
 
     Args:
-        watch: analyses the camera's pictures.
+        watch: sees persons.
     """
 
-    def __init__(self, watch: Watch) -> None:
+    def __init__(self, watch: SightingSource) -> None:
         super().__init__(watch)
         self._numbers = Numbers()
 
@@ -39,11 +38,11 @@ class PersonLocalization(CameraSense, Localizing, components.PersonLocalization)
     Places are on the floor of the body where it is known where its camera is, else in the axes of the camera.
 
     Args:
-        watch: analyses the camera's pictures.
+        watch: sees persons.
         refs: makes the refs of persons.
     """
 
-    def __init__(self, watch: Watch, refs: Refs) -> None:
+    def __init__(self, watch: SightingSource, refs: Refs) -> None:
         super().__init__(watch)
         self._refs = refs
 
@@ -62,11 +61,11 @@ class PersonIdentification(CameraSense, components.PersonIdentification):
     """Announces which enrolled persons are there, when one more is recognised.
 
     Args:
-        watch: analyses the camera's pictures.
+        watch: sees persons.
         refs: makes the refs of enrolled persons.
     """
 
-    def __init__(self, watch: Watch, refs: Refs) -> None:
+    def __init__(self, watch: SightingSource, refs: Refs) -> None:
         super().__init__(watch)
         self._refs = refs
         self._known: frozenset[str] = frozenset()

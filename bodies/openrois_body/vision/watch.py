@@ -52,6 +52,7 @@ class Watch:
         analysis: analyses them; it begins anew whenever the watch does.
         failure: why pictures cannot be analysed from the beginning; empty if they can.
         locate: tells where on the floor persons are; None: their places are in the axes of the camera.
+        camera_problem: returns why the camera has no pictures; empty where it has, or where they may come any time.
     """
 
     def __init__(
@@ -62,6 +63,7 @@ class Watch:
         failure: str = "",
         *,
         locate: Locate | None = None,
+        camera_problem: Callable[[], str] = lambda: "",
     ) -> None:
         self.seen: Listeners[Sighting] = Listeners()
         """Called with the persons of each picture; without pictures repeatedly with none, for senses that begin."""
@@ -69,6 +71,7 @@ class Watch:
         self.failure = failure
         """Why pictures cannot be analysed now; empty if they can."""
         self._camera = camera
+        self._camera_problem = camera_problem
         self._clock = clock
         self._analysis = analysis
         self._locate = locate
@@ -83,6 +86,10 @@ class Watch:
         self._due = 0.0
         self._anew = True
         self._looked_at = clock.now()
+
+    def problem(self) -> str:
+        """Return why persons cannot be seen now; empty where they can."""
+        return self._camera_problem() or self.failure
 
     def serve(self, activity: Activity) -> None:
         """Watch while `activity` is active."""

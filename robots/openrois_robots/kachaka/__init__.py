@@ -1,0 +1,1 @@
+"""The adapter of a Kachaka, a robot that carries shelves."""
