@@ -25,9 +25,9 @@ EXTRAS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "panda3d": (*_AVATAR, "panda3d"),
         "puppet": (*_AVATAR, "pygame"),
         "robot": (*_AVATAR, "panda3d"),
-        "ros2": (*_AVATAR, "cyclonedds"),
-        "kachaka": (*_AVATAR, "grpc", "kachaka_api"),
         "demo": (*_GATEWAY, *_AVATAR, "espeakng_loader", "panda3d", "pocketsphinx", "pygame"),
+        "kachaka": (*_AVATAR, "grpc", "kachaka_api"),
+        "ros2": (*_AVATAR, "cyclonedds"),
     }
 )
 """The modules that each extra brings, as `import` names them. The first extra that has a module is the smallest."""

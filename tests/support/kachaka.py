@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from typing import Any
 
-from openrois_robots.kachaka.adapter import Robot, hosted_kachaka, linked_kachaka
+from openrois_robots.kachaka.adapter import Robot, linked_kachaka
 from openrois_robots.kachaka.api.address import Address
 from openrois_robots.kachaka.options import KachakaSettings
 from openrois_robots.kachaka.simulator.house import HOUSE, House, Pose
@@ -17,18 +17,14 @@ from openrois_robots.kachaka.simulator.robot import RobotSettings, SimulatedKach
 from openrois_robots.kachaka.simulator.servicer import Picture, SimulatorServicer, serve_simulator
 from openrois_streaming.clock import SystemClock
 
-from openrois.adapter.dialer import serve_parent
 from openrois.client import Client
 from openrois.testing import harness
-from tests.support.deployment import gateway
 
 __all__ = [
     "FAST",
-    "Home",
     "HomeProcess",
     "Linked",
     "ended",
-    "home",
     "linked",
     "simulated",
     "simulator_process",
@@ -108,37 +104,6 @@ async def staged(
         harness(*robot.components) as client,
     ):
         yield Linked(made, robot, client)
-
-
-@dataclass
-class Home:
-    """A simulated robot and its adapter behind a real gateway."""
-
-    servicer: SimulatorServicer
-    robot: Robot
-    url: str
-
-
-@asynccontextmanager
-async def home(picture: Picture | None = None, frame_rate: float = 30.0) -> AsyncIterator[Home]:
-    """Run a gateway, and a robot behind it with its streams, as `kachaka`."""
-    clock = SystemClock()
-    async with (
-        gateway() as running,
-        simulated(1.0, picture=picture, frame_rate=frame_rate) as (servicer, address),
-        linked(address, "kachaka") as robot,
-        hosted_kachaka("kachaka", robot, clock) as adapter,
-    ):
-        url = running.url.replace("http", "ws", 1)
-        there = asyncio.Event()
-        serving = asyncio.create_task(serve_parent(adapter.host, f"{url}adapter", attached=lambda _: there.set()))
-        try:
-            async with asyncio.timeout(PATIENCE):
-                await there.wait()
-            yield Home(servicer, robot, url)
-        finally:
-            serving.cancel()
-            await asyncio.wait({serving})
 
 
 class HomeProcess:

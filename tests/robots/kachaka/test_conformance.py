@@ -6,7 +6,7 @@ from openrois_conformance.stage import Needs
 from openrois_conformance.suite import Outcome, run_checks, visit
 
 from openrois.client import Client
-from tests.support.kachaka import home
+from tests.support.kachaka_home import home
 
 pytestmark = pytest.mark.media
 

@@ -13,7 +13,8 @@ from openrois.client import Client
 from openrois.client.components import Navigation
 from openrois.contract import Client as Application
 from openrois.types.streams import HolderNotification
-from tests.support.kachaka import Linked, ended, home, staged, until
+from tests.support.kachaka import Linked, ended, staged, until
+from tests.support.kachaka_home import home
 from tests.support.teleoperation import Hand
 
 

@@ -12,7 +12,8 @@ from openrois_streaming.source import stamp
 
 from openrois.client import Client
 from openrois.client.components import FaceDetection, VideoStreaming
-from tests.support.kachaka import home, until
+from tests.support.kachaka import until
+from tests.support.kachaka_home import home
 from tests.support.people import Sitter
 from tests.support.people import picture as photographed
 

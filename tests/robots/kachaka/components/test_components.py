@@ -27,6 +27,8 @@ from openrois.client.components import (
 from openrois.errors import Aborted, BadParameter, ComponentFailed, OutOfResources, TimedOut
 from tests.support.kachaka import Linked, ended, staged, until
 
+pytestmark = pytest.mark.extra(name="kachaka")
+
 
 async def navigate(stage: Linked, *targets: str, **more: object) -> None:
     navigation = await stage.client.find(Navigation)
