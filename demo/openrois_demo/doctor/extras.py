@@ -19,8 +19,8 @@ PURPOSES: Final = {
     "puppet": "no avatar as a 2D puppet",
     "robot": "no simulated robot",
     "demo": "no demo, which needs all of them",
-    "ros2": "no robot that speaks ROS 2 without a ROS of its own",
     "kachaka": "no Kachaka; its libraries need Python 3.12 or older",
+    "ros2": "no robot that speaks ROS 2 without a ROS of its own",
 }
 """What is missing without each extra."""
 

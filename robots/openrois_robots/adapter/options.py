@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import Any, Final, TypeVar, cast
 
 from openrois_media.network_options import add_network_options, network_settings
 from openrois_streaming.network.settings import NetworkSettings
@@ -16,12 +16,9 @@ from openrois.transport.address import adapter_url
 from openrois.transport.credential_options import add_credential_options, credentials
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-
 __all__ = ["AdapterSettings", "add_adapter_options", "read_adapter_settings", "read_config", "read_table", "read_toml"]
 
-_D = TypeVar("_D", bound="DataclassInstance")
+_D = TypeVar("_D")
 
 _LARGEST: Final = 1 << 20
 """Bytes of a configuration file."""
@@ -128,7 +125,7 @@ def read_table(kind: type[_D], name: str, table: Any) -> _D:
     """
     if not isinstance(table, dict):
         raise ValueError(f"{name} must be a table")
-    known: Mapping[str, Any] = {each.name: each.type for each in fields(kind)}
+    known: Mapping[str, Any] = {each.name: each.type for each in fields(cast("Any", kind))}
     for key, value in table.items():
         if key not in known:
             raise ValueError(f"{name}.{key} is not known; {name} has {_listed(tuple(known))}")
