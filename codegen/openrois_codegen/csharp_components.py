@@ -90,7 +90,8 @@ def _has_class(document: Document, name: str) -> bool:
 def _payload(payload: Structure, *, partial: bool) -> str:
     fields = [(field, not (partial or not field.required)) for field in payload.fields]
     members = [
-        f"{documented(field.doc)}public {_given(field.type, required)} {_member(payload, field)} {{ get; private set; }}\n"
+        f"{documented(field.doc)}public {_given(field.type, required)} {_member(payload, field)}"
+        " { get; private set; }\n"
         for field, required in fields
     ]
     values = "".join(f"    {_member(payload, field)} = {_reading(field, required)},\n" for field, required in fields)

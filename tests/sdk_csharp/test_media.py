@@ -2,6 +2,7 @@
 
 import asyncio
 from contextlib import suppress
+from types import TracebackType
 from typing import Any, Self
 
 import pytest
@@ -44,8 +45,10 @@ class Pictures:
         await self._tasks.__aenter__()
         return self
 
-    async def __aexit__(self, *error: object) -> None:
-        await self._tasks.__aexit__(*error)
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self._tasks.__aexit__(kind, error, trace)
 
     async def wait(self, count: int) -> None:
         """Wait until so many more have come."""

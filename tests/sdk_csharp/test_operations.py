@@ -63,7 +63,7 @@ async def test_what_is_refused_is_a_typed_exception_that_says_why(start: Start) 
         attached(running, everything("robot"), everything("avatar")),
         start("errors", running.url) as app,
     ):
-        said = {about: what for about, what in [await app.says_something() for _ in range(18)]}
+        said = dict([await app.says_something() for _ in range(18)])
         await app.ends()
     kinds = {about: what[0] for about, what in said.items()}
     assert kinds == {

@@ -1,4 +1,4 @@
-"""The parts of the client for C#, each alone: strands and feeds, sessions over sockets in memory, values, negotiation."""
+"""The parts of the client for C#, each alone: strands, feeds, sessions over sockets in memory, values, negotiation."""
 
 import json
 import re
