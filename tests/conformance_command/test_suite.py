@@ -22,7 +22,7 @@ PATIENCE = 20.0
 """Seconds that an answer may take on a busy machine."""
 SHORT = 2.0
 """Seconds after which what a wrong gateway does not say is given up."""
-QUICK = 1.0
+QUICK = 3.0
 """Seconds that an adapter has for an answer."""
 
 

@@ -36,7 +36,7 @@ def quality(reliability: str, durability: str = "volatile", depth: int = 1) -> Q
 
 
 @dataclass(slots=True)
-class _Base:
+class _Motion:
     """What moves the robot: its velocity, and its motions one at a time."""
 
     wheels: Wheels | None
@@ -69,7 +69,7 @@ class Parts:
         probe = self._probe_others if self.odometry is None else self.odometry.probe
         self.link = RobotLink(robot, probe, clock)
         self._listen_to_battery()
-        base = self._base()
+        base = self._motion()
         self.wheels, self.legs, self.figure = base.wheels, base.legs, base.figure
         self.goals, self._action = self._goals()
 
@@ -90,7 +90,7 @@ class Parts:
         """Return the last poses of topics of `PoseStamped`, by their names."""
         states = {name: PoseState(self.clock) for name in topics}
         for name, topic in topics.items():
-            self.backend.subscribe(topic, POSES[1], quality(reliability), states[name].take)
+            self.backend.subscribe(topic, POSES[1], quality(reliability), states[name].note_message)
         return states
 
     def heard_pose(self) -> Heard | None:
@@ -112,7 +112,9 @@ class Parts:
         if settings is None:
             return None
         state = OdometryState(settings, self.world, self.clock)
-        state.subscription = self.backend.subscribe(settings.topic, ODOMETRY, quality(settings.reliability), state.take)
+        state.subscription = self.backend.subscribe(
+            settings.topic, ODOMETRY, quality(settings.reliability), state.note_message
+        )
         return state
 
     def _pose(self) -> PoseState | None:
@@ -121,15 +123,15 @@ class Parts:
             return None
         state = PoseState(self.clock)
         qos = quality(settings.reliability, settings.durability)
-        self.backend.subscribe(settings.topic, settings.type, qos, state.take)
+        self.backend.subscribe(settings.topic, settings.type, qos, state.note_message)
         return state
 
     def _listen_to_battery(self) -> None:
         settings = self.mapping.battery
         if settings is not None:
-            self.backend.subscribe(settings.topic, _BATTERY, quality(settings.reliability), self.battery.take)
+            self.backend.subscribe(settings.topic, _BATTERY, quality(settings.reliability), self.battery.note_message)
 
-    def _base(self) -> _Base:
+    def _motion(self) -> _Motion:
         settings, limits = self.mapping.velocity, self.mapping.base
         wheels = None
         if settings is not None:
@@ -141,7 +143,7 @@ class Parts:
         send: Callable[[Any], None] = _ignore if wheels is None else wheels.send
         legs = Legs(send, lambda: True, lambda: self.world.place, self.clock, limits.max_speed)
         figure = Figure(legs, self.world, Ways(self.world), lambda: self.link.status)
-        return _Base(wheels, legs, figure)
+        return _Motion(wheels, legs, figure)
 
     def _goals(self) -> tuple[Goals | None, Matched | None]:
         settings, backend = self.mapping.navigation, self.backend

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.extra(name="ros2")
 PAGE = (Path(__file__).parents[3] / "docs/how-to/ros2.md").read_text(encoding="utf-8")
 TABLES: dict[str, Any] = {
     "ros": settings.Ros,
-    "base": settings.Base,
+    "base": settings.DrivingLimits,
     "odometry": settings.Odometry,
     "pose": settings.Pose,
     "battery": settings.Battery,

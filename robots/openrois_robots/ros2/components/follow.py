@@ -96,7 +96,7 @@ class Follow(Bound, Moving, components.Follow):
         try:
             while True:
                 if self.is_suspended:
-                    await pursuit.end()
+                    await pursuit.cancel_goal()
                     await self.going()
                     seen_at = clock.now()
                 now = clock.now()
@@ -108,7 +108,7 @@ class Follow(Bound, Moving, components.Follow):
                 pursuit.check()
                 await self.figure.rest(_LOOK)
         finally:
-            await pursuit.end()
+            await pursuit.cancel_goal()
 
     async def _approach(self, pursuit: "_Pursuit", target: PoseState, metres: float, now: float) -> None:
         at, robot, frame = target.heard, self._goals.pose(), self._goals.settings.frame
@@ -121,7 +121,7 @@ class Follow(Bound, Moving, components.Follow):
             )
         away = dist((at.x, at.y), (robot.x, robot.y))
         if away <= metres + _WORTH_GOING:
-            await pursuit.end()
+            await pursuit.cancel_goal()
             return
         if pursuit.is_worth(at.x, at.y, now):
             th = atan2(at.y - robot.y, at.x - robot.x)
@@ -154,7 +154,7 @@ class _Pursuit:
     async def go(self, x: float, y: float, goal: tuple[float, float, float], now: float) -> None:
         """Go to a goal, for a target at `x` and `y`."""
         former, self._ending = self._ending, None
-        sent = await self._goals.send(*goal)
+        sent = await self._goals.send_goal(*goal)
         if former is not None:
             former.cancel()
         self._ending = asyncio.ensure_future(sent.result())
@@ -178,7 +178,7 @@ class _Pursuit:
         if self._tries == _TRIES:
             raise ComponentFailed(f"the robot could not follow, {_TRIES} times: {self._goals.reason(end)}")
 
-    async def end(self) -> None:
+    async def cancel_goal(self) -> None:
         """Cancel what runs."""
         ending, self._ending = self._ending, None
         if ending is not None:

@@ -69,7 +69,7 @@ class Goals:
         """Return the place of a name, or of `x,y` or `x,y,th`; None: it is none."""
         return self.places.get(text) or read_place(text)
 
-    async def send(self, x: float, y: float, th: float) -> Goal:
+    async def send_goal(self, x: float, y: float, th: float) -> Goal:
         """Send a goal, in place of one that runs; return when it is accepted.
 
         Raises:
@@ -101,7 +101,7 @@ class Goals:
             GoalRejected: the robot does not accept it.
             NoAnswer: it has not answered.
         """
-        goal = await self.send(x, y, th)
+        goal = await self.send_goal(x, y, th)
         ending = asyncio.ensure_future(goal.result())
         try:
             yield ending

@@ -92,13 +92,13 @@ class DdsActionClient:
             raise NoAnswer(self.problem)
         goal_id = secrets.token_bytes(16)
         self._listening[goal_id] = on_feedback
-        accepting = self._send.send({"goal_id": {"uuid": goal_id}, "goal": goal})
+        accepting = self._send.send_request({"goal_id": {"uuid": goal_id}, "goal": goal})
         try:
             async with asyncio.timeout(timeout):
                 response = await asyncio.shield(accepting)
             if not response.accepted:
                 raise GoalRejected(f"{self._called} has rejected the goal")
-            result = self._get.send({"goal_id": {"uuid": goal_id}})
+            result = self._get.send_request({"goal_id": {"uuid": goal_id}})
         except TimeoutError:
             self._abandon(goal_id, accepting)
             raise NoAnswer(f"{self._called} has not answered to a goal within {timeout:g} s") from None
@@ -119,7 +119,7 @@ class DdsActionClient:
         """Remove it from the graph."""
         for client in (self._send, self._get, self._cancel):
             client.close()
-        self._participant.forget(self._feedback)
+        self._participant.close_ends(self._feedback)
 
     def _on_feedback(self, message: Any) -> None:
         listener = self._listening.get(bytes(message.goal_id.uuid))

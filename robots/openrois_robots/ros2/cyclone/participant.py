@@ -178,7 +178,7 @@ class Participant:
         self._call(drain)
         return reader
 
-    def forget(self, *ends: _End) -> None:
+    def close_ends(self, *ends: _End) -> None:
         """Close ends before the participant leaves."""
         for end in ends:
             end.close()

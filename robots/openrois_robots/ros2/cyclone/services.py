@@ -76,11 +76,11 @@ class DdsServiceClient:
         """
         try:
             async with asyncio.timeout(timeout):
-                return await self.send(request)
+                return await self.send_request(request)
         except TimeoutError:
             raise NoAnswer(f"{self._called} has not answered within {timeout:g} s") from None
 
-    def send(self, request: Mapping[str, Any]) -> "asyncio.Future[Any]":
+    def send_request(self, request: Mapping[str, Any]) -> "asyncio.Future[Any]":
         """Send a request; return a future with the response, which may be cancelled. `NoAnswer` as `call` raises it."""
         if not self.is_matched:
             raise NoAnswer(self.problem)
@@ -97,7 +97,7 @@ class DdsServiceClient:
     def close(self) -> None:
         """Remove it from the graph; what waits fails."""
         self._fail("the node leaves the graph of ROS")
-        self._participant.forget(self._reader, self._writer)
+        self._participant.close_ends(self._reader, self._writer)
 
     def _on_reply(self, reply: Any) -> None:
         waiting = self._waiting.get(reply.cdds_seq) if reply.cdds_guid == self._guid else None

@@ -54,7 +54,7 @@ class DdsPublisher(_OfTopic):
 
     def close(self) -> None:
         """Remove it from the graph."""
-        self._participant.forget(self._writer)
+        self._participant.close_ends(self._writer)
 
 
 class DdsSubscription(_OfTopic):
@@ -85,4 +85,4 @@ class DdsSubscription(_OfTopic):
 
     def close(self) -> None:
         """Remove it from the graph."""
-        self._participant.forget(self._reader)
+        self._participant.close_ends(self._reader)

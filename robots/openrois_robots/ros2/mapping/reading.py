@@ -51,7 +51,7 @@ def read_mapping(document: Mapping[str, Any]) -> RobotMapping:
 
     mapping = RobotMapping(
         ros=ros,
-        base=_base(read_table(settings.Base, "base", document.get("base", {}))),
+        base=_base(read_table(settings.DrivingLimits, "base", document.get("base", {}))),
         odometry=read("odometry", _odometry),
         pose=read("pose", _pose),
         battery=read("battery", _battery),
@@ -89,7 +89,7 @@ def _ros(ros: Ros) -> Ros:
     return replace(ros, namespace=_resolved("ros.namespace", ros.namespace, "/"))
 
 
-def _base(base: settings.Base) -> settings.Base:
+def _base(base: settings.DrivingLimits) -> settings.DrivingLimits:
     _check_between("base.max_speed", base.max_speed, 0.01, 5.0)
     _check_between("base.max_turn", base.max_turn, 0.01, 10.0)
     return base

@@ -16,9 +16,9 @@ __all__ = [
     "ODOMETRY",
     "POSES",
     "TWISTS",
-    "Base",
     "Battery",
     "Camera",
+    "DrivingLimits",
     "Follow",
     "Navigation",
     "Odometry",
@@ -56,7 +56,7 @@ class Ros:
 
 
 @dataclass(frozen=True, slots=True)
-class Base:
+class DrivingLimits:
     """The limits of what the adapter itself drives.
 
     Attributes:
@@ -230,7 +230,7 @@ class RobotMapping:
     """All of a mapping file; a part that it does not have is None."""
 
     ros: Ros = Ros()
-    base: Base = Base()
+    base: DrivingLimits = DrivingLimits()
     odometry: Odometry | None = None
     pose: Pose | None = None
     battery: Battery | None = None

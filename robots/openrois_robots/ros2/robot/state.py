@@ -35,7 +35,7 @@ class PoseState:
     heard: Heard | None = None
     came_at: float = 0.0
 
-    def take(self, message: Any) -> None:
+    def note_message(self, message: Any) -> None:
         """Note the pose of a message; one with numbers that are none is dropped."""
         heard = read_heard(message)
         if heard is not None:
@@ -69,10 +69,10 @@ class OdometryState:
         self._world = world
         self._clock = clock
 
-    def take(self, message: Any) -> None:
+    def note_message(self, message: Any) -> None:
         """Note a message."""
         before = self.pose.came_at
-        self.pose.take(message)
+        self.pose.note_message(message)
         heard = self.pose.heard
         if heard is not None and self.pose.came_at >= before:
             self._world.handle_event(Place(heard.x, heard.y, heard.th))
@@ -102,7 +102,7 @@ class BatteryState(ReportedBattery):
         super().__init__(BatteryLimit(0.0 if settings is None else settings.low))
         self._full = 1.0 if settings is None else settings.full
 
-    def take(self, message: Any) -> None:
+    def note_message(self, message: Any) -> None:
         """Note a message; a driver that does not measure the percentage gives NaN, and charge and capacity instead."""
         share = message.percentage / self._full
         if not isfinite(share) and message.capacity > 0:

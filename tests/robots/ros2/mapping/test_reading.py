@@ -1,6 +1,7 @@
 """The mapping file: what it binds, and the sentence for each mistake."""
 
 import tomllib
+from copy import deepcopy
 from math import inf, nan
 from typing import Any
 
@@ -142,7 +143,7 @@ def leaves() -> st.SearchStrategy[Any]:
 @st.composite
 def bent(draw: st.DrawFn) -> dict[str, Any]:
     """Return a whole mapping in which something is replaced, removed or added."""
-    document: dict[str, Any] = {name: dict(table) for name, table in MAPPING.items()}
+    document: dict[str, Any] = deepcopy(MAPPING)
     for _ in range(draw(st.integers(1, 4))):
         table: Any = document
         while isinstance(table, dict) and table:
