@@ -143,7 +143,7 @@ def leaves() -> st.SearchStrategy[Any]:
 @st.composite
 def bent(draw: st.DrawFn) -> dict[str, Any]:
     """Return a whole mapping in which something is replaced, removed or added."""
-    document: dict[str, Any] = deepcopy(MAPPING)
+    document: dict[str, Any] = deepcopy(dict(MAPPING))
     for _ in range(draw(st.integers(1, 4))):
         table: Any = document
         while isinstance(table, dict) and table:
