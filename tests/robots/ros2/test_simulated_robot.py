@@ -211,7 +211,9 @@ async def test_a_robot_that_is_gone_or_hangs_ends_its_commands_and_comes_back(ho
                 await home.drives()
                 os.kill(robot.process.pid, how)
                 async with asyncio.timeout(20):
-                    with pytest.raises(ComponentFailed, match=r"the robot in ROS domain|the goal is lost"):
+                    with pytest.raises(
+                        ComponentFailed, match=r"the robot in ROS domain|the goal is lost|the node .* is gone"
+                    ):
                         await going
                 await until(lambda: home.robot.link.status is ComponentStatus.ERROR, "the loss was not noticed")
             if how is signal.SIGSTOP:

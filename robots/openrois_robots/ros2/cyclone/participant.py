@@ -19,6 +19,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 
 from openrois.errors import ComponentFailed
+from openrois_robots.ros2.cyclone.domain import join_domain, leave_domain
 from openrois_robots.ros2.cyclone.types import WireType
 from openrois_robots.ros2.graph.matching import Peer, Qos
 from openrois_robots.ros2.graph.names import ros_type
@@ -116,7 +117,7 @@ class Participant:
     async def __aenter__(self) -> Self:
         self._loop = asyncio.get_running_loop()
         try:
-            self._entity = await asyncio.to_thread(DomainParticipant, self._domain)
+            self._entity = await asyncio.to_thread(_join, self._domain)
         except DDSException as error:
             raise OSError(f"DDS cannot join domain {self._domain}: {error}; see CYCLONEDDS_URI") from None
         self._watch("publish", BuiltinTopicDcpsPublication)
@@ -129,7 +130,7 @@ class Participant:
         entities = [*self._watching, *(topic for topic, _ in self._topics.values()), self._entity]
         self._ends, self._watching, self._topics, self._entity = [], [], {}, None
         # It waits for threads of DDS, which may be about to call into this one.
-        await asyncio.to_thread(_delete, *(each for each in entities if each is not None))
+        await asyncio.to_thread(_leave, self._domain, *(each for each in entities if each is not None))
 
     def writer(self, topic: str, kind: WireType, qos: DdsQos, on_change: Callable[[bool], None]) -> Writer:
         """Make a writer; `on_change` is called with whether a reader was lost."""
@@ -272,6 +273,22 @@ def _user_data(endpoint: Any) -> bytes:
 def _valid(samples: Iterable[Any]) -> list[Any]:
     """Return the samples that are messages: of a writer that has left there is one without."""
     return [each for each in samples if not isinstance(each, InvalidSample)]
+
+
+def _join(domain: int) -> DomainParticipant:
+    """Return a new participant of a domain."""
+    join_domain(domain)
+    try:
+        return DomainParticipant(domain)
+    except DDSException:
+        leave_domain(domain)
+        raise
+
+
+def _leave(domain: int, *entities: Entity) -> None:
+    """Leave a domain with all entities of a participant."""
+    _delete(*entities)
+    leave_domain(domain)
 
 
 def _delete(*entities: Entity) -> None:
