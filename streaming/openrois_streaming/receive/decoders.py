@@ -103,15 +103,19 @@ class OpusDecoder:
 
     def _run(self, payload: bytes) -> Samples:
         try:
-            decoded = [frame.to_ndarray() for frame in self._context.decode(av.Packet(payload))]
+            decoded = [_samples_of(frame) for frame in self._context.decode(av.Packet(payload))]
         except (av.FFmpegError, ValueError) as error:
             raise UndecodableSound(str(error)) from error
         if not decoded:
             raise UndecodableSound("a packet without sound")
-        whole = decoded[0] if len(decoded) == 1 else np.concatenate(decoded, axis=1)
-        return whole.astype(np.int16, copy=False).reshape(-1, 2)
+        return decoded[0] if len(decoded) == 1 else np.concatenate(decoded)
 
     def _open(self) -> AudioCodecContext:
         context = cast(AudioCodecContext, av.CodecContext.create(LIBRARIES[OPUS], "r"))
         context.format, context.layout, context.sample_rate = "s16", "stereo", SAMPLE_RATE
         return context
+
+
+def _samples_of(frame: av.AudioFrame) -> Samples:
+    """Return the samples of a packed frame in the frame's own memory, which `to_ndarray` would copy twice."""
+    return np.ndarray((frame.samples, 2), np.int16, buffer=memoryview(frame.planes[0]))

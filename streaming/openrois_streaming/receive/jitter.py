@@ -31,6 +31,8 @@ class TargetDelay:
         self._offset = LowestOffset(WINDOW)
         self._slowest: deque[tuple[float, float]] = deque(maxlen=round(WINDOW / _TOGETHER))
         """Largest offset of each interval in which packets came, and the start of that interval."""
+        self._late = 0.0
+        """The offset that the share of these intervals keeps to."""
 
     def arrived(self, media_time: float, arrival: float) -> bool:
         """Note a packet whose first sample is at `media_time` (seconds of the RTP clock) and that came at `arrival`.
@@ -45,10 +47,10 @@ class TargetDelay:
             self._offset.reset()
             self._slowest.clear()
         self._offset.add(offset, arrival)
-        self._remember(arrival, offset)
-        ranked = sorted(each for _, each in self._slowest)
-        late = ranked[int(_SHARE * (len(ranked) - 1))] - self.base
-        self.seconds = min(max(late, 0.0) + _MARGIN, LONGEST_DELAY)
+        if self._remember(arrival, offset):
+            ranked = sorted(each for _, each in self._slowest)
+            self._late = ranked[int(_SHARE * (len(ranked) - 1))]
+        self.seconds = min(max(self._late - self.base, 0.0) + _MARGIN, LONGEST_DELAY)
         return restarted
 
     @property
@@ -56,11 +58,15 @@ class TargetDelay:
         """Least difference between arrival and media time; 0 before the first packet."""
         return self._offset.value or 0.0
 
-    def _remember(self, arrival: float, offset: float) -> None:
-        if self._slowest and arrival - self._slowest[-1][0] < _TOGETHER:
-            began, slowest = self._slowest[-1]
-            self._slowest[-1] = (began, max(offset, slowest))
+    def _remember(self, arrival: float, offset: float) -> bool:
+        """Note the offset of a packet; whether that of an interval has changed, which that of most packets does not."""
+        began, slowest = self._slowest[-1] if self._slowest else (float("-inf"), 0.0)
+        if arrival - began < _TOGETHER:
+            if offset <= slowest:
+                return False
+            self._slowest[-1] = (began, offset)
         else:
             self._slowest.append((arrival, offset))
         while self._slowest[0][0] < arrival - WINDOW:
             self._slowest.popleft()
+        return True
