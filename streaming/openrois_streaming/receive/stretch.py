@@ -1,6 +1,9 @@
 """Shortening and lengthening of sound by one of its periods, which is inaudible. Pure."""
 
+from functools import lru_cache
+
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 Samples = NDArray[np.int16]
@@ -41,23 +44,39 @@ def longer(samples: Samples, most: int) -> Samples:
 
 def _faded(first: Samples, second: Samples) -> Samples:
     """Return a cross-fade from `first` to `second`, of their length."""
-    ramp = np.linspace(0.0, 1.0, len(first), endpoint=False, dtype=np.float32)[:, np.newaxis]
-    mixed = first * (1 - ramp) + second * ramp
-    return np.rint(mixed).astype(np.int16)
+    mixed = first + (second.astype(np.float32) - first) * _ramp(len(first))
+    return np.rint(mixed, out=mixed).astype(np.int16)
+
+
+@lru_cache(maxsize=(LONGEST_PERIOD - SHORTEST_PERIOD) // _STEP + 1)
+def _ramp(length: int) -> NDArray[np.float32]:
+    ramp = np.linspace(0.0, 1.0, length, endpoint=False, dtype=np.float32)[:, np.newaxis]
+    ramp.flags.writeable = False
+    return ramp
 
 
 def _period(samples: Samples, most: int, *, force: bool) -> int:
     longest = min(most, LONGEST_PERIOD, len(samples) // 2)
     if longest < SHORTEST_PERIOD:
         return 0
-    mono = samples[: 2 * longest : _STEP].astype(np.float32).mean(axis=1)
-    if float(np.mean(mono * mono)) < _QUIET:
+    mono = samples[: 2 * longest : _STEP].sum(axis=1, dtype=np.float32) / samples.shape[1]
+    energy = np.cumsum(mono * mono, dtype=np.float64)
+    if energy[-1] < _QUIET * len(mono):
         return longest
-    best, alike = longest, -1.0
-    for lag in range(SHORTEST_PERIOD // _STEP, longest // _STEP + 1):
-        first, second = mono[:lag], mono[lag : 2 * lag]
-        power = float(np.dot(first, first) * np.dot(second, second))
-        likeness = float(np.dot(first, second)) / power**0.5 if power > 0 else 0.0
-        if likeness > alike:
-            best, alike = lag * _STEP, likeness
-    return best if force or alike >= _ALIKE else 0
+    lags, within = _lags(longest // _STEP)
+    first = energy[lags - 1]
+    power = first * (energy[2 * lags - 1] - first)
+    # The row of a lag begins there; of it and of the beginning, as many samples are compared as the lag is long.
+    shifted = sliding_window_view(mono, lags[-1])[lags]
+    likeness = (shifted * within) @ mono[: lags[-1]] / np.sqrt(np.where(power > 0, power, np.inf))
+    best = int(likeness.argmax())
+    return int(lags[best]) * _STEP if force or likeness[best] >= _ALIKE else 0
+
+
+@lru_cache(maxsize=(LONGEST_PERIOD - SHORTEST_PERIOD) // _STEP + 1)
+def _lags(longest: int) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+    """Return the lags to be tried, the last one `longest`, and for each of them as many ones as it is long."""
+    lags = np.arange(SHORTEST_PERIOD // _STEP, longest + 1)
+    within = (np.arange(longest) < lags[:, np.newaxis]).astype(np.float32)
+    lags.flags.writeable = within.flags.writeable = False
+    return lags, within
