@@ -56,24 +56,24 @@ def firefox_program() -> Path:
 
 
 @pytest.fixture(scope="session")
-def mono() -> Mono:
-    """Compiles and runs C#."""
-    found = Mono.found()
-    if found is None:
-        packages = "mono-mcs mono-runtime libnewtonsoft-json5.0-cil"
-        _lack(
-            f"no Mono with Newtonsoft.Json is found; install it to run the tests in C# (Debian: apt install {packages})"
-        )
-    return found
-
-
-@pytest.fixture(scope="session")
 def csharp_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder for what is compiled of C#, once for all workers of a run."""
     root = tmp_path_factory.getbasetemp()
     shared = (root.parent if "PYTEST_XDIST_WORKER" in os.environ else root) / "csharp"
     shared.mkdir(exist_ok=True)
     return shared
+
+
+@pytest.fixture(scope="session")
+def mono(csharp_folder: Path) -> Mono:
+    """Compiles and runs C#."""
+    found = Mono.found(csharp_folder)
+    if found is None:
+        packages = "mono-mcs mono-runtime libnewtonsoft-json5.0-cil"
+        _lack(
+            f"no Mono with Newtonsoft.Json is found; install it to run the tests in C# (Debian: apt install {packages})"
+        )
+    return found
 
 
 @pytest.fixture(scope="session")

@@ -35,6 +35,6 @@ def start(mono: Mono, applications: Path) -> Start:
     """Run an application against the gateway at an address."""
 
     def run(name: str, gateway: str, **environment: str) -> AbstractAsyncContextManager[JsonProgram]:
-        return json_program(mono.runtime, applications, name, gateway, environment=environment)
+        return json_program(*mono.command(applications), name, gateway, environment=environment)
 
     return run
