@@ -133,51 +133,6 @@ public static class ConnectionTests
     {
         return (await Check.ThrowsAsync<ConnectionLostException>(() => waiting)).Message;
     }
-
-    /// <summary>A client at a gateway in memory, with a clock that stands.</summary>
-    private sealed class Place
-    {
-        internal readonly ScriptedGateway Gateway = new ScriptedGateway();
-        internal readonly StandingClock Clock = new StandingClock();
-        internal readonly Client Client;
-
-        private readonly Feed<ConnectionChange> _changes = new Feed<ConnectionChange>(100);
-
-        internal Place()
-        {
-            Client = new Client("ws://gateway/", new ClientOptions { Transport = Gateway, Timing = Clock });
-            Client.ConnectionChanged += _changes.Offer;
-        }
-
-        internal async Task<ConnectionChange> Next(ConnectionState state)
-        {
-            while (await _changes.MoveNextAsync())
-            {
-                if (_changes.Current.State == state)
-                {
-                    return _changes.Current;
-                }
-            }
-            throw new Exception("no more changes");
-        }
-
-        /// <summary>Lets the clock go on, and waits for a state.</summary>
-        internal async Task AdvanceTo(long milliseconds, ConnectionState state)
-        {
-            await Settle();
-            Clock.Advance(milliseconds);
-            await Next(state);
-        }
-
-        internal async Task Settle()
-        {
-            for (int turn = 0; turn < 50; turn++)
-            {
-                await Client.Application.Strand.Run(() => Task.FromResult(true));
-                await Task.Yield();
-            }
-        }
-    }
 }
 
 public static class TokenTests

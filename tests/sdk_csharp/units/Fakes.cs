@@ -83,6 +83,11 @@ public sealed class MemorySocket : IMessageSocket
     /// <summary>Whether what is sent waits for ever.</summary>
     public bool IsStuck { get; set; }
 
+    /// <summary>Ends when a close has been sent.</summary>
+    public Task CloseTakes { get; set; } = Task.FromResult(true);
+
+    public bool IsDisposed { get; private set; }
+
     public static MemorySocket[] Pair()
     {
         var one = new MemorySocket();
@@ -110,7 +115,7 @@ public sealed class MemorySocket : IMessageSocket
     {
         End(code, reason);
         _other.End(code, reason);
-        return Task.FromResult(true);
+        return CloseTakes;
     }
 
     /// <summary>Breaks the connection without a word.</summary>
@@ -122,6 +127,7 @@ public sealed class MemorySocket : IMessageSocket
 
     public void Dispose()
     {
+        IsDisposed = true;
         _incoming.End();
     }
 
@@ -156,6 +162,12 @@ public sealed class ScriptedGateway : ITransport
 
     public MemorySocket Socket { get; private set; }
 
+    /// <summary>The other end of it.</summary>
+    public MemorySocket ClientSocket { get; private set; }
+
+    /// <summary>Holds up what opens connections, which does not heed its token; null for not.</summary>
+    public TaskCompletionSource<bool> Opening { get; set; }
+
     public int Opened { get; private set; }
 
     public static JObject Ok(params JProperty[] members)
@@ -173,8 +185,12 @@ public sealed class ScriptedGateway : ITransport
         _refusals.Enqueue(error);
     }
 
-    public Task<IMessageSocket> OpenAsync(Uri address, string token, CancellationToken cancellation)
+    public async Task<IMessageSocket> OpenAsync(Uri address, string token, CancellationToken cancellation)
     {
+        if (Opening != null)
+        {
+            await Opening.Task;
+        }
         Tokens.Add(token);
         if (_refusals.Count > 0)
         {
@@ -182,9 +198,10 @@ public sealed class ScriptedGateway : ITransport
         }
         Opened++;
         MemorySocket[] pair = MemorySocket.Pair();
+        ClientSocket = pair[0];
         Socket = pair[1];
         Serve(pair[1]);
-        return Task.FromResult<IMessageSocket>(pair[0]);
+        return pair[0];
     }
 
     /// <summary>The next request that is the test's.</summary>

@@ -30,14 +30,15 @@ namespace OpenRoIS
 
         /// <param name="url">the gateway: <c>ws://</c>, <c>wss://</c> or what it prints, <c>http://</c></param>
         /// <param name="options">how it connects; null for a gateway without tokens</param>
-        /// <exception cref="ArgumentException">it is no address of a gateway, or carries a password</exception>
+        /// <exception cref="ArgumentException">it is no address of a gateway, or carries a password; or an option cannot
+        /// be</exception>
         public Client(string url = "ws://127.0.0.1:8765/", ClientOptions options = null)
-            : this(AddressOf(url), options ?? new ClientOptions())
+            : this(AddressOf(url), (options ?? new ClientOptions()).Checked())
         {
         }
 
         private Client(Uri address, ClientOptions options)
-            : base(options.Callbacks = ContextOf(options), options)
+            : base(options.Callbacks, options)
         {
             _options = options;
             Application = new Application(address, options, new Strand(options.Work, options.HandlerFailed), this);
@@ -66,13 +67,15 @@ namespace OpenRoIS
 
         /// <summary>Connects, and stays connected until <see cref="CloseAsync"/>. After a failure it may be called again.</summary>
         /// <exception cref="ConnectionFailedException">there is no gateway, or it does not let this application in</exception>
+        /// <exception cref="OperationCanceledException">the token ended it, or the client was closed meanwhile</exception>
+        /// <exception cref="InvalidOperationException">it is connected, or was closed</exception>
         public Task ConnectAsync(CancellationToken token = default(CancellationToken))
         {
             return Application.Strand.Run(() => Application.Connection.OpenAsync(token));
         }
 
         /// <summary>
-        /// Takes leave of the gateway, for at most a second: nothing stays bound, commands that run go on. Idempotent.
+        /// Takes leave of the gateway, for at most two seconds: nothing stays bound, commands that run go on. Idempotent.
         /// </summary>
         public Task CloseAsync()
         {
@@ -160,11 +163,6 @@ namespace OpenRoIS
         {
             request.Check();
             return Application.Strand.Run(() => _bodies.ReserveAsync(request, token));
-        }
-
-        private static SynchronizationContext ContextOf(ClientOptions options)
-        {
-            return options.Callbacks ?? SynchronizationContext.Current ?? new Strand(null, options.HandlerFailed);
         }
 
         private static Uri AddressOf(string url)

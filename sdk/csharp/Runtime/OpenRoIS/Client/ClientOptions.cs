@@ -9,7 +9,8 @@ namespace OpenRoIS
     {
         /// <summary>
         /// Returns the newest JSON Web Token (RFC 7519), where the gateway wants one. It is called at every connection, and
-        /// before the present token ends. It may throw: that is a failed attempt, with its message.
+        /// before the present token ends, on a thread of the pool: what belongs to Unity's main thread it must not touch.
+        /// The client waits for it. It may throw: that is a failed attempt, with its message.
         /// </summary>
         public Func<string> Token { get; set; }
 
@@ -44,9 +45,46 @@ namespace OpenRoIS
         public ITiming Timing { get; set; } = SystemTiming.Instance;
 
         /// <summary>
-        /// Takes what a handler of the application has thrown, which ends nothing; without one the platform's trace has it.
+        /// Takes what a handler of the application has thrown, which ends nothing; without one it is written to standard
+        /// error. It is called on the thread of the handler.
         /// </summary>
         public Action<Exception> HandlerFailed { get; set; } =
-            error => System.Diagnostics.Trace.TraceError("OpenRoIS: a handler has failed: " + error);
+            error => Console.Error.WriteLine("OpenRoIS: a handler has failed: " + error);
+
+        /// <summary>Returns a copy with everything that a client needs.</summary>
+        /// <exception cref="ArgumentException">an option cannot be</exception>
+        internal ClientOptions Checked()
+        {
+            Require("Transport", Transport != null, "is null: leave it, or set one of your own");
+            Require("Timing", Timing != null, "is null: leave it, or set one of your own");
+            Require("HandlerFailed", HandlerFailed != null, "is null: what handlers throw would vanish");
+            Require("Reconnect", Reconnect != null, "is null: leave it, or set waits of your own");
+            RequireTime("ConnectTimeout", ConnectTimeout);
+            RequireTime("RequestTimeout", RequestTimeout);
+            RequireTime("IdleProbe", IdleProbe);
+            RequireTime("Reconnect.First", Reconnect.First);
+            RequireTime("Reconnect.Limit", Reconnect.Limit);
+            Require("Reconnect.Factor", Reconnect.Factor >= 1, "is " + Reconnect.Factor + ": it must be at least 1");
+            var checkedOptions = (ClientOptions)MemberwiseClone();
+            Action<Exception> failed = HandlerFailed;
+            checkedOptions.HandlerFailed = error => Failures.Report(failed, error);
+            checkedOptions.Callbacks =
+                Callbacks ?? SynchronizationContext.Current ?? new Strand(null, checkedOptions.HandlerFailed);
+            return checkedOptions;
+        }
+
+        private static void RequireTime(string name, TimeSpan time)
+        {
+            bool holds = time >= TimeSpan.FromMilliseconds(1) && time <= TimeSpan.FromDays(1);
+            Require(name, holds, "is " + time + ": it must be between a millisecond and a day");
+        }
+
+        private static void Require(string name, bool holds, string otherwise)
+        {
+            if (!holds)
+            {
+                throw new ArgumentException("ClientOptions." + name + " " + otherwise);
+            }
+        }
     }
 }

@@ -239,6 +239,13 @@ namespace OpenRoIS
                 Unreadable++;
                 return;
             }
+            catch (Exception error)
+            {
+                // A mistake of the author of this component's class.
+                Unreadable++;
+                _client.HandlerFailed(error);
+                return;
+            }
             _offer(payload);
         }
     }

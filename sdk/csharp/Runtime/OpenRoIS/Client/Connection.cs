@@ -97,10 +97,12 @@ namespace OpenRoIS
             }
         }
 
-        /// <summary>Takes leave of the gateway, for at most a second, and ends the connection. Idempotent.</summary>
+        /// <summary>Takes leave of the gateway, for at most two seconds, and ends the connection. Idempotent.</summary>
         internal async Task CloseAsync()
         {
             _overBecause = _overBecause ?? "the client is closed";
+            // First: what ends now is not made again.
+            _over.Cancel();
             JsonRpcSession session = _session;
             if (session != null)
             {
@@ -115,7 +117,6 @@ namespace OpenRoIS
                 }
                 await session.CloseAsync(1000, "client closed");
             }
-            _over.Cancel();
             if (_supervising != null)
             {
                 await _supervising;
@@ -308,8 +309,8 @@ namespace OpenRoIS
 
         private async Task<Live> GreetAsync(CancellationToken token)
         {
-            IMessageSocket socket = await _options.Transport.OpenAsync(_address, NewestToken(), token);
-            var session = new JsonRpcSession(socket, _strand, _options.Timing);
+            IMessageSocket socket = await OpenSocketAsync(token);
+            var session = new JsonRpcSession(socket, _strand, _options.Timing) { FailureHandler = _options.HandlerFailed };
             session.NotificationHandler = (method, given) => _owner.HandleNotification(session, method, given);
             Task<Closing> running = session.RunAsync();
             try
@@ -322,6 +323,26 @@ namespace OpenRoIS
                 throw;
             }
             return new Live(session, running, _options.Timing.Milliseconds);
+        }
+
+        private async Task<IMessageSocket> OpenSocketAsync(CancellationToken token)
+        {
+            Task<IMessageSocket> opening = _options.Transport.OpenAsync(_address, NewestToken(), token);
+            try
+            {
+                return await opening.OrCanceled(token);
+            }
+            catch (OperationCanceledException)
+            {
+                // Not every platform heeds the token at once.
+                DisposeOf(opening).Forget();
+                throw;
+            }
+        }
+
+        private static async Task DisposeOf(Task<IMessageSocket> opening)
+        {
+            (await opening).Dispose();
         }
 
         private string NewestToken()

@@ -51,22 +51,21 @@ namespace OpenRoIS
             {
                 throw new FormatException(name + " is missing");
             }
-            return (T)found;
+            return As<T>(name, found);
         }
 
         /// <summary>Returns a list.</summary>
         /// <exception cref="FormatException">it is not there, or does not fit its type</exception>
         public IReadOnlyList<T> List<T>(string name, string dataTypeRef)
         {
-            return Value<object[]>(name, dataTypeRef).Cast<T>().ToArray();
+            return Value<object[]>(name, dataTypeRef).Select(each => As<T>(name, each)).ToArray();
         }
 
         /// <summary>Returns a list; null where there is none.</summary>
         /// <exception cref="FormatException">it does not fit its type</exception>
         public IReadOnlyList<T> FindList<T>(string name, string dataTypeRef)
         {
-            var found = (object[])Find(name, dataTypeRef);
-            return found == null ? null : found.Cast<T>().ToArray();
+            return _values.ContainsKey(name) ? List<T>(name, dataTypeRef) : null;
         }
 
         /// <summary>Returns a moment.</summary>
@@ -114,6 +113,16 @@ namespace OpenRoIS
                 }
             }
             throw new FormatException(name + ": " + text + " is no " + typeof(T).Name);
+        }
+
+        private static T As<T>(string name, object found)
+        {
+            if (!(found is T))
+            {
+                throw new FormatException(
+                    name + " is read as " + found.GetType().Name + ", not as " + typeof(T).Name);
+            }
+            return (T)found;
         }
 
         private static T Named<T>(string name, Func<T> read)

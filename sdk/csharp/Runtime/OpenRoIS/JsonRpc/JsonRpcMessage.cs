@@ -1,4 +1,5 @@
 // Copyright the OpenRoIS authors. Apache-2.0.
+using System;
 using System.IO;
 using Newtonsoft.Json;
 using Newtonsoft.Json.Linq;
@@ -79,6 +80,19 @@ namespace OpenRoIS
         /// <summary>Reads any JSON; dates stay texts.</summary>
         /// <exception cref="JsonException">it is none</exception>
         internal static JToken Parse(string text)
+        {
+            try
+            {
+                return ReadToEnd(text);
+            }
+            catch (Exception error) when (error is FormatException || error is OverflowException)
+            {
+                // Older versions of the reader let these of a number or an escape pass.
+                throw new JsonReaderException(error.Message, error);
+            }
+        }
+
+        private static JToken ReadToEnd(string text)
         {
             using (var reader = new JsonTextReader(new StringReader(text)))
             {
@@ -169,7 +183,7 @@ namespace OpenRoIS
         {
             string message = error == null ? null : TextOf(error["message"]);
             JToken code = error == null ? null : error["code"];
-            if (message == null || code == null || code.Type != JTokenType.Integer)
+            if (message == null || !((code as JValue)?.Value is long))
             {
                 return new RpcException(InvalidRequest, "the answer's error object is malformed", null);
             }

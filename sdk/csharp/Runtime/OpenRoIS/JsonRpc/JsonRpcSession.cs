@@ -88,6 +88,9 @@ namespace OpenRoIS
         /// <summary>Takes a sentence about each message that was none; it is answered as the protocol says.</summary>
         public Action<string> ViolationHandler { get; set; }
 
+        /// <summary>Takes what a handler of this side, or the socket, has thrown; that ends nothing else.</summary>
+        public Action<Exception> FailureHandler { get; set; }
+
         /// <summary>Milliseconds since the last message came in.</summary>
         public long Silence
         {
@@ -102,7 +105,7 @@ namespace OpenRoIS
                 Task<string> receiving = _socket.ReceiveAsync();
                 // Not every socket that is closed here ends what waits for its next message.
                 await Task.WhenAny(receiving, _over.Task);
-                string text = receiving.IsCompleted ? await receiving : null;
+                string text = receiving.IsCompleted ? await Received(receiving) : null;
                 if (text == null || _closed)
                 {
                     break;
@@ -194,7 +197,33 @@ namespace OpenRoIS
             _over.TrySetResult(true);
         }
 
+        private async Task<string> Received(Task<string> receiving)
+        {
+            try
+            {
+                return await receiving;
+            }
+            catch (Exception error)
+            {
+                // A socket throws nothing here. One that does is over.
+                FailureHandler?.Invoke(error);
+                return null;
+            }
+        }
+
         private void Receive(JsonRpcMessage message)
+        {
+            try
+            {
+                Handle(message);
+            }
+            catch (Exception error)
+            {
+                FailureHandler?.Invoke(error);
+            }
+        }
+
+        private void Handle(JsonRpcMessage message)
         {
             switch (message.Kind)
             {

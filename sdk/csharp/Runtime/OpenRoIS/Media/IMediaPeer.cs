@@ -7,7 +7,8 @@ namespace OpenRoIS.Media
 {
     /// <summary>
     /// The answering side of one WebRTC peer connection: what a program's WebRTC library does. All members are called in the
-    /// context of <see cref="ClientOptions.Callbacks"/>, one at a time; to dispose of it closes the connection.
+    /// context of <see cref="ClientOptions.Callbacks"/>, one at a time, but for the end: <see cref="MediaSession.Dispose"/>
+    /// disposes of it where that is called. To dispose of it closes the connection.
     /// </summary>
     public interface IMediaPeer : IDisposable
     {

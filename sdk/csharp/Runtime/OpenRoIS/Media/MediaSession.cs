@@ -1,6 +1,7 @@
 // Copyright the OpenRoIS authors. Apache-2.0.
 using System;
 using System.Collections.Generic;
+using System.Linq;
 using System.Threading;
 using System.Threading.Tasks;
 using Newtonsoft.Json.Linq;
@@ -16,7 +17,10 @@ namespace OpenRoIS.Media
     {
         private static readonly IceServer[] NoServers = new IceServer[0];
 
-        /// <summary>Only the context of the application's callbacks touches these.</summary>
+        /// <summary>Calls of peers that may wait in the context of the application's callbacks.</summary>
+        private const int MostWaiting = 128;
+
+        /// <summary>Used in the context of the application's callbacks, and by <see cref="Dispose"/>: under its lock.</summary>
         private readonly Dictionary<string, IMediaPeer> _peers = new Dictionary<string, IMediaPeer>();
 
         private readonly Negotiation _negotiation = new Negotiation();
@@ -27,6 +31,8 @@ namespace OpenRoIS.Media
         private IReadOnlyList<IceServer> _servers = NoServers;
         private long _serversUntil = long.MinValue;
         private Task _turn = Task.FromResult(true);
+        private int _waiting;
+        private bool _isDisposed;
 
         /// <param name="client">whose streams these are</param>
         /// <param name="open">makes a peer connection; called in the context of the client's callbacks</param>
@@ -51,9 +57,23 @@ namespace OpenRoIS.Media
         /// </summary>
         public event Action<StreamStatusNotification> StreamStatusChanged;
 
-        /// <summary>Ends all peers. The streams are the application's to disconnect.</summary>
+        /// <summary>
+        /// Ends all peers, before it returns: to be called where callbacks come, in Unity on the main thread. The streams are
+        /// the application's to disconnect.
+        /// </summary>
         public void Dispose()
         {
+            List<IMediaPeer> open;
+            lock (_peers)
+            {
+                _isDisposed = true;
+                open = _peers.Values.ToList();
+                _peers.Clear();
+            }
+            foreach (IMediaPeer peer in open)
+            {
+                Close(peer);
+            }
             _application.Strand.Post(() =>
             {
                 _application.OnMedia -= Take;
@@ -135,23 +155,51 @@ namespace OpenRoIS.Media
                         _application.Connection.Post(Methods.SignalingCandidate, effect.Candidate);
                         break;
                     default:
-                        Effect mine = effect;
-                        IReadOnlyList<IceServer> servers = _servers;
-                        _client.CallbackContext.Post(_ => RunInCallbacks(mine, servers), null);
+                        PostToCallbacks(effect, _servers);
                         break;
                 }
             }
         }
 
+        /// <summary>Lets a peer act where callbacks come. A program that sleeps gets no more candidates and peers.</summary>
+        private void PostToCallbacks(Effect effect, IReadOnlyList<IceServer> servers)
+        {
+            bool isFull = Volatile.Read(ref _waiting) >= MostWaiting;
+            if (isFull && effect.Kind == EffectKind.Open)
+            {
+                EndPeer(effect.PeerId, "the application does not run its callbacks");
+                return;
+            }
+            if (isFull && effect.Kind == EffectKind.AddCandidate)
+            {
+                return;
+            }
+            Interlocked.Increment(ref _waiting);
+            _client.CallbackContext.Post(
+                _ =>
+                {
+                    Interlocked.Decrement(ref _waiting);
+                    RunInCallbacks(effect, servers);
+                },
+                null);
+        }
+
         private void RunInCallbacks(Effect effect, IReadOnlyList<IceServer> servers)
         {
             IMediaPeer peer;
-            _peers.TryGetValue(effect.PeerId, out peer);
+            lock (_peers)
+            {
+                if (_isDisposed)
+                {
+                    return;
+                }
+                _peers.TryGetValue(effect.PeerId, out peer);
+            }
             try
             {
                 if (effect.Kind == EffectKind.Open)
                 {
-                    _peers[effect.PeerId] = _open(RequestFor(effect, servers));
+                    Keep(effect.PeerId, _open(RequestFor(effect, servers)));
                 }
                 else if (peer != null && effect.Kind == EffectKind.Apply)
                 {
@@ -163,14 +211,42 @@ namespace OpenRoIS.Media
                 }
                 else if (peer != null)
                 {
-                    _peers.Remove(effect.PeerId);
-                    peer.Dispose();
+                    lock (_peers)
+                    {
+                        _peers.Remove(effect.PeerId);
+                    }
+                    Close(peer);
                 }
             }
             catch (Exception error)
             {
                 _client.HandlerFailed(error);
-                EndPeer(effect.PeerId);
+                EndPeer(effect.PeerId, "the offer was refused here");
+            }
+        }
+
+        private void Keep(string peerId, IMediaPeer opened)
+        {
+            lock (_peers)
+            {
+                if (!_isDisposed)
+                {
+                    _peers[peerId] = opened;
+                    return;
+                }
+            }
+            Close(opened);
+        }
+
+        private void Close(IMediaPeer peer)
+        {
+            try
+            {
+                peer.Dispose();
+            }
+            catch (Exception error)
+            {
+                _client.HandlerFailed(error);
             }
         }
 
@@ -196,13 +272,13 @@ namespace OpenRoIS.Media
             {
                 // Half an answer cannot be taken back: the engine ends a peer that is not answered, this side does so now.
                 _client.HandlerFailed(error);
-                EndPeer(offer.PeerId);
+                EndPeer(offer.PeerId, "the offer was refused here");
             }
         }
 
-        private void EndPeer(string peerId)
+        private void EndPeer(string peerId, string reason)
         {
-            _application.Strand.Post(() => Run(_negotiation.Ended(peerId, "the offer was refused here")));
+            _application.Strand.Post(() => Run(_negotiation.Ended(peerId, reason)));
         }
 
         private async Task RestartAsync(string peerId)

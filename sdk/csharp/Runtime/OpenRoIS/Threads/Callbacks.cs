@@ -62,7 +62,7 @@ namespace OpenRoIS
                 }
                 catch (Exception error)
                 {
-                    _failed(error);
+                    Failures.Report(_failed, error);
                 }
             }
         }

@@ -79,6 +79,11 @@ namespace OpenRoIS
                     Action work;
                     lock (_waiting)
                     {
+                        if (_waiting.Count == 0)
+                        {
+                            // A callback has pumped, too.
+                            return done;
+                        }
                         work = _waiting.Dequeue();
                     }
                     Try(work);

@@ -144,7 +144,7 @@ namespace OpenRoIS
             catch (Exception error) when (!(error is ThreadAbortException))
             {
                 // A thread is aborted where its domain ends: with the process, or as Unity loads scripts anew.
-                _failed(error);
+                Failures.Report(_failed, error);
             }
         }
     }
