@@ -1,15 +1,22 @@
 """Bodies, as applications in C# reserve them, share them and lose them."""
 
 import asyncio
+import re
+from contextlib import AsyncExitStack
 from pathlib import Path
+from typing import Any, cast
 
 import pytest
 
+from openrois.catalog.actuation import NAVIGATION, SPEECH_SYNTHESIS
+from openrois.catalog.component_type import ComponentType
+from openrois.engine.registry import LocalRegistry
 from tests.sdk_csharp.conftest import Start
 from tests.sdk_csharp.test_operations import attached
 from tests.support.deployment import gateway, until
-from tests.support.fleet import everything, fleet
+from tests.support.fleet import Part, Robot, everything, fleet
 from tests.support.mono import Mono
+from tests.support.visitors import running, served
 
 pytestmark = pytest.mark.timeout(120)
 
@@ -23,6 +30,47 @@ async def test_two_bodies_receive_visitors(mono: Mono, two_bodies: Path) -> None
     served = dict(line.removesuffix(" took care").split(": ") for line in others)
     assert set(served) == set(visitors)
     assert set(served.values()) == {"avatar", "robot"}
+
+
+class Patient(Part):
+    """A robot's Navigation that never arrives with a visitor: it is midway until the robot dies."""
+
+    def __init__(self, kind: ComponentType) -> None:
+        super().__init__(kind)
+        self.speech = Part(SPEECH_SYNTHESIS)
+        self.is_midway = asyncio.Event()
+
+    async def _start(self) -> None:
+        if str(self.speech.parameters["speech_text"]).startswith("Good day"):
+            self.is_midway.set()
+            await asyncio.Event().wait()
+        await super()._start()
+
+
+async def test_two_applications_compete_for_bodies_of_which_one_dies_midway(mono: Mono, two_bodies: Path) -> None:
+    slow = Patient(NAVIGATION)
+    parts = {"Navigation": slow, "SpeechSynthesis": slow.speech}
+    dies = Robot(LocalRegistry("robot", cast(Any, parts.values())), parts)
+    ours, theirs = [f"guest {number}" for number in range(3)], [f"visitor {number}" for number in range(3)]
+    program = mono.command(two_bodies)
+    async with (
+        asyncio.timeout(60),
+        gateway() as here,
+        attached(here, everything("avatar")),
+        AsyncExitStack() as stack,
+        AsyncExitStack() as programs,
+    ):
+        async with attached(here, dies):
+            first = await programs.enter_async_context(running(*program, here.url, *ours))
+            second = await programs.enter_async_context(running(*program, here.url, *theirs))
+            await slow.is_midway.wait()
+        # Another one takes its place; an application that has not greeted yet waits for that.
+        await stack.enter_async_context(attached(here, everything("robot")))
+    lost = [line for program in (first, second) for line in program.lines if "robot was lost" in line]
+    assert len(lost) == 1
+    for application, visitors in ((first, ours), (second, theirs)):
+        assert re.fullmatch(r"(avatar greeted, robot|robot greeted, avatar) guided", application.lines[0])
+        assert set(served(application.lines, visitors)) <= {"avatar", "robot"}
 
 
 async def test_of_rivals_one_gets_a_body_and_the_other_nothing_of_it(start: Start) -> None:

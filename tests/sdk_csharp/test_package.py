@@ -75,7 +75,10 @@ async def test_the_scene_of_the_sample_is_played(mono: Mono, player: Path) -> No
     parts = cast(Any, (speech, reaction, Camera()))
     async with gateway() as running, adapter(running, *parts, extension=streams):
         printed = await asyncio.to_thread(mono.run, player, running.url)
-    assert printed.splitlines() == ["reserved", "greeted", "remote v=0", ""]
+    lines = printed.splitlines()
+    assert lines[:5] == ["reserved", "greeted", "remote v=0", "close", ""]
+    assert lines[5].startswith('"somewhere" is no address of a gateway')
+    assert lines[6:] == ["ArgumentException"]
     assert speech.parameters["speech_text"] == "Hello! I am glad to see you."
     assert (speech.done, reaction.done) == (["start"], ["start"])
     (answer,) = (params for method, params, _ in streams.calls if method == "signaling.answer")

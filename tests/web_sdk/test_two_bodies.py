@@ -6,8 +6,7 @@ A body is killed midway and replaced, and a viewer behind a bad path goes on see
 import asyncio
 import re
 import sys
-from collections.abc import AsyncIterator, Iterator, Sequence
-from contextlib import asynccontextmanager
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
@@ -18,6 +17,7 @@ from openrois.client import Client
 from tests.support.demo import Demo, running_demo
 from tests.support.invariants import Book
 from tests.support.spectator import Spectator
+from tests.support.visitors import running, served
 
 pytestmark = [pytest.mark.media, pytest.mark.engine, pytest.mark.timeout(300)]
 
@@ -26,46 +26,6 @@ EXAMPLES: Final = ROOT / "docs/examples"
 WEB_DEMO: Final = ROOT / "web_demo"
 PATIENCE: Final = 240.0
 """Seconds for all visitors: speech and ways of both bodies take thirty on an idle machine."""
-
-
-class Program:
-    """An example that runs, and what it has printed."""
-
-    def __init__(self, process: asyncio.subprocess.Process) -> None:
-        self.lines: list[str] = []
-        self._process = process
-        self._news = asyncio.Event()
-
-    async def read(self) -> None:
-        """Read to its end, which must be a good one."""
-        assert self._process.stdout is not None
-        async for line in self._process.stdout:
-            self.lines.append(line.decode().rstrip())
-            self._news.set()
-        assert await self._process.wait() == 0, self.lines
-
-    async def says(self, words: str) -> None:
-        """Wait until it prints a line with such words."""
-        while not any(re.search(words, line) for line in self.lines):
-            self._news.clear()
-            await self._news.wait()
-
-
-@asynccontextmanager
-async def running(*command: str) -> AsyncIterator[Program]:
-    """Run a program; at the end of the block it has ended well."""
-    process = await asyncio.create_subprocess_exec(
-        *command, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.STDOUT
-    )
-    try:
-        program = Program(process)
-        async with asyncio.TaskGroup() as tasks:
-            tasks.create_task(program.read())
-            yield program
-    finally:
-        if process.returncode is None:
-            process.kill()
-        await process.wait()
 
 
 @pytest.fixture(scope="module")
@@ -83,15 +43,6 @@ def node_program(package: Path, tmp_path: Path) -> Path:
     program = tmp_path / "two_bodies.mjs"
     program.write_text((EXAMPLES / "two_bodies.mjs").read_text())
     return program
-
-
-def served(lines: Sequence[str], visitors: Sequence[str]) -> list[str]:
-    """Which body took care of each visitor; each was served once."""
-    bodies = []
-    for visitor in visitors:
-        (body,) = (match[1] for line in lines if (match := re.fullmatch(rf"{visitor}: (\w+) took care", line)))
-        bodies.append(body)
-    return bodies
 
 
 async def test_two_applications_share_two_bodies_of_which_one_dies(demo: Demo, node: Path, node_program: Path) -> None:

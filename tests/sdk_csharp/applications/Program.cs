@@ -27,7 +27,10 @@ public static class Program
         { "one_thread", OneThread.Run },
         { "leaser", Leaser.Run },
         { "streamer", Streamer.Run },
-        { "viewer", Viewer.Run }
+        { "viewer", Viewer.Run },
+        { "barred", Barred.Run },
+        { "steadfast", Steadfast.Run },
+        { "frugal", Frugal.Run }
     };
 
     private static readonly TextWriter Output =

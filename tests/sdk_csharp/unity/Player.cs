@@ -32,10 +32,27 @@ public static class Player
         Console.WriteLine("greeted");
         Until(frames, client, () => RTCPeerConnection.Said.Contains("local v=0 answer"));
         Console.WriteLine(RTCPeerConnection.Said[1]);
-        Call(greeter, "OnDestroy");
-        Until(frames, client, () => RTCPeerConnection.Said.Last() == "close");
+        // A scene ends at once, in any order.
         Call(client, "OnDestroy");
+        Call(greeter, "OnDestroy");
+        Console.WriteLine(RTCPeerConnection.Said.Last());
         Console.WriteLine(string.Join("; ", UnityEngine.Debug.Warnings));
+        Misconfigured();
+    }
+
+    private static void Misconfigured()
+    {
+        var client = new GameObject().AddComponent<OpenRoISClient>();
+        client.Address = "somewhere";
+        try
+        {
+            Call(client, "Start");
+        }
+        catch (TargetInvocationException error)
+        {
+            Console.WriteLine(error.InnerException.Message);
+        }
+        Console.WriteLine(client.ConnectedAsync().Exception.InnerException.GetType().Name);
     }
 
     private static void Until(Frames frames, Component client, Func<bool> holds)

@@ -37,6 +37,9 @@ namespace UnityEngine
 
     public class Object
     {
+        public static void Destroy(Object destroyed)
+        {
+        }
     }
 
     public class Component : Object
@@ -212,6 +215,10 @@ namespace Unity.WebRTC
     {
         public RTCIceCandidate(RTCIceCandidateInit candidateInfo)
         {
+            if (!candidateInfo.candidate.StartsWith("candidate:"))
+            {
+                throw new ArgumentException("create candidate is failed");
+            }
             Candidate = candidateInfo.candidate;
         }
 

@@ -8,7 +8,7 @@ namespace OpenRoIS.Unity
 {
     /// <summary>
     /// Connects a scene to a gateway, and again whenever there is none. All handlers of the client's events are called on the
-    /// main thread, in this component's <c>Update</c>, which comes before that of other scripts.
+    /// main thread, in this component's <c>Update</c>, which comes before that of other scripts; none while it is disabled.
     /// </summary>
     [DefaultExecutionOrder(-1000)]
     [AddComponentMenu("OpenRoIS/OpenRoIS Client")]
@@ -29,7 +29,10 @@ namespace OpenRoIS.Unity
         private Dispatcher _dispatcher;
         private PumpedTiming _timing;
 
-        /// <summary>Returns the newest token, in place of the file: set it in <c>Awake</c> of a script of your own.</summary>
+        /// <summary>
+        /// Returns the newest token, in place of the file: set it in <c>Awake</c> of a script of your own. It is called on a
+        /// thread of the pool, where most of Unity must not be used.
+        /// </summary>
         public Func<string> Token { get; set; }
 
         /// <summary>Opens connections: in a browser (WebGL) there is none of .NET, and this must be set in <c>Awake</c>.</summary>
@@ -40,6 +43,8 @@ namespace OpenRoIS.Unity
 
         /// <summary>Returns the client once it is connected for the first time.</summary>
         /// <exception cref="OperationCanceledException">the scene has ended first</exception>
+        /// <exception cref="ArgumentException"><see cref="Address"/> is no address of a gateway</exception>
+        /// <exception cref="ConnectionFailedException">the gateway does not let this application in</exception>
         public Task<Client> ConnectedAsync()
         {
             return _connected.Task;
@@ -63,7 +68,15 @@ namespace OpenRoIS.Unity
             {
                 options.Transport = Transport;
             }
-            Client = new Client(Address, options);
+            try
+            {
+                Client = new Client(Address, options);
+            }
+            catch (ArgumentException error)
+            {
+                _connected.TrySetException(error);
+                throw;
+            }
             Client.ConnectionChanged += Tell;
             Connect();
         }
@@ -126,7 +139,8 @@ namespace OpenRoIS.Unity
 
         private static void Tell(ConnectionChange change)
         {
-            if (change.State == ConnectionState.Waiting)
+            // It ended; for good where the state is Closed.
+            if (change.Reason != "")
             {
                 Debug.LogWarning("OpenRoIS: " + change.Reason);
             }

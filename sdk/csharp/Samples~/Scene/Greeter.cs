@@ -26,6 +26,7 @@ namespace OpenRoIS.Samples
         private MediaSession _media;
         private Body _body;
         private bool _isBusy;
+        private bool _isOver;
 
         /// <summary>To be called from a button.</summary>
         public async void Greet()
@@ -39,16 +40,15 @@ namespace OpenRoIS.Samples
             {
                 await GreetAsync(_body);
             }
-            catch (RoISException error)
+            catch (Exception error)
             {
-                // Another application has taken the body, or it has failed.
+                // Another application has taken the body, it has failed, or there is no connection.
                 Debug.LogWarning(error.Message);
             }
-            catch (ConnectionLostException error)
+            finally
             {
-                Debug.LogWarning(error.Message);
+                _isBusy = false;
             }
-            _isBusy = false;
         }
 
         private async void Start()
@@ -71,24 +71,40 @@ namespace OpenRoIS.Samples
 
         private void OnDestroy()
         {
+            _isOver = true;
             _media?.Dispose();
             _body?.Dispose();
         }
 
         private async void Reserve()
         {
-            try
+            var request = new BodyRequest(SpeechSynthesis.Type)
             {
-                _body = await _client.BodyAsync(new BodyRequest(SpeechSynthesis.Type)
+                Optional = new ComponentType[] { Reaction.Type, VideoStreaming.Type },
+                Wait = TimeSpan.FromMinutes(10)
+            };
+            while (!_isOver && _body == null)
+            {
+                try
                 {
-                    Optional = new ComponentType[] { Reaction.Type, VideoStreaming.Type },
-                    Wait = TimeSpan.FromDays(1)
-                });
-            }
-            catch (ConnectionLostException)
-            {
-                // The scene has ended, or the gateway does not let this application in any more: the client says why.
-                return;
+                    Body body = await _client.BodyAsync(request);
+                    // What comes when the scene has ended, or is lost already, is given back.
+                    _body = _isOver || body.Error != null ? null : body;
+                    if (_body == null)
+                    {
+                        body.Dispose();
+                    }
+                }
+                catch (ConnectionLostException)
+                {
+                    // The scene has ended, or there will be no connection any more: the client says why.
+                    return;
+                }
+                catch (Exception error) when (error is RoISException || error is TimeoutException)
+                {
+                    // All bodies are taken, or the gateway is away: it is tried further.
+                    Debug.LogWarning(error.Message);
+                }
             }
             Watch();
         }
@@ -124,9 +140,12 @@ namespace OpenRoIS.Samples
         private void Lost(BodyLoss loss)
         {
             Debug.LogWarning(loss.EngineId + " is lost: " + loss.Error.Message);
-            _body?.Dispose();
-            _body = null;
-            Reserve();
+            if (_body?.Error != null)
+            {
+                _body.Dispose();
+                _body = null;
+                Reserve();
+            }
         }
 
         private void Changed(ConnectionChange change)

@@ -51,7 +51,11 @@ namespace OpenRoIS.Samples
 
         public void AddCandidate(Candidate candidate)
         {
-            if (!string.IsNullOrEmpty(candidate.CandidateValue))
+            if (string.IsNullOrEmpty(candidate.CandidateValue))
+            {
+                return;
+            }
+            try
             {
                 _connection.AddIceCandidate(new RTCIceCandidate(new RTCIceCandidateInit
                 {
@@ -60,12 +64,20 @@ namespace OpenRoIS.Samples
                     sdpMLineIndex = candidate.SdpMLineIndex
                 }));
             }
+            catch (ArgumentException)
+            {
+                // One that the library does not know is passed over, as in ICE.
+            }
         }
 
         public void Dispose()
         {
             _connection.Close();
             _connection.Dispose();
+            if (_sound != null)
+            {
+                UnityEngine.Object.Destroy(_sound);
+            }
         }
 
         private IEnumerator Answer(Offer offer, TaskCompletionSource<string> answer)

@@ -47,6 +47,16 @@ namespace OpenRoIS
                     return new ConnectionFailedException(
                         "the gateway at " + address + " does not let this application in: without tokens it answers its own "
                         + "machine alone, and with them the token needs a role of applications (403)", true);
+                case "":
+                    if (inmost is WebSocketException)
+                    {
+                        // What Mono and Unity throw has neither the status nor another reason.
+                        return new ConnectionFailedException(
+                            "what listens at " + address + " refuses this application, and the platform does not say with "
+                            + "which status: a gateway may want a valid token (set ClientOptions.Token; its role must be one "
+                            + "of applications), answer its own machine alone while it has no tokens, or be full");
+                    }
+                    goto default;
                 default:
                     return new ConnectionFailedException("no connection to " + address + ": " + inmost.Message);
             }

@@ -1,0 +1,128 @@
+// Applications at gateways that do what they should not.
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.IO;
+using System.Linq;
+using System.Threading;
+using System.Threading.Tasks;
+using Newtonsoft.Json.Linq;
+using OpenRoIS;
+
+/// <summary>Tries to connect to each of several addresses, and says what came of it.</summary>
+public static class Barred
+{
+    public static async Task Run(string urls)
+    {
+        foreach (string url in urls.Split(' '))
+        {
+            var client = new Client(url, new ClientOptions { ConnectTimeout = TimeSpan.FromSeconds(1) });
+            try
+            {
+                await client.ConnectAsync();
+                Program.Say("connected", url);
+            }
+            catch (ConnectionFailedException error)
+            {
+                Program.Say("failed", error.Message);
+            }
+            await client.CloseAsync();
+        }
+    }
+}
+
+/// <summary>Listens to a lamp at a gateway that says anything.</summary>
+public static class Steadfast
+{
+    public static async Task Run(string url)
+    {
+        var failures = new List<string>();
+        var options = new ClientOptions { HandlerFailed = error => failures.Add(error.Message) };
+        Client client = await Program.Connect(url, options);
+        client.ConnectionChanged += change =>
+        {
+            if (change.State == ConnectionState.Waiting)
+            {
+                Program.Say("lost", change.Reason);
+            }
+        };
+        client.SubscriptionRestored += change => Program.Say("restored", null);
+        var lamp = new Lamp(client, "robot/lamp");
+        Subscription subscription = await lamp.Switched.SubscribeAsync(on => Program.Say("switched", on));
+        Program.Say("ready", null);
+        await Program.Told();
+        using (var soon = new CancellationTokenSource())
+        {
+            Task<IReadOnlyList<string>> given = client.SearchAsync("gives up", soon.Token);
+            await Program.Told();
+            soon.Cancel();
+            Program.Say("gave up", await Program.Thrown(() => given));
+        }
+        Program.Say("found", await client.SearchAsync("twice"));
+        Program.Say("again", await client.SearchAsync("once"));
+        Program.Say("unreadable", subscription.Unreadable);
+        Program.Say("failures", failures);
+        await client.CloseAsync();
+    }
+
+    private sealed class Lamp : ComponentProxy
+    {
+        internal Lamp(Client client, string componentRef)
+            : base(client, componentRef)
+        {
+        }
+
+        internal ComponentEvent<bool> Switched
+        {
+            get { return Event("switched", told => told.Value<bool>("on", "bool")); }
+        }
+    }
+}
+
+/// <summary>Comes back often, beside another client, and leaves nothing behind.</summary>
+public static class Frugal
+{
+    public static async Task Run(string url)
+    {
+        int times = int.Parse(Environment.GetEnvironmentVariable("TIMES"));
+        Client other = await Program.Connect(url);
+        await Round(url);
+        int files = Files();
+        int threads = Process.GetCurrentProcess().Threads.Count;
+        for (int time = 0; time < times; time++)
+        {
+            await Round(url);
+        }
+        // The other client was not touched by any of these.
+        Program.Say("other", (await other.SearchAsync()).Count > 0);
+        Program.Say("files", Files() - files);
+        Program.Say("threads", Process.GetCurrentProcess().Threads.Count - threads);
+        await other.CloseAsync();
+    }
+
+    /// <summary>Connects, and is closed in a handler of its own.</summary>
+    private static async Task Round(string url)
+    {
+        var over = new TaskCompletionSource<bool>();
+        var client = new Client(url);
+        client.ConnectionChanged += change =>
+        {
+            if (change.State == ConnectionState.Connected)
+            {
+                client.Dispose();
+            }
+            else if (change.State == ConnectionState.Closed)
+            {
+                over.TrySetResult(true);
+            }
+        };
+        await client.ConnectAsync();
+        await over.Task;
+        await client.CloseAsync();
+    }
+
+    private static int Files()
+    {
+        return Directory.GetFiles("/proc/self/fd").Length;
+    }
+}
