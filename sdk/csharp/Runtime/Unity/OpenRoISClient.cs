@@ -27,7 +27,8 @@ namespace OpenRoIS.Unity
         private readonly TaskCompletionSource<Client> _connected =
             new TaskCompletionSource<Client>(TaskCreationOptions.RunContinuationsAsynchronously);
         private Dispatcher _dispatcher;
-        private PumpedTiming _timing;
+        private ITiming _timing = SystemTiming.Instance;
+        private Action _pumpTiming = () => { };
 
         /// <summary>
         /// Returns the newest token, in place of the file: set it in <c>Awake</c> of a script of your own. It is called on a
@@ -60,8 +61,9 @@ namespace OpenRoIS.Unity
                 Token = Token ?? (TokenFile == "" ? null : new Func<string>(ReadToken))
             };
 #if UNITY_WEBGL && !UNITY_EDITOR
-            _timing = new PumpedTiming(() => (long)(1000 * Time.realtimeSinceStartupAsDouble));
-            options.Timing = _timing;
+            var timing = new PumpedTiming(() => (long)(1000 * Time.realtimeSinceStartupAsDouble));
+            options.Timing = _timing = timing;
+            _pumpTiming = timing.Pump;
             options.Work = _dispatcher;
 #endif
             if (Transport != null)
@@ -83,7 +85,7 @@ namespace OpenRoIS.Unity
 
         private void Update()
         {
-            _timing?.Pump();
+            _pumpTiming();
             _dispatcher.Pump();
         }
 
@@ -123,9 +125,8 @@ namespace OpenRoIS.Unity
 
         private async Task Pause()
         {
-            ITiming timing = _timing ?? (ITiming)SystemTiming.Instance;
             var over = new TaskCompletionSource<bool>(TaskCreationOptions.RunContinuationsAsynchronously);
-            using (timing.After(Patience, () => over.TrySetResult(true)))
+            using (_timing.After(Patience, () => over.TrySetResult(true)))
             using (_destroyed.Token.Register(() => over.TrySetResult(true)))
             {
                 await over.Task;
