@@ -1,7 +1,6 @@
 """The C# types: they compile, read and write every message of the corpus, and refuse what is none."""
 
 import json
-import re
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,7 @@ from openrois_codegen.wire import sources
 from pydantic import TypeAdapter
 
 from tests.support.corpus import FOLDER, corpus
-from tests.support.mono import SDK, Mono
+from tests.support.mono import Mono
 
 pytestmark = pytest.mark.timeout(120)
 
@@ -75,11 +74,3 @@ def test_null_is_never_written_where_the_wire_has_none(mono: Mono, csharp_librar
     source = tmp_path / "Nulls.cs"
     source.write_text(NULLS, encoding="utf-8")
     assert mono.run(mono.compile([source], tmp_path, csharp_library)).splitlines() == ['{"code":"x"}', "refused"]
-
-
-def test_the_readme_tells_the_truth(mono: Mono, csharp_library: Path, tmp_path: Path) -> None:
-    text = (SDK / "README.md").read_text(encoding="utf-8")
-    source = tmp_path / "Example.cs"
-    source.write_text(re.findall(r"```csharp\n(.+?)```", text, re.DOTALL)[0], encoding="utf-8")
-    printed = re.findall(r"```text\n(.+?)```", text, re.DOTALL)[0]
-    assert mono.run(mono.compile([source], tmp_path, csharp_library)) == printed

@@ -30,6 +30,13 @@ def two_bodies(mono: Mono, csharp_library: Path) -> Path:
     return once(made, lambda program: mono.build(program, sources, f"-r:{csharp_library}"))
 
 
+@pytest.fixture(scope="session")
+def stand_in(mono: Mono, csharp_folder: Path) -> Path:
+    """The types of Unity that the package and its sample use."""
+    made = csharp_folder / "UnityEngine.dll"
+    return once(made, lambda new: mono.build(new, [HERE / "unity" / "UnityEngine.cs"], "-target:library"))
+
+
 @pytest.fixture
 def start(mono: Mono, applications: Path) -> Start:
     """Run an application against the gateway at an address."""

@@ -20,13 +20,6 @@ SCENE = sorted((SDK / "Samples~" / "Scene").glob("*.cs"))
 
 
 @pytest.fixture(scope="session")
-def stand_in(mono: Mono, csharp_folder: Path) -> Path:
-    """The types of Unity that the package and its sample use."""
-    made = csharp_folder / "UnityEngine.dll"
-    return once(made, lambda new: mono.build(new, [UNITY / "UnityEngine.cs"], "-target:library"))
-
-
-@pytest.fixture(scope="session")
 def player(mono: Mono, csharp_library: Path, stand_in: Path) -> Path:
     """The sample's scene, with what plays it."""
     sources = [*COMPONENTS, *SCENE, UNITY / "Player.cs"]

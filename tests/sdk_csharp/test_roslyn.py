@@ -1,6 +1,6 @@
 """The package, its samples and the applications of these tests as Roslyn compiles them, which is what Unity has: C# 9.
 
-Roslyn comes without a .NET SDK, as one person's package for browsers with a trimmed .NET: nullable references are not checked.
+Roslyn comes without a .NET SDK, in one person's package for browsers. It is trimmed: nullable references are unchecked.
 """
 
 import shutil
@@ -63,13 +63,8 @@ class Roslyn:
             *(f"-r:{path}" for path in (*self._references, *references)),
             *(f"-d:{name}" for name in defined),
         ]
-        ran = subprocess.run(
-            [*self._command, *options, *map(str, sources)],
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=PATIENCE,
-        )
+        command = [*self._command, *options, *map(str, sources)]
+        ran = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE)
         assert (ran.returncode == 0) == target.exists(), ran.stdout + ran.stderr
         return ran.stdout + ran.stderr
 

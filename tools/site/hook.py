@@ -26,7 +26,7 @@ OUTSIDE: Final = {
     "avatar_adapter/godot/README.md": "how-to/godot.md",
     "avatar_adapter/unity/README.md": "how-to/unity.md",
     "benchmarks/README.md": "explanation/benchmarks.md",
-    "sdk/csharp/README.md": "reference/csharp.md",
+    "sdk/csharp/README.md": "how-to/csharp.md",
     "tests/README.md": "project/tests.md",
     "web_demo/sdk/README.md": "how-to/typescript.md",
 }

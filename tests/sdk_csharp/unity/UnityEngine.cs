@@ -140,6 +140,11 @@ namespace UnityEngine
     {
         public static readonly List<string> Warnings = new List<string>();
 
+        public static void Log(object message)
+        {
+            Console.WriteLine(message);
+        }
+
         public static void LogWarning(object message)
         {
             Warnings.Add(message.ToString());

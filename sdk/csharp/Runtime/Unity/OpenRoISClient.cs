@@ -79,7 +79,7 @@ namespace OpenRoIS.Unity
                 _connected.TrySetException(error);
                 throw;
             }
-            Client.ConnectionChanged += Tell;
+            Client.ConnectionChanged += LogEnd;
             Connect();
         }
 
@@ -138,7 +138,7 @@ namespace OpenRoIS.Unity
             return File.ReadAllText(TokenFile);
         }
 
-        private static void Tell(ConnectionChange change)
+        private static void LogEnd(ConnectionChange change)
         {
             // It ended; for good where the state is Closed.
             if (change.Reason != "")

@@ -30,8 +30,8 @@ namespace OpenRoIS
             Strand = strand;
             Connection = new Connection(address, options, strand, this);
             Commands = new UnfinishedCommands();
-            Bindings = new Bindings(BindingLost, notices.TellBindingRestored);
-            Subscriptions = new Subscriptions(Connection, notices.Tell);
+            Bindings = new Bindings(BindingLost, notices.NotifyBindingRestored);
+            Subscriptions = new Subscriptions(Connection, notices.Notify);
             Extensions = new HashSet<string>();
             _resumption = new Resumption(Commands, Bindings, options.Timing, strand);
             _restorer = new Restorer(Bindings, Subscriptions, options);
@@ -103,7 +103,7 @@ namespace OpenRoIS
 
         public void ConnectionChanged(ConnectionState state, string reason, TimeSpan? retryIn)
         {
-            _notices.Tell(new ConnectionChange(state, reason, retryIn));
+            _notices.Notify(new ConnectionChange(state, reason, retryIn));
         }
 
         public void Closed(Exception error)
@@ -129,7 +129,7 @@ namespace OpenRoIS
             {
                 Generation++;
                 _restorer.ProfileChanged();
-                _notices.TellProfileChanged();
+                _notices.NotifyProfileChanged();
                 OnLeaseDoubtful?.Invoke(null);
             }
             else if (method == Notifications.LeaseChanged.Name)
@@ -142,13 +142,13 @@ namespace OpenRoIS
             }
             else if (method == Notifications.AuthExpiring.Name && _options.Token != null)
             {
-                Tokens.RenewAsync(session, _options, Connection.RequestTimeout, _connected).Forget();
+                Tokens.RenewAsync(session, _options, Connection.RequestTimeout, _connected).LetRun();
             }
             else if (method.StartsWith("signaling.") || method.StartsWith("rois.stream."))
             {
                 OnMedia?.Invoke(method, given);
             }
-            _notices.Tell(method, given);
+            _notices.Notify(method, given);
         }
 
         private async Task<HashSet<string>> HelloAsync(JsonRpcSession session, long within, CancellationToken token)
@@ -167,7 +167,7 @@ namespace OpenRoIS
 
         private void BindingLost(BindingLoss loss)
         {
-            _notices.Tell(loss);
+            _notices.Notify(loss);
             OnBindingLost?.Invoke(loss);
         }
 
@@ -177,7 +177,7 @@ namespace OpenRoIS
             {
                 Bindings.Taken(changed.ComponentRef, changed.Reason);
             }
-            _notices.Tell(changed);
+            _notices.Notify(changed);
             OnLeaseChanged?.Invoke(changed);
         }
 

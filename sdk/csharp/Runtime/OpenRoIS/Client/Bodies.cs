@@ -287,7 +287,7 @@ namespace OpenRoIS
             GiveBack(reservation);
             if (reservation.Complete)
             {
-                _client.Tell(new BodyLoss(reservation.EngineId, componentRef, error));
+                _client.Notify(new BodyLoss(reservation.EngineId, componentRef, error));
             }
         }
 

@@ -114,7 +114,7 @@ namespace OpenRoIS
         /// <summary>Releases all components without waiting for the gateway: what is asked next comes after it.</summary>
         public void Dispose()
         {
-            _bodies.ReleaseAsync(_reservation).Forget();
+            _bodies.ReleaseAsync(_reservation).LetRun();
         }
     }
 

@@ -85,7 +85,7 @@ namespace OpenRoIS
         /// <summary>Closes without waiting.</summary>
         public void Dispose()
         {
-            CloseAsync().Forget();
+            CloseAsync().LetRun();
         }
 
         /// <summary>Returns the component of a type with this reference, without a request.</summary>

@@ -67,7 +67,7 @@ namespace OpenRoIS
             where TSubscription : Subscription
         {
             var reading = new EventReading<T>(_client, _read, EventType + " of " + _componentRef, offer);
-            var entry = new SubscriptionEntry(EventType, Condition.ComponentRef(_componentRef), reading.Take, end);
+            var entry = new SubscriptionEntry(EventType, Condition.ComponentRef(_componentRef), reading.TakeEvent, end);
             subscription.Entry = entry;
             subscription.Unreadables = () => reading.Unreadable;
             return _client.Application.Strand.Run(async () =>
@@ -179,7 +179,7 @@ namespace OpenRoIS
 
         internal int Unreadable { get; private set; }
 
-        internal void Take(EventNotification told)
+        internal void TakeEvent(EventNotification told)
         {
             if (!_reading && told.Results.Count > 0)
             {
@@ -194,7 +194,7 @@ namespace OpenRoIS
             _waiting.Enqueue(told);
             if (!_reading)
             {
-                ReadWaitingAsync().Forget();
+                ReadWaitingAsync().LetRun();
             }
         }
 

@@ -319,7 +319,7 @@ namespace OpenRoIS
             }
             catch (Exception)
             {
-                session.CloseAsync(4001, "the client's greeting has failed").Forget();
+                session.CloseAsync(4001, "the client's greeting has failed").LetRun();
                 throw;
             }
             return new Live(session, running, _options.Timing.Milliseconds);
@@ -335,7 +335,7 @@ namespace OpenRoIS
             catch (OperationCanceledException)
             {
                 // Not every platform heeds the token at once.
-                DisposeOf(opening).Forget();
+                DisposeOf(opening).LetRun();
                 throw;
             }
         }
@@ -360,7 +360,7 @@ namespace OpenRoIS
                 if (_overBecause != null)
                 {
                     // It was closed while it was being opened.
-                    live.Session.CloseAsync(1000, "client closed").Forget();
+                    live.Session.CloseAsync(1000, "client closed").LetRun();
                 }
                 Task background = _owner.RunBackgroundAsync(live.Session, ended.Token);
                 Task probing = ProbeAsync(live.Session, ended.Token);

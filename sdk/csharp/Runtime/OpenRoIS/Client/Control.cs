@@ -118,7 +118,7 @@ namespace OpenRoIS
                 else
                 {
                     // It may be gone, also for a moment, or not be shown to this application any more.
-                    RequirePlace(componentRef, granted).Forget();
+                    RequirePlace(componentRef, granted).LetRun();
                 }
             };
             Action<string, bool> ended = (reason, forGood) => granted.TrySetException(

@@ -174,43 +174,43 @@ namespace OpenRoIS
             get { return _callbacks.Dropped; }
         }
 
-        internal void Tell(ConnectionChange change)
+        internal void Notify(ConnectionChange change)
         {
             _callbacks.Offer(() => ConnectionChanged?.Invoke(change));
         }
 
-        internal void TellProfileChanged()
+        internal void NotifyProfileChanged()
         {
             _callbacks.Offer(() => ProfileChanged?.Invoke());
         }
 
-        internal void Tell(BodyLoss loss)
+        internal void Notify(BodyLoss loss)
         {
             _callbacks.Offer(() => BodyLost?.Invoke(loss));
         }
 
-        internal void Tell(BindingLoss loss)
+        internal void Notify(BindingLoss loss)
         {
             _callbacks.Offer(() => BindingLost?.Invoke(loss));
         }
 
-        internal void TellBindingRestored(string componentRef)
+        internal void NotifyBindingRestored(string componentRef)
         {
             _callbacks.Offer(() => BindingRestored?.Invoke(componentRef));
         }
 
-        internal void Tell(SubscriptionChange change)
+        internal void Notify(SubscriptionChange change)
         {
             _callbacks.Offer(() => (change.Error == null ? SubscriptionRestored : SubscriptionLost)?.Invoke(change));
         }
 
-        internal void Tell(LeaseChangedNotification changed)
+        internal void Notify(LeaseChangedNotification changed)
         {
             _callbacks.Offer(() => ControlChanged?.Invoke(changed));
         }
 
         /// <summary>Tells of a notification that concerns nothing but the application.</summary>
-        internal void Tell(string method, JObject given)
+        internal void Notify(string method, JObject given)
         {
             if (NotificationReceived != null)
             {

@@ -120,7 +120,7 @@ namespace OpenRoIS.Components
             catch (OperationCanceledException)
             {
                 // The command goes on, and its stream would belong to an application that never learns its id.
-                GiveBack(connecting).Forget();
+                GiveBack(connecting).LetRun();
                 throw;
             }
         }

@@ -313,7 +313,7 @@ namespace OpenRoIS
             if (_outgoing.Count >= MostQueued || _outgoingText + text.Length > MostQueuedText)
             {
                 // The other side does not read: nothing that is sent now would arrive in time.
-                CloseAsync(4000, "the other side does not read").Forget();
+                CloseAsync(4000, "the other side does not read").LetRun();
                 return;
             }
             _outgoing.Enqueue(text);
@@ -366,7 +366,7 @@ namespace OpenRoIS
             if (silentFor > 0 && Silence >= silentFor)
             {
                 // A connection on which nothing at all comes in any more is dead, though the system cannot know it yet.
-                CloseAsync(4000, "no answer").Forget();
+                CloseAsync(4000, "no answer").LetRun();
             }
         }
 

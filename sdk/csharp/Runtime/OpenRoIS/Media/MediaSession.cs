@@ -46,7 +46,7 @@ namespace OpenRoIS.Media
                 client.CallbackContext, told => StreamStatusChanged?.Invoke(told), client.HandlerFailed, buffer);
             _application.Strand.Post(() =>
             {
-                _application.OnMedia += Take;
+                _application.OnMedia += TakeNotification;
                 _application.OnConnectionEnded += ConnectionEnded;
             });
         }
@@ -76,13 +76,13 @@ namespace OpenRoIS.Media
             }
             _application.Strand.Post(() =>
             {
-                _application.OnMedia -= Take;
+                _application.OnMedia -= TakeNotification;
                 _application.OnConnectionEnded -= ConnectionEnded;
                 Run(_negotiation.EndedAll("the media session is closed"));
             });
         }
 
-        private void Take(string method, JObject given)
+        private void TakeNotification(string method, JObject given)
         {
             if (method == Notifications.SignalingOffer.Name)
             {
@@ -203,7 +203,7 @@ namespace OpenRoIS.Media
                 }
                 else if (peer != null && effect.Kind == EffectKind.Apply)
                 {
-                    AnswerAsync(peer, effect.Offer).Forget();
+                    AnswerAsync(peer, effect.Offer).LetRun();
                 }
                 else if (peer != null && effect.Kind == EffectKind.AddCandidate)
                 {
@@ -258,7 +258,7 @@ namespace OpenRoIS.Media
                 effect.Offer.Replaces,
                 servers,
                 candidate => _application.Strand.Post(() => Run(_negotiation.Gathered(peerId, candidate))),
-                () => _application.Strand.Post(() => RestartAsync(peerId).Forget()));
+                () => _application.Strand.Post(() => RestartAsync(peerId).LetRun()));
         }
 
         private async Task AnswerAsync(IMediaPeer peer, Offer offer)

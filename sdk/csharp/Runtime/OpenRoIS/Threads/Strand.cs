@@ -22,7 +22,7 @@ namespace OpenRoIS
         private bool _running;
 
         /// <param name="below">runs the turns; null for the thread pool</param>
-        /// <param name="failed">takes what work has thrown that nobody awaits; such work is a mistake in its author</param>
+        /// <param name="failed">takes what work has thrown that nothing awaits; such work is a mistake in its author</param>
         public Strand(SynchronizationContext below = null, Action<Exception> failed = null)
         {
             _below = below;

@@ -119,7 +119,7 @@ namespace OpenRoIS
         }
 
         /// <summary>Lets a task run that nothing waits for; what it throws is of no interest.</summary>
-        internal static async void Forget(this Task task)
+        internal static async void LetRun(this Task task)
         {
             try
             {
