@@ -4,7 +4,7 @@ PINNED := PIP_CONSTRAINT=constraints.txt PIP_BUILD_CONSTRAINT=constraints.txt# f
 PAGE := web_demo/openrois_web_demo/static/index.html
 PAGE_SOURCES := $(shell find web_demo/sdk web_demo/app -type f) web_demo/build.mjs web_demo/package-lock.json
 NODE_MODULES := web_demo/node_modules/.stamp
-SHORT := $(if $(LONG),, and not long)
+SHORT := $(if $(LONG),, and not long) and not robots
 UNIT := not media and not browser and not engine$(SHORT)
 UNIT_TESTS = -n auto --dist worksteal $(if $(LONG),-p tests.branches) -m "$(UNIT)"
 MEDIA_TESTS = -n 3 --dist loadfile -m "(media or engine) and not browser$(SHORT)" $(call marked,media\|engine)
@@ -13,7 +13,7 @@ BROWSER_TESTS = -n 2 --dist loadfile -m "browser$(SHORT)" $(call marked,browser)
 stage = $(1) || $(if $(LONG),failed=1,exit 1);
 marked = $(shell grep -rl --include="test_*.py" "mark\.\($(1)\)" tests)
 export PATH := $(if $(shell command -v npm),,$(CURDIR)/.venv/bin:)$(PATH)
-.PHONY: demo test unit faults nightly check lint fmt generate page docs pictures dist
+.PHONY: demo test unit faults robots nightly check lint fmt generate page docs pictures dist
 demo: .venv/demo.stamp $(PAGE)
 	@.venv/bin/openrois demo $(ARGS)
 test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
@@ -21,6 +21,9 @@ test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
 unit: .venv/dev.stamp
 	$(PY) -m pytest -n auto --dist worksteal -m "$(UNIT)" $(ARGS)
 faults: .venv/dev.stamp; OPENROIS_SEEDS=20 $(PY) -m pytest -n 4 --dist worksteal tests/faults $(ARGS)
+# What needs programs of robots' vendors, Roslyn or many seeds: at most 20 minutes. What cannot be installed here is skipped, and said.
+robots: .venv/dev.stamp
+	OPENROIS_SEEDS=20 $(PY) -m pytest --durations=20 -rs -m robots $(call marked,robots) $(ARGS)
 nightly:; OPENROIS_SEEDS=20 $(MAKE) test LONG=1; tests=$$?; .ci/pythons all && $(PY) -m tools.pictures --check && exit $$tests
 check: lint test
 lint: .venv/dev.stamp $(NODE_MODULES)

@@ -14,7 +14,7 @@ import pytest
 from tests.sdk_csharp.test_bodies import receive_visitors
 from tests.support.mono import SDK, Mono, sdk_sources
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(600)]
+pytestmark = [pytest.mark.robots, pytest.mark.long, pytest.mark.timeout(600)]
 
 HERE: Final = Path(__file__).parent
 ROSLYN: Final = HERE / "roslyn"
