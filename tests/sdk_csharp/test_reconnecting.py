@@ -1,6 +1,7 @@
 """Connections, robots and gateways that go away and come back, as applications in C# see that."""
 
 import asyncio
+import random
 import signal
 from contextlib import AsyncExitStack
 from pathlib import Path
@@ -20,6 +21,7 @@ from tests.support.deployment import adapter, gateway
 from tests.support.fleet import everything
 from tests.support.ground import gateway_program
 from tests.support.json_program import JsonProgram
+from tests.support.seeds import SOME
 
 pytestmark = pytest.mark.timeout(120)
 
@@ -129,4 +131,29 @@ async def test_what_does_not_come_is_given_up(start: Start) -> None:
         assert await app.says("query") == "TaskCanceledException"
         assert await app.says("before") == "TaskCanceledException"
         robot.door.may_answer.set()
+        await app.ends()
+
+
+@pytest.mark.parametrize("seed", SOME)
+async def test_calls_that_are_under_way_when_a_connection_is_cut_end_and_leave_nothing(start: Start, seed: int) -> None:
+    chance = random.Random(seed)
+    async with (
+        gateway() as running,
+        attached(running, everything()),
+        FaultRelay(running.url) as relay,
+        start("restless", relay.url, SEED=str(seed)) as app,
+    ):
+        await app.says("ready")
+        for _ in range(6):
+            for _ in range(chance.randrange(1, 5)):
+                await app.says("many")
+            relay.cut()
+        await app.go_on()
+        while (said := await app.says_something()) == ("many", None):
+            pass
+        assert said == ("free", [True])
+        # Of what moves a robot the end is not known; a body was lost; the rest is repeated.
+        known = {"nothing", "TaskCanceledException", "ConnectionLostException", "OutOfResourcesException"}
+        assert set(await app.says("ended")) <= known
+        assert await app.says("failures") == []
         await app.ends()

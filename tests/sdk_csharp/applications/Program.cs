@@ -30,7 +30,8 @@ public static class Program
         { "viewer", Viewer.Run },
         { "barred", Barred.Run },
         { "steadfast", Steadfast.Run },
-        { "frugal", Frugal.Run }
+        { "frugal", Frugal.Run },
+        { "restless", Restless.Run }
     };
 
     private static readonly TextWriter Output =

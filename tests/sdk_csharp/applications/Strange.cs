@@ -8,6 +8,7 @@ using System.Threading;
 using System.Threading.Tasks;
 using Newtonsoft.Json.Linq;
 using OpenRoIS;
+using OpenRoIS.Components;
 
 /// <summary>Tries to connect to each of several addresses, and says what came of it.</summary>
 public static class Barred
@@ -124,5 +125,97 @@ public static class Frugal
     private static int Files()
     {
         return Directory.GetFiles("/proc/self/fd").Length;
+    }
+}
+
+/// <summary>
+/// Uses a gateway in many ways at once, and gives up at any moment, while its connection is cut: each call ends, and nothing
+/// of it stays.
+/// </summary>
+public static class Restless
+{
+    private const int Tasks = 12;
+
+    /// <summary>Calls that end between two words of it.</summary>
+    private const int Many = 20;
+
+    private static readonly Dictionary<string, int> Ends = new Dictionary<string, int>();
+
+    public static async Task Run(string url)
+    {
+        var failures = new List<string>();
+        var options = new ClientOptions
+        {
+            HandlerFailed = error => failures.Add(error.ToString()),
+            RequestTimeout = TimeSpan.FromSeconds(5)
+        };
+        Client client = await Program.Connect(url, options);
+        var over = new CancellationTokenSource();
+        int seed = int.Parse(Environment.GetEnvironmentVariable("SEED"));
+        Task[] working = Enumerable.Range(0, Tasks).Select(each => Work(client, new Random(seed + each), over.Token)).ToArray();
+        Program.Say("ready", null);
+        await Program.Told();
+        over.Cancel();
+        await Task.WhenAll(working);
+        // What was asked last is there.
+        await client.SearchAsync();
+        Program.Say("free", (await client.BodiesAsync()).Select(body => body.IsFree));
+        Program.Say("ended", Ends.Keys.OrderBy(each => each));
+        Program.Say("failures", failures);
+        await client.CloseAsync();
+    }
+
+    private static async Task Work(Client client, Random chance, CancellationToken over)
+    {
+        while (!over.IsCancellationRequested)
+        {
+            using (CancellationTokenSource soon = CancellationTokenSource.CreateLinkedTokenSource(over))
+            {
+                if (chance.Next(2) == 0)
+                {
+                    soon.CancelAfter(chance.Next(20));
+                }
+                string end = await Program.Thrown(() => Once(client, chance, soon.Token));
+                lock (Ends)
+                {
+                    int before;
+                    Ends.TryGetValue(end, out before);
+                    Ends[end] = before + 1;
+                    if (Ends.Values.Sum() % Many == 0)
+                    {
+                        Program.Say("many", null);
+                    }
+                }
+            }
+        }
+    }
+
+    private static async Task Once(Client client, Random chance, CancellationToken token)
+    {
+        Navigation navigation = client.Component(Navigation.Type, "robot/navigation");
+        switch (chance.Next(4))
+        {
+            case 0:
+                await client.SearchAsync("", token);
+                break;
+            case 1:
+                using (EventReader<ReachedTarget> reached = await navigation.ReachedTarget.ReadAsync(token))
+                {
+                    await navigation.ComponentStatusAsync(token);
+                }
+                break;
+            case 2:
+                using (Body body = await client.BodyAsync(new BodyRequest(Navigation.Type, Reaction.Type), token))
+                {
+                    await body.Part(Navigation.Type).StartAsync(token);
+                }
+                break;
+            default:
+                using (await client.BodyAsync(new BodyRequest(SpeechSynthesis.Type), token))
+                {
+                    await client.GetProfileAsync("", token);
+                }
+                break;
+        }
     }
 }
