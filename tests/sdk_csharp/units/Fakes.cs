@@ -14,6 +14,9 @@ public sealed class StandingClock : ITiming
 
     public long Milliseconds { get; private set; }
 
+    /// <summary>Whether what is disposed of rings nevertheless, as a timer does that rings in the same moment.</summary>
+    public bool RingsLate { get; set; }
+
     public int Alarms
     {
         get
@@ -36,7 +39,10 @@ public sealed class StandingClock : ITiming
         {
             lock (_alarms)
             {
-                _alarms.Remove(alarm);
+                if (!RingsLate)
+                {
+                    _alarms.Remove(alarm);
+                }
             }
         };
         return alarm;

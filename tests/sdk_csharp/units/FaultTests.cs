@@ -168,6 +168,18 @@ public static class ConnectionFaultTests
         Check.True(place.Gateway.ClientSocket.IsDisposed, "it is disposed of");
     }
 
+    public static async Task AClockThatRingsInTheMomentOfTheConnectionEndsNothing()
+    {
+        var place = new Place();
+        place.Clock.RingsLate = true;
+        await place.Client.ConnectAsync();
+        // An exception on a thread of the pool would end the program.
+        place.Clock.Advance(10000);
+        await place.Settle();
+        Check.Equal(ConnectionState.Connected, place.Client.State);
+        await place.Client.CloseAsync();
+    }
+
     public static async Task AClientThatIsClosedWhileItConnectsIsClosed()
     {
         var place = new Place();
@@ -270,6 +282,24 @@ public static class CallbackFaultTests
         Check.Equal(new[] { 0, 1 }, done);
     }
 
+    public static async Task AContextThatTakesNothingEndsNothing()
+    {
+        var failures = new List<string>();
+        var place = new Place(new ClientOptions
+        {
+            Callbacks = new ClosedContext(),
+            HandlerFailed = error => failures.Add(error.Message)
+        });
+        await place.Client.ConnectAsync();
+        place.Gateway.Socket.Break();
+        await place.Settle();
+        place.Clock.Advance(1000);
+        await place.Settle();
+        Check.Equal(ConnectionState.Connected, place.Client.State);
+        Check.True(failures.All(each => each == "it is closed") && failures.Count > 0, string.Join(", ", failures));
+        await place.Client.CloseAsync();
+    }
+
     public static async Task AStrandWhoseHandlerOfFailuresFailsGoesOn()
     {
         var strand = new Strand(null, error => { throw new FormatException("once more"); });
@@ -298,6 +328,14 @@ public static class CallbackFaultTests
         Check.Equal(1, reader.Unreadable);
         Check.Equal(ConnectionState.Connected, place.Client.State);
         await place.Client.CloseAsync();
+    }
+}
+
+public sealed class ClosedContext : SynchronizationContext
+{
+    public override void Post(SendOrPostCallback work, object state)
+    {
+        throw new InvalidOperationException("it is closed");
     }
 }
 

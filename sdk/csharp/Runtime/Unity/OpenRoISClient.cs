@@ -44,7 +44,8 @@ namespace OpenRoIS.Unity
 
         /// <summary>Returns the client once it is connected for the first time.</summary>
         /// <exception cref="OperationCanceledException">the scene has ended first</exception>
-        /// <exception cref="ArgumentException"><see cref="Address"/> is no address of a gateway</exception>
+        /// <exception cref="ArgumentException"><see cref="Address"/> is no address of a gateway, or a browser lacks its
+        /// <see cref="Transport"/></exception>
         /// <exception cref="ConnectionFailedException">the gateway does not let this application in</exception>
         public Task<Client> ConnectedAsync()
         {
@@ -72,6 +73,13 @@ namespace OpenRoIS.Unity
             }
             try
             {
+#if UNITY_WEBGL && !UNITY_EDITOR
+                if (Transport == null)
+                {
+                    throw new ArgumentException(
+                        "a browser has no sockets of .NET: set OpenRoISClient.Transport in Awake of a script of your own");
+                }
+#endif
                 Client = new Client(Address, options);
             }
             catch (ArgumentException error)

@@ -285,7 +285,7 @@ namespace OpenRoIS
             long within = (long)_options.ConnectTimeout.TotalMilliseconds;
             using (var late = new CancellationTokenSource())
             using (CancellationTokenSource either = CancellationTokenSource.CreateLinkedTokenSource(token, late.Token))
-            using (_options.Timing.After(within, late.Cancel))
+            using (_options.Timing.After(within, late.CancelIfThere))
             {
                 try
                 {

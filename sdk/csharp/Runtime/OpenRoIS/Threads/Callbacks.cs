@@ -40,9 +40,19 @@ namespace OpenRoIS
         internal void Offer(T item)
         {
             _feed.Offer(item);
-            if (Interlocked.Exchange(ref _posted, 1) == 0)
+            if (Interlocked.Exchange(ref _posted, 1) == 1)
+            {
+                return;
+            }
+            try
             {
                 _context.Post(_ => CallBack(), null);
+            }
+            catch (Exception error)
+            {
+                // The application's context is over, or has a fault; the client goes on.
+                Interlocked.Exchange(ref _posted, 0);
+                Failures.Report(_failed, error);
             }
         }
 

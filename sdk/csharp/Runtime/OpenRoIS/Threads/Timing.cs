@@ -118,6 +118,19 @@ namespace OpenRoIS
             }
         }
 
+        /// <summary>Cancels, also in the moment in which the source is disposed of: a clock rings on any thread.</summary>
+        internal static void CancelIfThere(this CancellationTokenSource source)
+        {
+            try
+            {
+                source.Cancel();
+            }
+            catch (ObjectDisposedException)
+            {
+                // What it would have ended is over.
+            }
+        }
+
         /// <summary>Lets a task run that nothing waits for; what it throws is of no interest.</summary>
         internal static async void LetRun(this Task task)
         {
