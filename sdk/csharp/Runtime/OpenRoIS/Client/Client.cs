@@ -159,6 +159,8 @@ namespace OpenRoIS
         /// <exception cref="UnsupportedException">there is no such body; it says which there are</exception>
         /// <exception cref="BadParameterException">the condition is none</exception>
         /// <exception cref="ArgumentException">no type is required, or one is named twice</exception>
+        /// <exception cref="TimeoutException">there was no connection for <see cref="ClientOptions.RequestTimeout"/>, however
+        /// long the wait may be</exception>
         public Task<Body> BodyAsync(BodyRequest request, CancellationToken token = default(CancellationToken))
         {
             request.Check();
