@@ -1,6 +1,5 @@
 """C# on this machine: Mono's compiler, its run time, and Newtonsoft's library."""
 
-import fcntl
 import shutil
 import subprocess
 from collections.abc import Callable, Iterable
@@ -25,6 +24,8 @@ def sdk_sources() -> list[Path]:
 
 def once(made: Path, make: Callable[[Path], None]) -> Path:
     """Make a file where it is not there yet, also where several processes want it at the same time."""
+    import fcntl  # Only here: what this module says is needed also where there is none, and no Mono.
+
     with made.with_suffix(".lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not made.exists():

@@ -16,8 +16,6 @@ from openrois_robots.ros2.interfaces.derived import action_messages
 from openrois_robots.ros2.interfaces.store import DISTRIBUTIONS, Interfaces
 from rosbags.typesys import Stores, get_typestore
 
-pytestmark = pytest.mark.extra(name="ros2")
-
 BUNDLED = Path(next(iter(bundled.__path__)))
 GO = "nav2_msgs/action/NavigateToPose"
 STORES = {
