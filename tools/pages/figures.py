@@ -5,6 +5,7 @@ from typing import Any, Final
 
 from openrois_body import metrics as body
 from openrois_media.metrics import figures as adapter
+from openrois_robots.adapter import metrics as robots
 from openrois_robots.kachaka import metrics as kachaka
 
 from openrois.gateway import metrics as gateway
@@ -33,7 +34,7 @@ _ADAPTER: Final[tuple[tuple[str, Sequence[str], Sequence[Figure[Any]]], ...]] = 
     ("The guard of media", adapter.GUARD_LABELS, adapter.GUARD),
     ("Senses", body.SENSE_LABELS, body.SENSE),
     ("Input of operators", body.INPUT_LABELS, body.INPUT),
-    ("A Kachaka's link", (), kachaka.LINK),
+    ("The link to a robot (Kachaka, ROS 2)", (), robots.LINK),
     ("A Kachaka's commands and velocities", kachaka.OUTCOMES, (*kachaka.COMMAND, *kachaka.VELOCITY)),
     ("A Kachaka's cameras", kachaka.CAMERA_LABELS, kachaka.CAMERA),
     ("Sources", adapter.SOURCE_LABELS, adapter.SOURCE),

@@ -23,6 +23,9 @@ _D = TypeVar("_D")
 _LARGEST: Final = 1 << 20
 """Bytes of a configuration file."""
 
+_MOST_BITS: Final = 63
+"""Of an integer."""
+
 _TYPES: Final[Mapping[Any, tuple[tuple[type, ...], str]]] = MappingProxyType(
     {
         float: ((int, float), "a number"),
@@ -132,6 +135,8 @@ def read_table(kind: type[_D], name: str, table: Any) -> _D:
         types, called = _TYPES[known[key]]
         if not isinstance(value, types) or (isinstance(value, bool) and bool not in types):
             raise ValueError(f"{name}.{key} must be {called}, not {value!r}")
+        if isinstance(value, int) and value.bit_length() > _MOST_BITS:
+            raise ValueError(f"{name}.{key} must be {called}, not one of {value.bit_length()} bits")
     return kind(**{key: float(value) if known[key] is float else value for key, value in table.items()})
 
 
@@ -146,10 +151,17 @@ def read_toml(path: Path) -> dict[str, Any]:
             text = file.read(_LARGEST + 1)
         if len(text) > _LARGEST:
             raise ValueError(f"--config: {path} is larger than {_LARGEST} bytes")
-        return tomllib.loads(text.decode())
+        return _loaded(path, text)
     except OSError as error:
         raise ValueError(f"--config: {path} cannot be read: {error.strerror}") from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except RecursionError:
+        raise ValueError(f"--config: {path} is no TOML: it is nested too deeply") from None
+
+
+def _loaded(path: Path, text: bytes) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text.decode())
+    except ValueError as error:  # of the text, of TOML, and of integers with thousands of digits
         raise ValueError(f"--config: {path} is no TOML: {error}") from None
 
 

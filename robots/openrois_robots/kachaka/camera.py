@@ -7,13 +7,13 @@ from contextlib import aclosing, asynccontextmanager
 from dataclasses import dataclass
 from typing import Any, Final, Self
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source.fanout import Fanout, SourceEnded, Subscription
 from openrois_streaming.source.source import RawVideo
 
+from openrois_robots.adapter.image_files import ImageFileError, decode_image
 from openrois_robots.kachaka.api.calls import KachakaApi
 from openrois_robots.kachaka.api.polling import Poll
 
@@ -120,8 +120,9 @@ class _Fetched:
 
 def _decoded(data: bytes) -> NDArray[np.uint8] | None:
     """Return the pixels of a JPEG (BGR), of even sides as encoders want them; None where it is none."""
-    pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
-    if pixels is None:
+    try:
+        pixels = decode_image(data)
+    except ImageFileError:
         return None
     height, width = (side & ~1 for side in pixels.shape[:2])
     return np.ascontiguousarray(pixels[:height, :width], np.uint8) if height and width else None

@@ -1,6 +1,7 @@
 """The robot's detection of persons, asked for while a sense is active."""
 
 import asyncio
+from math import inf, isfinite
 from typing import Final
 
 from kachaka_api.generated import kachaka_api_pb2 as pb2
@@ -105,7 +106,7 @@ class Detection:
     async def _ask_lens(self) -> Lens:
         response: pb2.GetFrontCameraRosCameraInfoResponse = await self._api.call("GetFrontCameraRosCameraInfo")
         info = response.camera_info
-        has_matrix = len(info.K) == 9 and info.K[0] > 0 and info.width and info.height
+        has_matrix = len(info.K) == 9 and 0 < info.K[0] < inf and isfinite(info.K[2]) and info.width and info.height
         return Lens(info.width, info.height, info.K[0], info.K[2]) if has_matrix else _USUAL
 
     def _clear(self) -> None:

@@ -1,13 +1,12 @@
 """The locations and shelves that a robot knows, and targets as applications write them. Pure."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isfinite, remainder, tau
 from typing import Final, TypeVar
 
 from openrois.errors import BadParameter
 
-__all__ = ["HOME", "Layout", "Location", "Shelf", "Target"]
+__all__ = ["HOME", "Layout", "Location", "Shelf", "Target", "is_place"]
 
 HOME: Final = "home"
 """Name of the charger, where no location has it."""
@@ -83,18 +82,18 @@ class Layout:
         """Read a target: `x,y` or `x,y,th`, the name or id of a location, or `home`.
 
         Raises:
-            BadParameter: it is none; the text names it.
+            BadParameter: it is none, or the name of several; the text names it.
         """
-        location = _found(self.locations, text)
+        location = _found(self.locations, text, "locations")
         if location is not None:
             return Target(text, location, location.is_charger, location.x, location.y, location.th)
         if text == HOME:
             return Target(text, is_charger=True)
         numbers = _numbers(text)
         if numbers is None:
-            names = _listed(each.name for each in self.locations)
+            names = _listed(self.locations)
             raise BadParameter(f"{text!r} is no location of the robot: there is {HOME!r}{names}, or x,y or x,y,th")
-        if not all(isfinite(each) for each in numbers) or max(abs(numbers[0]), abs(numbers[1])) > _FAR:
+        if not is_place(*numbers):
             raise BadParameter(f"{text!r}: expected metres from -{_FAR:g} to {_FAR:g}, and radians")
         th = remainder(numbers[2], tau) if len(numbers) == 3 else None
         return Target(text, x=numbers[0], y=numbers[1], th=th)
@@ -103,9 +102,9 @@ class Layout:
         """Return a location by its name or id.
 
         Raises:
-            BadParameter: there is none.
+            BadParameter: there is none, or there are several of this name.
         """
-        location = _found(self.locations, text)
+        location = _found(self.locations, text, "locations")
         if location is None:
             raise BadParameter(f"{text!r} is no location of the robot{_among(self.locations)}")
         return location
@@ -114,9 +113,9 @@ class Layout:
         """Return a shelf by its name or id.
 
         Raises:
-            BadParameter: there is none.
+            BadParameter: there is none, or there are several of this name.
         """
-        shelf = _found(self.shelves, text)
+        shelf = _found(self.shelves, text, "shelves")
         if shelf is None:
             raise BadParameter(f"{text!r} is no shelf of the robot{_among(self.shelves)}")
         return shelf
@@ -126,9 +125,19 @@ class Layout:
         return next((each.name for each in self.shelves if each.id == shelf_id), shelf_id)
 
 
-def _found(things: tuple[_T, ...], text: str) -> _T | None:
+def is_place(x: float, y: float, th: float = 0.0) -> bool:
+    """Return whether numbers are a place on a map: metres that are not too many, and a direction."""
+    return isfinite(th) and abs(x) <= _FAR and abs(y) <= _FAR
+
+
+def _found(things: tuple[_T, ...], text: str, kind: str) -> _T | None:
+    """Return the thing with an id, else that of a name; raises BadParameter where several have it."""
     by_id = next((each for each in things if each.id == text), None)
-    return by_id or next((each for each in things if each.name == text), None)
+    named = [each for each in things if each.name == text] if text and by_id is None else []
+    if len(named) > 1:
+        ids = " or ".join(repr(each.id) for each in named[:_MOST_NAMED])
+        raise BadParameter(f"{text!r} is the name of {len(named)} {kind}: use an id, {ids}")
+    return by_id or next(iter(named), None)
 
 
 def _numbers(text: str) -> list[float] | None:
@@ -141,12 +150,11 @@ def _numbers(text: str) -> list[float] | None:
 
 
 def _among(things: tuple[Location, ...] | tuple[Shelf, ...]) -> str:
-    listed = _listed(each.name for each in things)
+    listed = _listed(things)
     return f": there is {listed.removeprefix(', ')}" if listed else ": it knows none"
 
 
-def _listed(names: Iterable[str]) -> str:
-    """Return names, each after a comma."""
-    known = list(names)
-    more = ", ..." if len(known) > _MOST_NAMED else ""
-    return "".join(f", {name!r}" for name in known[:_MOST_NAMED]) + more
+def _listed(things: tuple[Location, ...] | tuple[Shelf, ...]) -> str:
+    """Return names, each after a comma; the id of a thing without one."""
+    more = ", ..." if len(things) > _MOST_NAMED else ""
+    return "".join(f", {(each.name or each.id)!r}" for each in things[:_MOST_NAMED]) + more

@@ -1,6 +1,7 @@
 """The limits of a Kachaka in its configuration. Pure."""
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import Final, Literal
 
 __all__ = ["ANGULAR", "LINEAR", "DrivingLimits", "SpeechSettings", "normalised"]
@@ -55,7 +56,9 @@ _CHOICES: Final[tuple[Literal["ask", "refuse"], ...]] = ("ask", "refuse")
 
 
 def normalised(ahead: float, turn: float, limits: DrivingLimits) -> tuple[float, float]:
-    """Return a velocity (m/s, rad/s) within the limits, as the API takes it: from -1 to 1."""
+    """Return a velocity (m/s, rad/s) within the limits, as the API takes it: from -1 to 1; no number is to stand."""
+    if not isfinite(ahead) or not isfinite(turn):
+        return 0.0, 0.0
     ahead = max(-limits.speed, min(limits.speed, ahead))
     turn = max(-limits.turn, min(limits.turn, turn))
     return ahead / LINEAR, turn / ANGULAR

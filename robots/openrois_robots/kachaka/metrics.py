@@ -8,19 +8,17 @@ from openrois_media.metrics.figures import FigureGroup
 
 from openrois.metrics.figure import Figure
 from openrois_robots.adapter.link import RobotLink
+from openrois_robots.adapter.metrics import link_figures
 from openrois_robots.kachaka.api.commands import CommandFigures
 from openrois_robots.kachaka.camera import CameraFigures
 from openrois_robots.kachaka.driver import DriveFigures
 
-__all__ = ["CAMERA", "CAMERA_LABELS", "COMMAND", "LINK", "OUTCOMES", "VELOCITY", "kachaka_figures"]
+__all__ = ["CAMERA", "CAMERA_LABELS", "COMMAND", "OUTCOMES", "VELOCITY", "kachaka_figures"]
 
 OUTCOMES: Final = ("outcome",)
 CAMERA_LABELS: Final = ("camera",)
 """Labels of the figures."""
 
-LINK: Final[tuple[Figure[bool], ...]] = (
-    Figure("openrois_robot_linked", "gauge", "Whether the robot has given its last sign of life.", float),
-)
 COMMAND: Final[tuple[Figure[int], ...]] = (
     Figure(
         "openrois_robot_commands_total",
@@ -53,7 +51,7 @@ def kachaka_figures(
 ) -> tuple[FigureGroup, ...]:
     """Return a copy of the figures."""
     return (
-        FigureGroup(LINK, (), (((), link.is_up),)),
+        link_figures(link),
         FigureGroup(COMMAND, OUTCOMES, tuple(((name,), n) for name, n in asdict(commands).items())),
         FigureGroup(VELOCITY, OUTCOMES, tuple(((name,), n) for name, n in asdict(driving).items())),
         FigureGroup(CAMERA, CAMERA_LABELS, tuple(((name,), replace(each)) for name, each in cameras.items())),

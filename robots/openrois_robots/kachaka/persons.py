@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from math import atan2, cos, hypot, pi, sin, tan
+from math import atan2, cos, hypot, inf, pi, sin, tan
 from typing import Final
 
 from openrois_body.sensing.changes import Place
@@ -15,6 +15,8 @@ _VIEW: Final = pi / 3
 """Angle that a camera is taken to see from left to right, where the robot has not told it."""
 _LEAST_SCORE: Final = 0.5
 """Score from which on a detection counts."""
+_MOST: Final = 50
+"""Persons that are there at once."""
 _NEAR: Final = 0.7
 """Metres that a person moves at most from one detection to the next one."""
 _MEMORY: Final = 1.0
@@ -74,7 +76,7 @@ class PersonTracks:
             lens: of its camera.
             now: the time of the detection, in seconds.
         """
-        left = [_located(each, lens) for each in found if each.score >= _LEAST_SCORE]
+        left = [_located(each, lens) for each in [each for each in found if each.score >= _LEAST_SCORE][:_MOST]]
         tracks = []
         for track in self._tracks:
             nearest = min(left, key=lambda place, track=track: _away(place[1], track.person.place), default=None)  # type: ignore[misc]
@@ -83,7 +85,7 @@ class PersonTracks:
                 tracks.append(_Track(replace(track.person, box=nearest[0], place=nearest[1]), now))
             elif now - track.found_at <= _MEMORY:
                 tracks.append(track)
-        self._tracks = [*tracks, *self._new(left, now)]
+        self._tracks = [*tracks, *self._new(left, now)][:_MOST]
         return tuple(track.person for track in self._tracks)
 
     def clear(self) -> None:
@@ -113,8 +115,9 @@ def _located(found: Found, lens: Lens) -> tuple[Box, Place]:
     """Return where a person is: the camera is at the origin and looks along y, x is to the right in the picture."""
     box = Box(found.left / lens.width, found.top / lens.height, found.width / lens.width, found.height / lens.height)
     bearing = atan2(found.left + found.width / 2 - lens.centre, lens.focal)
-    x, y = found.distance * sin(bearing), found.distance * cos(bearing)
-    return box, Place(x, y, atan2(-y, -x) if found.distance else -pi / 2)
+    distance = found.distance if 0 < found.distance < inf else 0.0
+    x, y = distance * sin(bearing), distance * cos(bearing)
+    return box, Place(x, y, atan2(-y, -x) if distance else -pi / 2)
 
 
 def _away(one: Place, other: Place) -> float:

@@ -10,12 +10,16 @@ from numpy.typing import NDArray
 from openrois_body.messages import Floor, Point
 
 from openrois.adapter import ComponentFailed
+from openrois_robots.adapter.image_files import ImageFileError, decode_image
+from openrois_robots.kachaka.layout import is_place
 
 __all__ = ["Picture", "floor_of", "scaled"]
 
 _MOST_PIXELS: Final = 512
 """Pixels of a side of the picture that applications get: a message of RoIS has to hold it."""
 _MOST_BYTES: Final = 400_000
+_COARSEST: Final = 10.0
+"""Metres of a pixel."""
 _FREE: Final = 200
 """Least brightness of a pixel of the floor."""
 _SMALLEST: Final = 0.05
@@ -51,9 +55,9 @@ def scaled(data: bytes, resolution: float) -> Picture:
         resolution: metres of one of its pixels.
 
     Raises:
-        ComponentFailed: the data is no picture.
+        ComponentFailed: the data is no picture, or has no scale.
     """
-    pixels = _decoded(data)
+    pixels = _decoded(data, resolution)
     factor = max(1, ceil(max(pixels.shape) / _MOST_PIXELS))
     while True:
         smaller = _smaller(pixels, factor)
@@ -73,9 +77,11 @@ def floor_of(data: bytes, resolution: float, origin: Point) -> Floor | None:
         origin: of its corner at the bottom on the left, in metres.
 
     Raises:
-        ComponentFailed: the data is no picture.
+        ComponentFailed: the data is no picture, has no scale, or lies nowhere.
     """
-    pixels = _decoded(data)
+    pixels = _decoded(data, resolution)
+    if not is_place(*origin):
+        raise ComponentFailed(f"the robot's map lies nowhere: its corner is at {origin[0]:g},{origin[1]:g}")
     free = (pixels >= _FREE).astype(np.uint8)
     contours, hierarchy = cv2.findContours(free, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)
     outer = [index for index in range(len(contours)) if hierarchy[0][index][3] < 0]
@@ -108,11 +114,13 @@ def floor_of(data: bytes, resolution: float, origin: Point) -> Floor | None:
     return Floor(outline[:_MOST_CORNERS], tuple(obstacles))
 
 
-def _decoded(data: bytes) -> NDArray[np.uint8]:
-    pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_GRAYSCALE) if data else None
-    if pixels is None:
-        raise ComponentFailed("the robot's map is no picture that can be read")
-    return np.asarray(pixels, np.uint8)
+def _decoded(data: bytes, resolution: float) -> NDArray[np.uint8]:
+    if not 0 < resolution <= _COARSEST:
+        raise ComponentFailed(f"the robot's map has no scale: a pixel of it is {resolution:g} m")
+    try:
+        return decode_image(data, is_grey=True)
+    except ImageFileError as error:
+        raise ComponentFailed(f"the robot's map is no picture that can be read: {error}") from None
 
 
 def _smaller(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:

@@ -1,10 +1,11 @@
 """What the adapter knows of its robot: pose, battery, errors, locations and shelves, told with each sign of life."""
 
 import asyncio
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Final
+from math import isfinite
+from typing import Final, TypeVar
 
 from kachaka_api.generated import kachaka_api_pb2 as pb2
 from openrois_body.messages import Place
@@ -18,7 +19,7 @@ from openrois_robots.adapter.link import RobotLink
 from openrois_robots.components.system_information import Pose
 from openrois_robots.kachaka.api.calls import KachakaApi
 from openrois_robots.kachaka.api.error_texts import ErrorTexts
-from openrois_robots.kachaka.layout import Layout, Location, Shelf
+from openrois_robots.kachaka.layout import Layout, Location, Shelf, is_place
 
 __all__ = ["FRAME", "Kachaka"]
 
@@ -27,6 +28,9 @@ FRAME: Final = "map"
 
 _LAYOUT: Final = 5.0
 """Seconds between two requests for locations and shelves."""
+
+
+_T = TypeVar("_T", Location, Shelf)
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +80,7 @@ class Kachaka:
 
     @property
     def pose(self) -> Pose | None:
-        """Where the robot was when it said so last; None while it is lost."""
+        """Where the robot was when it said so last; None while it is lost, or tells no place."""
         return self._pose if self.link.is_up else None
 
     def status(self) -> ComponentStatus:
@@ -135,10 +139,11 @@ class Kachaka:
     def _note(self, beat: _Beat) -> None:
         at = datetime.fromtimestamp(self._clock.wall(), UTC)
         pose = beat.pose
-        self._pose = Pose(pose.x, pose.y, pose.theta, FRAME, at)
-        self.world.handle_event(Place(pose.x, pose.y, pose.theta))
+        self._pose = Pose(pose.x, pose.y, pose.theta, FRAME, at) if _is_there(pose) else None
+        if self._pose is not None:
+            self.world.handle_event(Place(pose.x, pose.y, pose.theta))
         self._errors, self._is_ready = beat.errors, beat.is_ready
-        percent = round(beat.battery.remaining_percentage)
+        percent = _percent(beat.battery.remaining_percentage)
         charges = beat.battery.power_supply_status == pb2.POWER_SUPPLY_STATUS_CHARGING
         if (percent, charges) != (self.battery.percent, self.battery.is_charging):
             self.battery.percent, self.battery.is_charging = percent, charges
@@ -149,14 +154,37 @@ class Kachaka:
             self._layout_due = 0.0
 
 
-def _locations(locations: Sequence[pb2.Location]) -> tuple[Location, ...]:
-    return tuple(
+def _is_there(pose: pb2.Pose) -> bool:
+    return is_place(pose.x, pose.y, pose.theta)
+
+
+def _percent(charge: float) -> int | None:
+    """Return a charge in per cent; None where it is no number."""
+    return round(max(0.0, min(100.0, charge))) if isfinite(charge) else None
+
+
+def _locations(locations: Iterable[pb2.Location]) -> tuple[Location, ...]:
+    found = (
         Location(each.id, each.name, each.pose.x, each.pose.y, each.pose.theta, each.type == pb2.LOCATION_TYPE_CHARGER)
         for each in locations
+        if _is_there(each.pose)
     )
+    return _of_ids(found)
 
 
-def _shelves(shelves: Sequence[pb2.Shelf]) -> tuple[Shelf, ...]:
-    return tuple(
-        Shelf(each.id, each.name, each.pose.x, each.pose.y, each.pose.theta, each.home_location_id) for each in shelves
+def _shelves(shelves: Iterable[pb2.Shelf]) -> tuple[Shelf, ...]:
+    found = (
+        Shelf(each.id, each.name, each.pose.x, each.pose.y, each.pose.theta, each.home_location_id)
+        for each in shelves
+        if _is_there(each.pose)
     )
+    return _of_ids(found)
+
+
+def _of_ids(things: Iterable[_T]) -> tuple[_T, ...]:
+    """Return things that have an id, and the first one of each, as commands name them by it."""
+    found: dict[str, _T] = {}
+    for each in things:
+        if each.id:
+            found.setdefault(each.id, each)
+    return tuple(found.values())

@@ -3,7 +3,6 @@
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
-from typing import Final
 
 from openrois_body.metrics import body_figures
 from openrois_body.teleoperation.operator_control import OperatorControl
@@ -17,6 +16,7 @@ from openrois.component.component import Component
 from openrois.errors import BadParameter
 from openrois.types.references import reference
 from openrois_robots.adapter.link import RobotLink, report_losses
+from openrois_robots.adapter.metrics import link_figures
 from openrois_robots.adapter.process import RunningRobot
 from openrois_robots.components.system_information import SystemInformation
 from openrois_robots.ros2.components.follow import Follow
@@ -27,14 +27,11 @@ from openrois_robots.ros2.components.teleoperation import RobotControls, Teleope
 from openrois_robots.ros2.graph.backend import Matched, Publisher, RosBackend, ServiceClient
 from openrois_robots.ros2.graph.matching import Qos
 from openrois_robots.ros2.interfaces.definitions import DefinitionError
-from openrois_robots.ros2.mapping.settings import RobotMapping
+from openrois_robots.ros2.mapping.settings import HUSH, SPEAKING, RobotMapping
 from openrois_robots.ros2.parts import Parts
 from openrois_robots.ros2.robot.pictures import camera_source
 
 __all__ = ["Robot", "hosted_robot", "ros_robot"]
-
-_BOOL: Final = "std_msgs/msg/Bool"
-_EMPTY: Final = "std_msgs/msg/Empty"
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +111,9 @@ async def hosted_robot(
     )
     parts = (*robot.components, *streams.components.values())
     async with streams as interface, hosted(engine_id, *parts, extension=interface) as host:
-        collector = streams.collector(lambda: body_figures({}, robot.operator_control.figures))
+        collector = streams.collector(
+            lambda: (*body_figures({}, robot.operator_control.figures), link_figures(robot.link))
+        )
         requirements = {"the robot: it is not linked": lambda: robot.link.is_up}
         yield RunningRobot(host, collector.snapshot, requirements)
 
@@ -154,7 +153,7 @@ def _speech(parts: Parts) -> tuple[Component, ...]:
         speech[0].take_speaking(message)
 
     if settings.speaking:
-        ends.append(backend.subscribe(settings.speaking, _BOOL, Qos(), take))
-    hush = backend.publisher(settings.hush, _EMPTY, Qos()) if settings.hush else None
+        ends.append(backend.subscribe(settings.speaking, SPEAKING, Qos(), take))
+    hush = backend.publisher(settings.hush, HUSH, Qos()) if settings.hush else None
     speech.append(SpeechSynthesis(settings, mouth, hush, parts.ends(*ends), parts.clock))
     return tuple(speech)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, Final, cast
+from typing import Any, cast
 
 from openrois_body.components.moving import Figure
 from openrois_body.motion.legs import Legs
@@ -17,17 +17,21 @@ from openrois_robots.ros2.components.bound import Ends
 from openrois_robots.ros2.components.goals import Goals
 from openrois_robots.ros2.graph.backend import Matched, RosBackend
 from openrois_robots.ros2.graph.matching import Durability, Qos, Reliability
-from openrois_robots.ros2.mapping.settings import ODOMETRY, POSES, TWISTS, RobotMapping
+from openrois_robots.ros2.mapping.settings import (
+    BATTERY,
+    NAVIGATE,
+    ODOMETRY,
+    SPEED_LIMIT,
+    TARGET,
+    TWISTS,
+    RobotMapping,
+)
 from openrois_robots.ros2.robot.poses import Heard
 from openrois_robots.ros2.robot.state import BatteryState, OdometryState, PoseState, probe_any
 from openrois_robots.ros2.robot.strokes import Limits
 from openrois_robots.ros2.robot.wheels import Wheels
 
 __all__ = ["Parts"]
-
-_NAVIGATE: Final = "nav2_msgs/action/NavigateToPose"
-_SPEED_LIMIT: Final = "nav2_msgs/msg/SpeedLimit"
-_BATTERY: Final = "sensor_msgs/msg/BatteryState"
 
 
 def quality(reliability: str, durability: str = "volatile", depth: int = 1) -> Qos:
@@ -90,7 +94,7 @@ class Parts:
         """Return the last poses of topics of `PoseStamped`, by their names."""
         states = {name: PoseState(self.clock) for name in topics}
         for name, topic in topics.items():
-            self.backend.subscribe(topic, POSES[1], quality(reliability), states[name].note_message)
+            self.backend.subscribe(topic, TARGET, quality(reliability), states[name].note_message)
         return states
 
     def heard_pose(self) -> Heard | None:
@@ -129,7 +133,7 @@ class Parts:
     def _listen_to_battery(self) -> None:
         settings = self.mapping.battery
         if settings is not None:
-            self.backend.subscribe(settings.topic, _BATTERY, quality(settings.reliability), self.battery.note_message)
+            self.backend.subscribe(settings.topic, BATTERY, quality(settings.reliability), self.battery.note_message)
 
     def _motion(self) -> _Motion:
         settings, limits = self.mapping.velocity, self.mapping.base
@@ -149,8 +153,8 @@ class Parts:
         settings, backend = self.mapping.navigation, self.backend
         if settings is None:
             return None, None
-        action = backend.action(settings.action, _NAVIGATE)
-        limit = backend.publisher(settings.speed_limit, _SPEED_LIMIT, Qos()) if settings.speed_limit else None
+        action = backend.action(settings.action, NAVIGATE)
+        limit = backend.publisher(settings.speed_limit, SPEED_LIMIT, Qos()) if settings.speed_limit else None
         speed = self.mapping.base.max_speed
         goals = Goals(action, settings, self.mapping.places, speed, limit, self.heard_pose, self._stand, self.clock)
         return goals, action

@@ -82,6 +82,22 @@ async def test_a_robot_that_hangs_is_lost_and_comes_back(robot: Robot, clock: Vi
     assert changes == [True, False, True]
 
 
+async def test_a_robot_that_tells_what_the_adapter_does_not_understand_is_lost_and_asked_again(
+    robot: Robot, clock: VirtualClock, link: RobotLink
+) -> None:
+    await linked(robot, clock)
+    robot.error = ValueError("cannot convert float NaN to integer")
+    await clock.advance(PERIOD)
+    assert link.status is ComponentStatus.ERROR
+    assert link.problem == (
+        "the robot at 192.0.2.7:26400 tells what this adapter does not understand:"
+        " ValueError: cannot convert float NaN to integer"
+    )
+    robot.error = None
+    await clock.advance(PERIOD)
+    assert link.is_up
+
+
 async def test_each_change_is_logged_once(
     robot: Robot, clock: VirtualClock, link: RobotLink, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -71,3 +71,22 @@ def test_locations_and_shelves_are_found_by_name_and_id() -> None:
         LAYOUT.shelf("wine")
     with pytest.raises(BadParameter, match="'wine' is no location of the robot: it knows none"):
         Layout((), (), "").location("wine")
+
+
+def test_a_name_that_stands_for_several_is_no_target_and_their_ids_are_named() -> None:
+    twice = (KITCHEN, Location("L07", "kitchen", 2.0, 2.0, 0.0))
+    shelves = (Shelf("S01", "tea", 0.0, 0.0, 0.0, "L01"), Shelf("S02", "tea", 1.0, 0.0, 0.0, "L01"))
+    layout = Layout((CHARGER, *twice), shelves, "L00")
+    for read in (layout.target, layout.location):
+        with pytest.raises(BadParameter, match=r"^'kitchen' is the name of 2 locations: use an id, 'L01' or 'L07'$"):
+            read("kitchen")
+        assert read("L07")
+    with pytest.raises(BadParameter, match=r"^'tea' is the name of 2 shelves: use an id, 'S01' or 'S02'$"):
+        layout.shelf("tea")
+
+
+def test_a_location_without_a_name_is_found_by_its_id_alone() -> None:
+    layout = Layout((Location("L09", "", 1.0, 1.0, 0.0),), (), "L09")
+    assert layout.location("L09").id == "L09"
+    with pytest.raises(BadParameter, match=r"^'' is no location of the robot: there is 'L09'$"):
+        layout.location("")

@@ -44,3 +44,9 @@ def test_velocities_are_normalised(asked: tuple[float, float], sent: tuple[float
 
 def test_a_lower_limit_holds() -> None:
     assert normalised(0.3, -1.57, DrivingLimits(0.1, 0.5)) == pytest.approx((0.1 / 0.3, -0.5 / 1.57))
+
+
+@pytest.mark.parametrize("number", [float("nan"), float("inf"), float("-inf")])
+def test_a_velocity_that_is_no_number_is_none(number: float) -> None:
+    assert normalised(number, 0.5, DrivingLimits()) == (0.0, 0.0)
+    assert normalised(0.1, number, DrivingLimits()) == (0.0, 0.0)

@@ -33,6 +33,19 @@ def test_a_distance_that_was_not_measured_is_no_place() -> None:
     assert is_located(*PersonTracks().update([found()], LENS, 0.0))
 
 
+@pytest.mark.parametrize("distance", [float("nan"), float("inf"), -1.0])
+def test_a_distance_that_is_none_was_not_measured(distance: float) -> None:
+    (person,) = PersonTracks().update([found(distance=distance)], LENS, 0.0)
+    assert not is_located(person)
+
+
+def test_there_are_no_more_persons_than_can_be_told() -> None:
+    tracks = PersonTracks()
+    for turn in range(3):
+        crowd = [found(distance=1.0 + turn * 500 + each) for each in range(200)]
+        assert len(tracks.update(crowd, LENS, turn * 0.1)) == 50
+
+
 def test_a_person_keeps_its_number_while_it_moves_and_others_get_their_own() -> None:
     tracks = PersonTracks()
     first = tracks.update([found(400.0), found(900.0)], LENS, 0.0)

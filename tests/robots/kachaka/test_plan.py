@@ -32,10 +32,23 @@ def test_the_corner_at_the_bottom_on_the_left_stays_where_it_is() -> None:
     assert pixels(scaled(png(corner), 0.05).png)[-1, 0] == 0
 
 
-@pytest.mark.parametrize("data", [b"", b"no picture"])
+@pytest.mark.parametrize("data", [b"", b"no picture", png(np.full((9, 9), 255, np.uint8))[:30]])
 def test_what_is_no_picture_is_refused(data: bytes) -> None:
-    with pytest.raises(ComponentFailed, match="the robot's map is no picture that can be read"):
+    with pytest.raises(ComponentFailed, match="the robot's map is no picture that can be read: "):
         scaled(data, 0.05)
+
+
+@pytest.mark.parametrize("resolution", [0.0, -0.05, float("nan"), float("inf")])
+def test_a_map_without_a_scale_is_refused(resolution: float) -> None:
+    data = png(np.full((50, 50), 255, np.uint8))
+    for read in (lambda: scaled(data, resolution), lambda: floor_of(data, resolution, (0.0, 0.0))):
+        with pytest.raises(ComponentFailed, match=r"the robot's map has no scale: a pixel of it is .* m"):
+            read()
+
+
+def test_a_map_that_lies_nowhere_is_refused() -> None:
+    with pytest.raises(ComponentFailed, match="the robot's map lies nowhere: its corner is at nan,0"):
+        floor_of(png(np.full((50, 50), 255, np.uint8)), 0.05, (float("nan"), 0.0))
 
 
 def test_a_floor_has_the_room_and_what_stands_in_it() -> None:

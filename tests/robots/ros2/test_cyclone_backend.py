@@ -1,9 +1,11 @@
 """Cyclone DDS keeps the contract of a backend; and what is its own."""
 
 import asyncio
+import gc
 import os
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
@@ -54,6 +56,71 @@ async def test_of_messages_that_wait_the_newest_are_kept() -> None:
             publisher.publish({"data": str(number)})
         await until(lambda: heard[-1:] == ["499"], "the newest did not come")
         assert len(heard) < 10
+
+
+async def test_a_message_that_cannot_be_read_is_dropped_alone_and_its_topic_says_so() -> None:
+    domain = free_domain()
+    async with joined(domain) as sender, joined(domain) as receiver:
+        heard: list[str] = []
+        subscription = receiver.subscribe("/odd", STRING, Qos(), lambda message: heard.append(message.data))
+        publisher = sender.publisher("/odd", STRING, Qos())
+        await until(lambda: publisher.is_matched and subscription.is_matched, "they did not match")
+        codec: Any = type(sender._types.value(STRING, {}))
+
+        class Latin(codec):  # type: ignore[misc]
+            def serialize(self, *_arguments: object, **_more: object) -> bytes:
+                return bytes.fromhex("00010000 03000000 e9e800")
+
+        odd = Latin("")
+        publisher.publish({"data": "before"})
+        publisher._writer.write(odd)
+        publisher.publish({"data": "after"})
+        await until(lambda: len(heard) == 2, "what can be read did not come")
+        assert heard == ["before", "after"]
+        assert subscription.problem == ""
+        publisher._writer.write(odd)
+        await until(lambda: subscription.problem, "nothing was said of it")
+        assert subscription.problem.startswith(
+            "what comes on /odd cannot be read as std_msgs/msg/String: UnicodeDecodeError: "
+        )
+        assert subscription.is_matched
+
+
+async def test_nothing_is_left_of_ends_that_come_and_go() -> None:
+    domain = free_domain()
+    async with joined(domain) as robot, joined(domain) as other:
+        publisher = other.publisher("/camera", STRING, Qos())
+        tasks = len(asyncio.all_tasks())
+        for _ in range(50):
+            subscription = robot.subscribe("/camera", STRING, BEST_EFFORT, lambda _: None)
+            action = robot.action("/go", GO)
+            subscription.close()
+            action.close()
+        assert robot._participant._ends == []
+        assert len(asyncio.all_tasks()) == tasks
+        await until(lambda: not publisher.is_matched, "the publisher still has readers")
+        assert other._participant.peers("subscribe", "rt/camera") == []
+
+
+def entries(name: str) -> int:
+    """Return how many threads (`task`) or files (`fd`) this process has."""
+    return len(list(Path("/proc/self", name).iterdir()))
+
+
+async def test_nothing_is_left_of_nodes_that_come_and_go() -> None:
+    domain = free_domain()
+
+    async def come_and_go() -> tuple[int, int, int]:
+        """Return what the process has after a node: threads, files, and tasks."""
+        async with joined(domain) as node:
+            node.publisher("/one", STRING, Qos())
+            node.action("/go", GO)
+        gc.collect()
+        return entries("task"), entries("fd"), len(asyncio.all_tasks())
+
+    first = [await come_and_go() for _ in range(3)][-1]
+    last = [await come_and_go() for _ in range(12)][-1]
+    assert last <= first
 
 
 async def test_a_domain_that_cannot_be_joined_is_said() -> None:

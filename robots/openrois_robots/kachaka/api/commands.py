@@ -219,10 +219,16 @@ class Commands:
                 self._abandon(running)
         response: pb2.StartCommandResponse = starting.result()
         self._texts.require_success(response.result, running.doing)
+        if not response.command_id:
+            self._abandon(running)
+            raise ComponentFailed(
+                f"the robot has accepted to {running.doing}, and told no id of it: it is cancelled, as its end"
+                " could not be noticed"
+            )
         self._begin(running, response)
 
     def _begin(self, running: _Running, response: pb2.StartCommandResponse) -> None:
-        if response.result.success:
+        if response.result.success and response.command_id:
             self.figures.begun += 1
             running.id = response.command_id
             self._tracking.begin(running.id, self._clock.now())

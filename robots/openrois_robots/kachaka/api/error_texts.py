@@ -55,7 +55,7 @@ def _read(text: str) -> dict[int, str]:
     """Return the texts by their codes; what cannot be read is left out."""
     try:
         items = json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         return {}
     found = (_entry(item) for item in items if isinstance(item, dict)) if isinstance(items, list) else ()
     return {code: sentence for code, sentence in found if code is not None and sentence}
@@ -65,4 +65,4 @@ def _entry(item: dict[str, Any]) -> tuple[int | None, str]:
     code = item.get("code")
     parts = [item.get("title_en") or item.get("title"), item.get("description_en") or item.get("description")]
     words = ": ".join(str(part).strip().rstrip(".") for part in parts if part)
-    return (code if isinstance(code, int) else None), words
+    return (code if type(code) is int else None), words

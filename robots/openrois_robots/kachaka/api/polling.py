@@ -30,11 +30,11 @@ class Poll:
         self._clock = clock
         self._wait = wait
         self._cursor = 0
-        self._known = -1
+        self._known: int | None = None
 
     def restart(self) -> None:
         """Ask for the present state next."""
-        self._cursor, self._known = 0, -1
+        self._cursor, self._known = 0, None
 
     async def next(self) -> Any:
         """Return the next state that has a cursor of its own: the present one at first.
@@ -57,6 +57,9 @@ class Poll:
                 self._known = cursor
                 return response
             await self._clock.sleep_until(self._clock.now() + _PAUSE)
+            if not cursor:
+                # Without a cursor the robot does not tell whether it is news.
+                return response
 
     @property
     def _deadline(self) -> float:

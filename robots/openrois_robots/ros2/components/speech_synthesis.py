@@ -71,10 +71,12 @@ class SpeechSynthesis(Bound, components.SpeechSynthesis, omit=("ssml_text", "vol
         """Let the robot fall silent.
 
         Raises:
-            ComponentFailed: the mapping file names no topic that makes it do so: it speaks to its end.
+            ComponentFailed: the mapping file names no topic that makes it do so, or no node hears it: it speaks to its
+                end.
         """
-        if self._hush is None:
-            raise ComponentFailed("the robot's voice cannot be stopped: the mapping file has no speech.hush")
+        problem = "the mapping file has no speech.hush" if self._hush is None else self._hush.problem
+        if problem or self._hush is None:
+            raise ComponentFailed(f"the robot's voice cannot be stopped: {problem}")
         self._hush.publish({})
 
     def take_speaking(self, message: Any) -> None:
@@ -97,16 +99,20 @@ class SpeechSynthesis(Bound, components.SpeechSynthesis, omit=("ssml_text", "vol
 
     async def _until(self, is_speaking: bool, seconds: float, what: str) -> None:
         late = asyncio.ensure_future(self._clock.sleep_until(self._clock.now() + seconds))
+        told = asyncio.ensure_future(self._told(is_speaking))
         try:
-            while self._is_speaking is not is_speaking:
-                self._changed.clear()
-                changed = asyncio.ensure_future(self._changed.wait())
-                await asyncio.wait({late, changed}, return_when=asyncio.FIRST_COMPLETED)
-                changed.cancel()
-                if late.done():
-                    raise ComponentFailed(f"the robot has not {what} to speak within {seconds:g} s")
+            await asyncio.wait({late, told}, return_when=asyncio.FIRST_COMPLETED)
+            if not told.done():
+                raise ComponentFailed(f"the robot has not {what} to speak within {seconds:g} s")
         finally:
             late.cancel()
+            told.cancel()
+
+    async def _told(self, is_speaking: bool) -> None:
+        """Return when the robot tells that it speaks, or does not."""
+        while self._is_speaking is not is_speaking:
+            self._changed.clear()
+            await self._changed.wait()
 
 
 def _check_response(response: Any) -> None:

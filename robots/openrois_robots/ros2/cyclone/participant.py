@@ -5,7 +5,8 @@ taken. So the history of a reader is the queue of its topic, as long as its dept
 """
 
 import asyncio
-from collections.abc import Callable, Iterable
+import logging
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, Final, Self, cast
 
@@ -25,6 +26,8 @@ from openrois_robots.ros2.graph.matching import Peer, Qos
 from openrois_robots.ros2.graph.names import ros_type
 
 __all__ = ["Participant", "Reader", "Writer"]
+
+_log = logging.getLogger(__name__)
 
 _BATCH: Final = 100
 """Most samples that are taken at a time."""
@@ -87,7 +90,36 @@ class Writer(_End):
 
 
 class Reader(_End):
-    """A reader of a topic."""
+    """A reader of a topic.
+
+    Attributes:
+        flaw: why the last message could not be read; empty where it could.
+    """
+
+    flaw = ""
+
+    def _take(self) -> Any:
+        """Take the next sample that can be read, or that says that its writer is gone; None: there is none.
+
+        One at a time: DDS gives up all that are taken at once where one of them cannot be read.
+        """
+        while isinstance(self._entity, DataReader):
+            try:
+                (sample,) = self._entity.take(1) or (None,)
+            except DDSException as error:
+                _log.warning("%s", error)
+                return None
+            except (
+                Exception
+            ) as error:  # What its decoder raises is of many kinds: UnicodeDecodeError, struct.error, ...
+                if not self.flaw:
+                    _log.warning("a message cannot be read: %s: %s", type(error).__name__, error)
+                self.flaw = f"{type(error).__name__}: {error}"
+                continue
+            if sample is not None and not isinstance(sample, InvalidSample):
+                self.flaw = ""
+            return sample
+        return None
 
     def user_data_of(self, sample: Any) -> bytes | None:
         """Return the user data of the writer of a sample; None: it is gone."""
@@ -168,9 +200,13 @@ class Participant:
         def drain() -> None:
             nonlocal announced
             announced = False
-            if isinstance(reader._entity, DataReader):
-                for sample in _valid(reader._entity.take(_BATCH)):
+            for _ in range(_BATCH):
+                if (sample := reader._take()) is None:
+                    return
+                if not isinstance(sample, InvalidSample):
                     on_sample(sample)
+            # The others have their turn before what is left.
+            on_data(reader)
 
         listener = _listener(on_subscription_matched=on_matched, on_data_available=on_data)
         reader._entity = DataReader(self._node, self._topic(topic, kind), qos=qos, listener=listener)
@@ -268,11 +304,6 @@ def _listener(**callbacks: Callable[..., None]) -> Listener:
 def _user_data(endpoint: Any) -> bytes:
     policy = endpoint.qos[Policy.Userdata]
     return b"" if policy is None else bytes(policy.data)
-
-
-def _valid(samples: Iterable[Any]) -> list[Any]:
-    """Return the samples that are messages: of a writer that has left there is one without."""
-    return [each for each in samples if not isinstance(each, InvalidSample)]
 
 
 def _join(domain: int) -> DomainParticipant:

@@ -80,7 +80,9 @@ class DdsSubscription(_OfTopic):
 
     @property
     def problem(self) -> str:
-        """Why none does."""
+        """Why none does, or why what comes cannot be read."""
+        if self._reader.flaw:
+            return f"what comes on {self.name} cannot be read as {self._type_name}: {self._reader.flaw}"
         return self._problem(self._reader.matches)
 
     def close(self) -> None:

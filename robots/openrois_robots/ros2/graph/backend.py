@@ -83,7 +83,7 @@ class Publisher(Matched, Protocol):
 
 
 class Subscription(Matched, Protocol):
-    """A subscription to a topic; its messages arrive in the event loop."""
+    """A subscription to a topic; its messages arrive in the event loop, and `problem` says why they cannot be read."""
 
 
 class ServiceClient(Matched, Protocol):

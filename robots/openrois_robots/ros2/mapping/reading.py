@@ -1,7 +1,7 @@
 """Reading a mapping file: every mistake is a sentence that names the table, the key, and what to write."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, replace
 from math import isfinite
 from types import MappingProxyType
@@ -28,6 +28,15 @@ _TABLES: Final = (
     *("ros", "base", "odometry", "pose", "battery", "velocity", "navigation"),
     *("places", "follow", "camera", "speech"),
 )
+
+_TYPES: Final = (
+    ("odometry", "topic", settings.ODOMETRY),
+    ("battery", "topic", settings.BATTERY),
+    ("navigation", "speed_limit", settings.SPEED_LIMIT),
+    ("speech", "speaking", settings.SPEAKING),
+    ("speech", "hush", settings.HUSH),
+)
+"""Tables, their keys with a topic, and its type."""
 
 _T = TypeVar("_T")
 
@@ -63,6 +72,7 @@ def read_mapping(document: Mapping[str, Any]) -> RobotMapping:
         speech=read("speech", _speech),
     )
     _check_parts(mapping)
+    _check_types(mapping)
     return mapping
 
 
@@ -219,11 +229,40 @@ def _check_parts(mapping: RobotMapping) -> None:
         raise ValueError(f"navigation.dock is {dock!r}, which [places] does not have")
 
 
+def _check_types(mapping: RobotMapping) -> None:
+    """Check that each topic has one type, as ROS has it."""
+    known: dict[str, tuple[str, str]] = {}
+    for key, topic, type_name in _topics(mapping):
+        first, first_type = known.setdefault(topic, (key, type_name))
+        if first_type != type_name:
+            raise ValueError(
+                f"{key} is {topic} as {type_name}, and {first} is the same topic as {first_type}: a topic has one type"
+            )
+
+
+def _topics(mapping: RobotMapping) -> Iterator[tuple[str, str, str]]:
+    """Yield each topic with its key before it and its type after it."""
+    for name in ("pose", "velocity", "speech"):
+        part = getattr(mapping, name)
+        if part is not None and part.topic:
+            yield f"{name}.topic", part.topic, part.type
+    for name, camera in mapping.cameras.items():
+        yield f"camera.{name}.topic", camera.topic, camera.type
+    for name, key, type_name in _TYPES:
+        if topic := getattr(getattr(mapping, name), key, ""):
+            yield f"{name}.{key}", topic, type_name
+    for name, topic in (mapping.follow or settings.Follow()).targets.items():
+        yield f"follow.targets.{name}", topic, settings.TARGET
+
+
 def _named(name: str, table: Any, most: int) -> Mapping[str, str]:
-    if not isinstance(table, dict) or not all(isinstance(value, str) for value in table.values()):
-        raise ValueError(f"{name} must be a table with texts")
+    if not isinstance(table, dict):
+        raise ValueError(f"{name} must be a table")
     if len(table) > most:
         raise ValueError(f"{name} must have at most {most} keys, not {len(table)}")
+    for key, value in table.items():
+        if not isinstance(value, str):
+            raise ValueError(f"{name}.{key} must be a text, not {value!r}")
     return table
 
 

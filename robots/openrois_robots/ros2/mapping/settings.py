@@ -12,9 +12,15 @@ from openrois_robots.adapter.battery import BatteryLimit
 from openrois_robots.ros2.interfaces.store import DEFAULT_DISTRIBUTION
 
 __all__ = [
+    "BATTERY",
+    "HUSH",
     "IMAGES",
+    "NAVIGATE",
     "ODOMETRY",
     "POSES",
+    "SPEAKING",
+    "SPEED_LIMIT",
+    "TARGET",
     "TWISTS",
     "Battery",
     "Camera",
@@ -34,6 +40,13 @@ ODOMETRY: Final = "nav_msgs/msg/Odometry"
 POSES: Final = ("geometry_msgs/msg/PoseWithCovarianceStamped", "geometry_msgs/msg/PoseStamped", ODOMETRY)
 TWISTS: Final = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
 IMAGES: Final = ("sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/Image")
+BATTERY: Final = "sensor_msgs/msg/BatteryState"
+NAVIGATE: Final = "nav2_msgs/action/NavigateToPose"
+SPEED_LIMIT: Final = "nav2_msgs/msg/SpeedLimit"
+TARGET: Final = POSES[1]
+SPEAKING: Final = "std_msgs/msg/Bool"
+HUSH: Final = "std_msgs/msg/Empty"
+"""The types of topics and of the action; of several the first is the default."""
 
 
 @dataclass(frozen=True, slots=True)

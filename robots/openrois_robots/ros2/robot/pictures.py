@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from openrois_media import VideoSource
 from openrois_streaming.clock import MediaClock
 
+from openrois_robots.adapter.image_files import MOST_PIXELS, ImageFileError, decode_image
 from openrois_robots.ros2.graph.backend import RosBackend
 from openrois_robots.ros2.graph.matching import Qos
 from openrois_robots.ros2.mapping.settings import IMAGES, Camera
@@ -20,8 +21,6 @@ __all__ = ["PATIENCE", "PictureError", "camera_source", "decode_compressed", "de
 
 PATIENCE: Final = 5.0
 """Seconds within which a watched camera has to give a picture."""
-_LARGEST: Final = 8192 * 8192
-"""Pixels of a picture."""
 _CHANNELS: Final[Mapping[str, int]] = MappingProxyType({"rgb8": 3, "bgr8": 3, "rgba8": 4, "bgra8": 4, "mono8": 1})
 """The encodings of `sensor_msgs/msg/Image` that are read, and the bytes of a pixel."""
 
@@ -34,13 +33,14 @@ def decode_compressed(message: Any) -> NDArray[np.uint8]:
     """Return the picture of a `CompressedImage` as bgr24, of shape (height, width, 3).
 
     Raises:
-        PictureError: its data is none that is read here (JPEG, PNG).
+        PictureError: its data is none that is read here (JPEG, PNG), or is too large.
     """
-    data = np.frombuffer(_bytes(message.data), np.uint8)
-    picture = cv2.imdecode(data, cv2.IMREAD_COLOR) if data.size else None
-    if picture is None:
-        raise PictureError(f"a picture of the format {message.format[:40]!r} with {data.size} bytes cannot be read")
-    return np.asarray(picture, np.uint8)
+    data = _bytes(message.data)
+    try:
+        return decode_image(data)
+    except ImageFileError as error:
+        said = f"a picture of the format {message.format[:40]!r} with {len(data)} bytes cannot be read: {error}"
+        raise PictureError(said) from None
 
 
 def decode_raw(message: Any) -> NDArray[np.uint8]:
@@ -56,7 +56,7 @@ def decode_raw(message: Any) -> NDArray[np.uint8]:
         )
     height, width, step = message.height, message.width, message.step
     data = np.frombuffer(_bytes(message.data), np.uint8)
-    fits = 0 < width * height <= _LARGEST and step >= width * channels and data.size >= step * height
+    fits = 0 < width * height <= MOST_PIXELS and step >= width * channels and data.size >= step * height
     if not fits:
         raise PictureError(f"a picture of {width}x{height} with rows of {step} bytes cannot have {data.size} bytes")
     rows = data[: step * height].reshape(height, step)[:, : width * channels]
@@ -76,7 +76,8 @@ def decode_raw(message: Any) -> NDArray[np.uint8]:
 def camera_source(backend: RosBackend, name: str, camera: Camera, clock: MediaClock) -> VideoSource:
     """Return the pictures of a topic, which is subscribed to while an application watches, and at no other time.
 
-    The newest picture is decoded, in a thread; those that come meanwhile are left out.
+    The newest picture is decoded, in a thread; those that come meanwhile are left out, and so are pictures that cannot
+    be read, unless there are no others for `PATIENCE` seconds.
 
     Args:
         backend: the graph.
@@ -96,10 +97,18 @@ def camera_source(backend: RosBackend, name: str, camera: Camera, clock: MediaCl
 
         qos = Qos("reliable" if camera.reliability == "reliable" else "best_effort", "volatile", 1)
         subscription = backend.subscribe(camera.topic, camera.type, qos, receive)
+        read_at = clock.now()
         try:
             while True:
                 message, taken_at = await _within(newest.get, lambda: subscription.problem, camera.topic, clock)
-                yield await asyncio.to_thread(decode, message), taken_at
+                try:
+                    picture = await asyncio.to_thread(decode, message)
+                except PictureError:
+                    if clock.now() - read_at > PATIENCE:
+                        raise
+                    continue
+                read_at = clock.now()
+                yield picture, taken_at
         finally:
             subscription.close()
 

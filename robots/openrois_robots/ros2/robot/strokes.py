@@ -5,7 +5,7 @@ They are closed by the odometry: what counts is how far the robot has come, not 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import copysign, cos, hypot, inf, remainder, sin, sqrt, tau
+from math import copysign, cos, hypot, inf, isfinite, remainder, sin, sqrt, tau
 from typing import Final
 
 from openrois_body.messages import Place
@@ -144,7 +144,9 @@ class Strokes:
 
 
 def clamped(velocity: Velocity, limits: Limits) -> Velocity:
-    """Return a velocity within limits, in the same direction."""
+    """Return a velocity within limits, in the same direction; one with numbers that are none is to stand."""
+    if not all(map(isfinite, (velocity.ahead, velocity.left, velocity.turn))):
+        return STANDING
     speed = hypot(velocity.ahead, velocity.left)
     share = min(1.0, limits.speed / speed) if speed else 1.0
     turn = max(-limits.turn, min(limits.turn, velocity.turn))

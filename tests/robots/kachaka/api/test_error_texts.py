@@ -24,7 +24,18 @@ async def test_the_robots_own_texts_are_used() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "no JSON", "{}", "[1, null]", '[{"code": "7", "title": "x"}]', '[{"code": 7}]', '[{"title": "x"}]'],
+    [
+        "",
+        "no JSON",
+        "[" * 100_000,
+        '[{"code": 1e400, "title": "x"}]',
+        '[{"code": true, "title": "x"}]',
+        "{}",
+        "[1, null]",
+        '[{"code": "7", "title": "x"}]',
+        '[{"code": 7}]',
+        '[{"title": "x"}]',
+    ],
 )
 def test_texts_that_cannot_be_read_are_left_out(text: str) -> None:
     assert _read(text) == {}

@@ -89,6 +89,24 @@ async def test_what_has_not_changed_meanwhile_is_no_news() -> None:
     assert script.asked == [0, 5, 0, 5]
 
 
+async def test_a_cursor_may_be_any_number() -> None:
+    states = poll(Script(-1, -2, 2**63 - 1), VirtualClock())
+    assert [await next_cursor(states) for _ in range(3)] == [-1, -2, 2**63 - 1]
+
+
+async def test_a_robot_that_gives_no_cursors_is_asked_ten_times_a_second_and_what_it_tells_counts() -> None:
+    clock = VirtualClock()
+    script = Script(0, 0, 0)
+    states = poll(script, clock)
+    assert await next_cursor(states) == 0
+    waiting = asyncio.ensure_future(next_cursor(states))
+    await settle()
+    assert len(script.asked) == 2
+    assert not waiting.done(), "it pauses"
+    await clock.advance(0.1)
+    assert await waiting == 0
+
+
 async def test_a_robot_that_does_not_even_tell_its_state_is_silent() -> None:
     states = poll(Script(5, None, None), VirtualClock())
     await states.next()

@@ -73,6 +73,31 @@ async def test_a_stop_of_one_that_cannot_be_is_said_and_does_not_look_like_succe
         await stage.until(going, 1.0)
 
 
+async def test_a_stop_that_no_node_hears_does_not_look_like_success() -> None:
+    async with staged(problems={"/hush": "no node subscribes to /hush"}) as stage:
+        going = await begun(stage)
+        stage.graph.say("/speaking", message(data=True))
+        speech = await stage.client.find(SpeechSynthesis)
+        with pytest.raises(ComponentFailed, match="the robot's voice cannot be stopped: no node subscribes to /hush"):
+            await stage.until(stage.client.run(speech.stop()), 1.0)
+        assert not going.done()
+
+
+async def test_speech_leaves_no_task_behind() -> None:
+    async with staged() as stage:
+        before = len(asyncio.all_tasks())
+        going = await begun(stage)
+        for is_speaking in (False, False, True, True):
+            stage.graph.say("/speaking", message(data=is_speaking))
+            await stage.run(0.1)
+        speech = await stage.client.find(SpeechSynthesis)
+        await stage.until(stage.client.run(speech.stop()), 1.0)
+        with pytest.raises(Aborted):
+            await stage.until(going, 1.0)
+        await stage.run(0.5)
+        assert len(asyncio.all_tasks()) <= before
+
+
 @pytest.mark.parametrize(
     ("response", "said"),
     [

@@ -93,7 +93,23 @@ def test_what_is_no_place_is_none(text: str) -> None:
         (LEAST + '[navigation]\naction = "n"\ndock = "d"\n', r"navigation.dock is 'd', which \[places\] does not have"),
         (LEAST + '[places]\ndock = "here"\n', 'places.dock must be "x,y" or "x,y,th" in metres and radians'),
         (LEAST + '[places]\n"1,2" = "1,2"\n', "places.1,2 cannot be the name of a place: it is a place itself"),
-        (LEAST + "[places]\ndock = 1\n", "places must be a table with texts"),
+        (LEAST + "[places]\ndock = 1\n", "places.dock must be a text, not 1"),
+        (LEAST + "[places]\ndock = [1, 2]\n", r"places.dock must be a text, not \[1, 2\]"),
+        ("places = 1\n" + LEAST, "places must be a table"),
+        (LEAST + "[follow.targets]\nvisitor = true\n", "follow.targets.visitor must be a text, not True"),
+        (
+            LEAST + '[battery]\ntopic = "odom"\n',
+            "battery.topic is /odom as sensor_msgs/msg/BatteryState, and odometry.topic is the same topic as"
+            " nav_msgs/msg/Odometry: a topic has one type",
+        ),
+        (
+            LEAST + '[speech]\ntopic = "say"\nhush = "say"\n',
+            "speech.hush is /say as std_msgs/msg/Empty, and speech.topic is the same",
+        ),
+        (
+            LEAST + '[camera.a]\ntopic = "c"\n[camera.b]\ntopic = "c"\ntype = "sensor_msgs/msg/Image"\n',
+            "camera.b.topic is /c as sensor_msgs/msg/Image, and camera.a.topic is the same",
+        ),
         (LEAST + "[follow]\n", r"follow.targets is missing: write under \[follow.targets\] lines as"),
         (LEAST + "[follow]\nspeed = 1\n", "follow.speed is not known; follow has targets and reliability"),
         (LEAST + "[follow]\nreliability = 1\n", "follow must be a table with a table follow.targets"),
@@ -128,6 +144,13 @@ def test_there_are_not_too_many(name: str) -> None:
     table = {f"n{number}": {"topic": "t"} if name == "camera" else "1,2" for number in range(1001)}
     with pytest.raises(ValueError, match=f"{name} must have at most"):
         read_mapping({"odometry": {"topic": "odom"}, name: table})
+
+
+def test_one_topic_may_serve_two_parts() -> None:
+    mapping = read(LEAST + '[pose]\ntopic = "odom"\ntype = "nav_msgs/msg/Odometry"\n[speech]\ntopic = "say"\n')
+    assert mapping.pose is not None
+    assert mapping.odometry is not None
+    assert mapping.pose.topic == mapping.odometry.topic
 
 
 @pytest.mark.parametrize("number", [nan, inf, -inf])

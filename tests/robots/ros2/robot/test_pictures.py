@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from openrois_robots.ros2.mapping.settings import IMAGES, Camera
 from openrois_robots.ros2.robot.pictures import PATIENCE, PictureError, camera_source, decode_compressed, decode_raw
 
+from tests.support.image_files import JPEG, resized
 from tests.support.ros_robot import FakeGraph, message
 from tests.support.streaming import VirtualClock, settle
 
@@ -81,6 +82,38 @@ def test_a_jpeg_and_a_png_are_decoded() -> None:
         read = decode_compressed(message(format=extension, data=data))
         assert read.shape == (48, 64, 3)
         assert np.abs(read[40, 40].astype(int) - RED).max() < 12
+
+
+def test_a_picture_that_says_it_is_huge_is_not_decoded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr(cv2, "imdecode")
+    with pytest.raises(PictureError, match=r"'jpeg' with .* read: a picture of 65000x65000 is not read"):
+        decode_compressed(message(format="jpeg", data=resized(JPEG, 65_000, 65_000)))
+
+
+async def test_pictures_that_cannot_be_read_are_left_out_and_end_a_camera_that_gives_no_others() -> None:
+    graph, clock = FakeGraph(), VirtualClock()
+    source = camera_source(graph, "front", Camera("/camera", IMAGES[1], width=8, height=4), clock)
+
+    async def said(data: bytes, seconds: float) -> None:
+        for _ in range(round(seconds / 0.5)):
+            graph.say("/camera", image("bgr8", data, at=clock.wall()))
+            await settle()
+            await asyncio.sleep(0.01)
+            await clock.advance(0.5)
+
+    async with source.open() as pictures:
+        coming = pictures.__aiter__()
+        waiting = asyncio.ensure_future(coming.__anext__())
+        await settle()
+        await said(bytes(95), PATIENCE / 2)
+        assert not waiting.done()
+        await said(bytes(96), 0.5)
+        assert (await waiting).width == 8
+        waiting = asyncio.ensure_future(coming.__anext__())
+        await settle()
+        await said(bytes(95), PATIENCE + 1.0)
+        with pytest.raises(PictureError, match="cannot have 95 bytes"):
+            await waiting
 
 
 @given(st.binary(max_size=64))

@@ -1,6 +1,6 @@
 """The strokes of a motion, closed by the odometry."""
 
-from math import cos, dist, pi, sin
+from math import cos, dist, inf, nan, pi, sin
 
 import pytest
 from openrois_body.messages import Place
@@ -78,6 +78,11 @@ def test_a_robot_that_drifts_is_kept_on_its_line() -> None:
     end, _ = drive(line_strokes((2000, 0)), drift=0.1)
     assert abs(end.y) < 0.2
     assert end.x == pytest.approx(2.0, abs=0.05)
+
+
+@pytest.mark.parametrize("odd", [Velocity(nan, 0.0, 0.1), Velocity(0.1, nan, 0.0), Velocity(0.1, 0.0, inf)])
+def test_a_velocity_that_is_no_number_is_none(odd: Velocity) -> None:
+    assert clamped(odd, Limits(0.5, 1.0)) == STANDING
 
 
 def test_without_progress_it_is_stuck_and_a_rest_is_none() -> None:
