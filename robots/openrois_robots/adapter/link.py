@@ -90,9 +90,10 @@ class RobotLink:
             raise ComponentFailed(self._problem)
         finally:
             self._waiting.discard(lost)
-            if not working.done():
-                working.cancel()
-                await asyncio.wait((working,))
+            working.cancel()
+            await asyncio.wait((working,))
+            # What ends so is told to nothing that waits: the loop would complain of an error that was not seen.
+            working.cancelled() or working.exception()
 
     async def _ask(self) -> str:
         """Return why there is no sign of life; empty where there is one."""

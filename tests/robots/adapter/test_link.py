@@ -1,8 +1,10 @@
 """The link to a robot: signs of life, and the end of what waits."""
 
 import asyncio
+import gc
 import logging
 from collections.abc import AsyncIterator
+from typing import Any
 
 import pytest
 from openrois_robots.adapter.link import PATIENCE, PERIOD, Linked, RobotLink, report_losses
@@ -165,6 +167,34 @@ async def test_work_that_is_cancelled_is_ended(robot: Robot, clock: VirtualClock
     with pytest.raises(asyncio.CancelledError):
         await waiting
     assert ended.is_set()
+
+
+async def test_work_that_fails_while_it_is_ended_is_no_complaint_of_the_loop(
+    robot: Robot, clock: VirtualClock, link: RobotLink
+) -> None:
+    complaints: list[dict[str, Any]] = []
+    asyncio.get_running_loop().set_exception_handler(lambda _loop, context: complaints.append(context))
+    ended = asyncio.Event()
+
+    async def moving() -> None:
+        try:
+            await ended.wait()
+        finally:
+            raise ComponentFailed("it was stopped at the robot")
+
+    await linked(robot, clock)
+    for is_over in (False, True):
+        waiting = asyncio.ensure_future(link.during(moving()))
+        await settle()
+        if is_over:
+            ended.set()
+            await asyncio.sleep(0)
+        waiting.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await waiting
+    del waiting
+    gc.collect()
+    assert complaints == []
 
 
 async def test_nothing_begins_without_a_robot(link: RobotLink) -> None:

@@ -4,6 +4,7 @@ import argparse
 import asyncio
 import signal
 import sys
+import time
 from collections.abc import Sequence
 
 from openrois_robots.kachaka.simulator.robot import RobotSettings, SimulatedKachaka
@@ -25,23 +26,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--speaks-while-driving", action="store_true", help="speak beside a command that runs, not after it"
     )
+    parser.add_argument(
+        "--tell-stops",
+        action="store_true",
+        help="print `stopped` and the seconds of the system's monotonic clock whenever it is told to stop",
+    )
     chosen = parser.parse_args(arguments)
     settings = RobotSettings(battery=chosen.battery, speaks_while_driving=chosen.speaks_while_driving)
     try:
-        asyncio.run(_serve(settings, chosen.pace, chosen.host, chosen.port))
+        asyncio.run(_serve(settings, chosen))
     except OSError as error:
         print(error, file=sys.stderr)
         return 1
     return 0
 
 
-async def _serve(settings: RobotSettings, pace: float, host: str, port: int) -> None:
+async def _serve(settings: RobotSettings, chosen: argparse.Namespace) -> None:
     stopped = asyncio.Event()
     for name in (signal.SIGINT, signal.SIGTERM):
         asyncio.get_running_loop().add_signal_handler(name, stopped.set)
-    servicer = SimulatorServicer(SimulatedKachaka(settings), pace)
-    async with serve_simulator(servicer, host, port) as bound:
-        print(f"ready {host}:{bound}", flush=True)
+    robot = SimulatedKachaka(settings)
+    if chosen.tell_stops:
+        robot.stopped.add(lambda: print(f"stopped {time.monotonic():.6f}", flush=True))
+    async with serve_simulator(SimulatorServicer(robot, chosen.pace), chosen.host, chosen.port) as bound:
+        print(f"ready {chosen.host}:{bound}", flush=True)
         await stopped.wait()
 
 

@@ -7,6 +7,7 @@ from typing import Final
 
 from kachaka_api.generated import kachaka_api_pb2 as pb2
 
+from openrois.aio.listeners import Listeners
 from openrois_robots.kachaka.simulator.errors import ErrorCode
 from openrois_robots.kachaka.simulator.house import HOUSE, House
 from openrois_robots.kachaka.simulator.motion import ANGULAR, LINEAR, Blocked, Body, Leg
@@ -126,6 +127,7 @@ class SimulatedKachaka:
         manual: control by hand.
         volume: from 0 to 10.
         stops: the times at which it was stopped by a velocity of 0, a cancellation or an emergency stop.
+        stopped: called when it is stopped so.
         sounds: ids of sounds that were played.
         lights: intensities of the torches.
     """
@@ -143,6 +145,7 @@ class SimulatedKachaka:
         self.manual = ManualControl()
         self.volume = 5
         self.stops: deque[float] = deque(maxlen=_REMEMBERED)
+        self.stopped: Listeners[()] = Listeners()
         self.sounds: deque[str] = deque(maxlen=_REMEMBERED)
         self.lights = {"front": 0, "back": 0}
         self._beside: list[Job] = []
@@ -199,7 +202,7 @@ class SimulatedKachaka:
         if not self.jobs:
             return None
         job = self.jobs.popleft()
-        self.stops.append(self.now)
+        self._note_stop()
         self._end(job, ErrorCode.CANCELLED)
         self.note_change("state")
         return job
@@ -215,7 +218,7 @@ class SimulatedKachaka:
         """Stand until a person releases it: `release`."""
         self.errors = (ErrorCode.EMERGENCY_STOP,)
         self.note_change("error")
-        self.stops.append(self.now)
+        self._note_stop()
         self.cancel_all()
         self.note_change("state")
         self.set_manual(False)
@@ -240,13 +243,17 @@ class SimulatedKachaka:
         if not self.manual.is_on(self.now):
             return ErrorCode.MANUAL_CONTROL_OFF
         if self.manual.set(linear, angular, self.now):
-            self.stops.append(self.now)
+            self._note_stop()
         return ErrorCode.NONE
 
     def set_volume(self, volume: int) -> None:
         """Set the volume, from 0 to 10."""
         self.volume = max(0, min(10, volume))
         self.note_change("volume")
+
+    def _note_stop(self) -> None:
+        self.stops.append(self.now)
+        self.stopped.notify_all()
 
     def _refusal(self, command: pb2.Command) -> ErrorCode:
         if self.errors:

@@ -3,6 +3,7 @@
 import argparse
 import asyncio
 import sys
+import time
 
 from openrois_streaming.clock import SystemClock
 
@@ -24,6 +25,11 @@ def main() -> int:
     parser.add_argument("--battery", type=float, default=80.0, metavar="PERCENT", help="at first (%(default)s)")
     parser.add_argument("--best-effort", action="store_true", help="publish its sensors best-effort")
     parser.add_argument("--reject", action="store_true", help="reject all goals")
+    parser.add_argument(
+        "--tell-stops",
+        action="store_true",
+        help="print `stopped` and the seconds of the system's monotonic clock whenever it is told to stop",
+    )
     chosen = parser.parse_args()
     settings = SimulatorSettings(
         chosen.domain,
@@ -34,6 +40,8 @@ def main() -> int:
         chosen.reject,
     )
     node = SimulatedNode(settings, SystemClock())
+    if chosen.tell_stops:
+        node.stopped.add(lambda: print(f"stopped {time.monotonic():.6f}", flush=True))
     try:
         asyncio.run(run_until_stopped(node.run(lambda: print("ready", flush=True))))
     except OSError as error:

@@ -21,6 +21,7 @@ from typing import Any, Final
 
 from openrois_streaming.clock import MediaClock
 
+from openrois.aio.listeners import Listeners
 from openrois.aio.tasks import TaskScope
 from openrois_robots.ros2.cyclone.participant import Participant
 from openrois_robots.ros2.cyclone.servers import Aborted, DdsActionServer
@@ -70,10 +71,15 @@ class SimulatedNode:
     Args:
         settings: what is simulated.
         clock: drives it.
+
+    Attributes:
+        model: what moves.
+        stopped: called when it is told to stop: by a velocity of zero, or because its goal is cancelled.
     """
 
     def __init__(self, settings: SimulatorSettings, clock: MediaClock) -> None:
         self.model = Model(percent=settings.percent)
+        self.stopped: Listeners[()] = Listeners()
         self._settings = settings
         self._clock = clock
         self._pictures = 0
@@ -120,6 +126,7 @@ class SimulatedNode:
         finally:
             if self.model.goal is mine:
                 self.model.pursue(None)
+                self.stopped.notify_all()
         if self._executing != number or not mine.is_there:
             raise Aborted({"error_code": 0, "error_msg": "another goal, or a velocity, took its place"})
 
@@ -151,6 +158,8 @@ class SimulatedNode:
 
         def obey(twist: Any) -> None:
             self.model.obey(twist.linear.x, twist.angular.z, self._clock.now())
+            if not (twist.linear.x or twist.angular.z):
+                self.stopped.notify_all()
 
         def limit(message: Any) -> None:
             self.model.limit = message.speed_limit

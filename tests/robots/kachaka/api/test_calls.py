@@ -1,10 +1,13 @@
 """Calls of the robot: deadlines, large messages, and failures in a sentence."""
 
+import ast
 import asyncio
 import socket
 from collections.abc import AsyncIterator
+from pathlib import Path
 from typing import Any
 
+import openrois_robots.kachaka
 import pytest
 from kachaka_api.generated import kachaka_api_pb2 as pb2
 from openrois_robots.kachaka.api.address import Address
@@ -113,3 +116,26 @@ async def test_a_robot_that_comes_back_is_connected_again_soon() -> None:
                     break
         # gRPC's own pause grows up to two minutes; ours is a second and a fifth of it at most.
         print(f"connected again after {loop.time() - back_at:.2f} s")
+
+
+def test_of_the_vendors_package_the_generated_stub_alone_is_used() -> None:
+    named = {
+        name
+        for module in sorted(Path(openrois_robots.kachaka.__path__[0]).rglob("*.py"))
+        for node in ast.walk(ast.parse(module.read_text(encoding="utf-8")))
+        for name in _imported(node)
+        if name.startswith("kachaka_api")
+    }
+    assert named <= {
+        "kachaka_api.generated.kachaka_api_pb2",
+        *(f"kachaka_api.generated.kachaka_api_pb2_grpc.{each}" for each in _OF_THE_STUB),
+    }
+
+
+_OF_THE_STUB = ("KachakaApiStub", "KachakaApiServicer", "add_KachakaApiServicer_to_server")
+
+
+def _imported(node: ast.AST) -> list[str]:
+    if isinstance(node, ast.Import):
+        return [each.name for each in node.names]
+    return [f"{node.module}.{each.name}" for each in node.names] if isinstance(node, ast.ImportFrom) else []
