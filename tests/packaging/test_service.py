@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from openrois_avatar import command as avatar
@@ -12,7 +13,6 @@ from openrois_avatar.options.settings import AvatarSettings
 from openrois_robots import command as robot
 from openrois_robots.adapter.options import AdapterSettings
 from openrois_robots.adapter.process import RobotCommand
-from openrois_robots.simulated.simulation import SimulationSettings
 
 from openrois.gateway import command
 from openrois.gateway.configuration import configure
@@ -98,26 +98,42 @@ def test_the_avatar_is_watched_and_bounded_and_runs_with_the_options_of_its_unit
     assert settings[0].metrics == ("127.0.0.1", 9466)
 
 
-def test_a_robot_runs_with_the_options_of_its_unit(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("simulated", "[base]\nspeed = 0.5\n"),
+        ("kachaka", '[robot]\naddress = "192.0.2.7"\n'),
+        ("ros2", '[odometry]\ntopic = "odom"\n'),
+    ],
+)
+def test_a_robot_runs_with_the_options_of_its_unit(
+    name: str, text: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     unit = entries(ROBOT)
     assert (unit["DynamicUser"], unit["Type"], unit["TimeoutStartSec"]) == (["yes"], ["notify"], ["infinity"])
     assert int(unit["WatchdogSec"][0]) > 0
     config = tmp_path / "robot.toml"
-    config.write_text("[base]\nspeed = 0.5\n")
-    settings: list[tuple[AdapterSettings, SimulationSettings]] = []
+    config.write_text(text)
+    settings: list[tuple[AdapterSettings, Any]] = []
     monkeypatch.setattr("openrois_robots.adapter.process.set_up_logging", lambda **_options: None)
     monkeypatch.setattr(RobotCommand, "_serve", lambda _self, *read: settings.append(read))
     monkeypatch.setattr("openrois_robots.adapter.process.run_until_stopped", lambda work: work)
     monkeypatch.setattr("uvloop.run", lambda _: None)
-    program, command_name, *options = unit["ExecStart"][0].replace("%i", "simulated").split()
+    program, command_name, *options = unit["ExecStart"][0].replace("%i", name).split()
     assert (program, command_name) == ("/opt/openrois/bin/openrois", "robot")
     given = dict(line.split("=", 1) for line in unit["Environment"])
     options = [given.get(each.strip("${}"), each) if each.startswith("$") else each for each in options]
-    options = [str(config) if each == "/etc/openrois/robot-simulated.toml" else each for each in options]
+    options = [str(config) if each == f"/etc/openrois/robot-{name}.toml" else each for each in options]
     assert robot.main([each for each in options if each]) == 0
     assert settings[0][0].gateway == "ws://127.0.0.1:8765/adapter"
     assert settings[0][0].metrics == ("127.0.0.1", 9467)
-    assert settings[0][1].base.speed == 0.5
+    own = settings[0][1]
+    read = {
+        "simulated": lambda: own.base.speed == 0.5,
+        "kachaka": lambda: own.address.text == "192.0.2.7:26400",
+        "ros2": lambda: own.odometry.topic == "/odom",
+    }
+    assert read[name]()
 
 
 def test_a_configuration_that_cannot_be_used_is_not_tried_again() -> None:

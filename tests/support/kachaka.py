@@ -125,6 +125,11 @@ class HomeProcess:
             self.process.kill()
         await self.process.wait()
 
+    async def said(self) -> str:
+        """Return what it printed as errors, once it has ended."""
+        assert self.process.stderr is not None
+        return (await self.process.stderr.read()).decode()
+
     async def start_again(self) -> None:
         self.process, _ = await _launched(self.address.port, self._options)
 
@@ -134,6 +139,7 @@ async def _launched(port: int, options: tuple[str, ...]) -> tuple[asyncio.subpro
         sys.executable,
         *("-m", "openrois_robots.kachaka.simulator", "--port", str(port), *options),
         stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.PIPE,
     )
     assert process.stdout is not None
     async with asyncio.timeout(PATIENCE):

@@ -1,11 +1,11 @@
 """What the adapter knows of its robot: pose, battery, errors, locations and shelves, told with each sign of life."""
 
 import asyncio
-from collections.abc import Iterable
+from collections.abc import Awaitable, Iterable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from math import isfinite
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar
 
 from kachaka_api.generated import kachaka_api_pb2 as pb2
 from openrois_body.messages import Place
@@ -104,7 +104,7 @@ class Kachaka:
         Raises:
             RoISError: a call failed, as `KachakaApi.call` says.
         """
-        pose, battery, errors, ready = await asyncio.gather(
+        pose, battery, errors, ready = await _all_of(
             self._api.call("GetRobotPose"),
             self._api.call("GetBatteryInfo"),
             self._api.call("GetError"),
@@ -122,7 +122,7 @@ class Kachaka:
         Raises:
             RoISError: a call failed, as `KachakaApi.call` says.
         """
-        locations, shelves = await asyncio.gather(self._api.call("GetLocations"), self._api.call("GetShelves"))
+        locations, shelves = await _all_of(self._api.call("GetLocations"), self._api.call("GetShelves"))
         self._layout_due = self._clock.now() + _LAYOUT
         layout = Layout(_locations(locations.locations), _shelves(shelves.shelves), str(locations.default_location_id))
         if layout != self.layout:
@@ -152,6 +152,15 @@ class Kachaka:
     def _on_link_changed(self) -> None:
         if self.link.is_up:
             self._layout_due = 0.0
+
+
+async def _all_of(*calls: Awaitable[Any]) -> list[Any]:
+    """Return the responses of calls that are made at once; the error of the first one, in their order, that failed."""
+    answers = await asyncio.gather(*calls, return_exceptions=True)
+    for each in answers:
+        if isinstance(each, BaseException):
+            raise each
+    return answers
 
 
 def _is_there(pose: pb2.Pose) -> bool:

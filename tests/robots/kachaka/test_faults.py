@@ -1,13 +1,17 @@
 """A robot that hangs, dies, comes back, or was never there: what runs ends with ERROR, and works again by itself."""
 
 import asyncio
+import random
 import time
+from typing import Any
 
+import grpc
 import pytest
 from openrois_robots.adapter.link import PATIENCE, PERIOD
 from openrois_robots.kachaka.adapter import linked_kachaka
 from openrois_robots.kachaka.api.address import Address
 from openrois_robots.kachaka.options import KachakaSettings
+from openrois_robots.kachaka.simulator.servicer import SimulatorServicer
 from openrois_streaming.clock import SystemClock
 
 from openrois.client import Client, Fault
@@ -15,7 +19,7 @@ from openrois.client.components import Move, Navigation, SpeechSynthesis, System
 from openrois.errors import ComponentFailed
 from openrois.testing import harness
 from openrois.types.codes import ErrorType
-from tests.support.kachaka import ended, linked, simulator_process, until
+from tests.support.kachaka import ended, linked, simulated, simulator_process, until
 
 
 async def navigate(client: Client, *targets: str) -> None:
@@ -97,6 +101,32 @@ async def test_applications_that_hold_a_component_are_told_of_a_lost_robot() -> 
             )
             told = {each.name: each.value for each in await client.get_error_detail(fault.error_id)}
             assert any("cannot be reached: nothing listens at this port" in text for text in told.values()), told
+
+
+async def test_of_several_calls_that_fail_the_same_one_is_told_each_time() -> None:
+    class Stranger(SimulatorServicer):
+        """What answers is no Kachaka."""
+
+        async def _unknown(self, _request: Any, context: Any) -> Any:
+            self.count("asked")
+            await asyncio.sleep(random.random() * 0.01)
+            await context.abort(grpc.StatusCode.UNIMPLEMENTED, "")
+
+        GetRobotPose = GetBatteryInfo = GetError = IsReady = _unknown
+
+    async with (
+        simulated(servicer=Stranger) as (servicer, address),
+        linked_kachaka("robot", KachakaSettings(address), SystemClock()) as robot,
+    ):
+        told = set()
+        for asked in (1, 5, 9, 13):
+            await until(lambda asked=asked: servicer.calls.get("asked", 0) > asked)  # type: ignore[misc]
+            await until(lambda: "has no Get" in robot.state.link.problem)
+            told.add(robot.state.link.problem)
+        assert told == {
+            f"the Kachaka at {address.text} cannot be reached: the robot has no GetRobotPose:"
+            " its software may be too old, or what answers is no Kachaka"
+        }
 
 
 @pytest.mark.parametrize("address", [Address("127.0.0.1", 1)])

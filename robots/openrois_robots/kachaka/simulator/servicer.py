@@ -27,6 +27,8 @@ _TICK: Final = 0.02
 """Seconds between two steps of the simulation."""
 _LARGEST: Final = 64 << 20
 """Bytes of a message."""
+_GRACE: Final = 0.1
+"""Seconds that requests have for their answers when the server ends."""
 _SOUNDS: Final = (("chime", "Chime"), ("thanks", "Thank you"))
 
 Picture: TypeAlias = Callable[[Pose, int, str], NDArray[np.uint8]]
@@ -80,6 +82,7 @@ class SimulatorServicer(KachakaApiServicer):
         self._clock = clock
         self._began = clock()
         self._changed = asyncio.Event()
+        self._is_closing = False
 
     async def run(self) -> None:
         """Let time pass until cancelled."""
@@ -102,9 +105,14 @@ class SimulatorServicer(KachakaApiServicer):
     async def changed(self, topic: str, cursor: int) -> int:
         """Return the cursor of a topic when it has changed after `cursor`."""
         topics = self.robot.topics
-        while not topics.is_news(topic, cursor):
+        while not self._is_closing and not topics.is_news(topic, cursor):
             await self._changed.wait()
         return topics.cursor(topic)
+
+    def close(self) -> None:
+        """Answer what waits for a change: gRPC complains of each request that it has to cancel."""
+        self._is_closing = True
+        self._changed.set()
 
     # Whether each has a topic of its own is our reading of the vendor's client.
 
@@ -267,7 +275,8 @@ async def serve_simulator(servicer: SimulatorServicer, host: str = "127.0.0.1", 
         running.cancel()
         with suppress(asyncio.CancelledError):
             await running
-        await server.stop(None)
+        servicer.close()
+        await server.stop(_GRACE)
 
 
 def _result(error: ErrorCode) -> pb2.Result:

@@ -153,10 +153,10 @@ class _Pursuit:
 
     async def go(self, x: float, y: float, goal: tuple[float, float, float], now: float) -> None:
         """Go to a goal, for a target at `x` and `y`."""
-        former, self._ending = self._ending, None
+        # The one before it runs until this one is accepted: what ends meanwhile has to cancel it.
         sent = await self._goals.send_goal(*goal)
-        if former is not None:
-            former.cancel()
+        if self._ending is not None:
+            self._ending.cancel()
         self._ending = asyncio.ensure_future(sent.result())
         self._towards, self._sent_at = (x, y), now
 

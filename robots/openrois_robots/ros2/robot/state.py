@@ -29,15 +29,18 @@ class PoseState:
         clock: the media clock.
         heard: the last pose; None: there was none.
         came_at: when it came, in seconds of the media clock.
+        is_flawed: whether the last message had numbers that are none.
     """
 
     clock: MediaClock
     heard: Heard | None = None
     came_at: float = 0.0
+    is_flawed: bool = False
 
     def note_message(self, message: Any) -> None:
         """Note the pose of a message; one with numbers that are none is dropped."""
         heard = read_heard(message)
+        self.is_flawed = heard is None
         if heard is not None:
             self.heard, self.came_at = heard, self.clock.now()
 
@@ -86,6 +89,8 @@ class OdometryState:
         if self.subscription is not None and (problem := self.subscription.problem):
             raise ComponentFailed(problem)
         topic, silence = self._settings.topic, self._settings.silence
+        if self.pose.is_flawed:
+            raise ComponentFailed(f"the poses on {topic} have numbers that are none")
         if self.pose.heard is None:
             raise ComponentFailed(f"nothing has come on {topic} yet")
         age = self._clock.now() - self.pose.came_at

@@ -127,6 +127,28 @@ async def test_a_wait_that_ends_before_the_robot_has_answered_leaves_no_robot_dr
         assert not servicer.robot.jobs
 
 
+async def test_a_wait_that_ends_at_any_moment_leaves_no_robot_driving_and_no_command_behind() -> None:
+    async with simulated(1.0) as (servicer, address), adapter(address) as own:
+        tasks = len(asyncio.all_tasks())
+        for turn in range(24):
+            going = asyncio.ensure_future(own.commands.perform(FAR, "move", "go"))
+            speaking = asyncio.ensure_future(own.commands.perform(SPEAK, "speech", "speak", moves=False))
+            # Loop turns first, then milliseconds: wherever the command is between being asked for and accepted.
+            for _ in range(turn if turn < 12 else 0):
+                await asyncio.sleep(0)
+            if turn >= 12:
+                await asyncio.sleep((turn - 12) * 0.001)
+            for each in (going, speaking) if turn % 2 else (speaking, going):
+                each.cancel()
+            assert isinstance(await ended(going), asyncio.CancelledError)
+            assert isinstance(await ended(speaking), asyncio.CancelledError)
+            await until(lambda: not servicer.robot.jobs)
+        assert own.commands._running == {}
+        assert len(own.commands._tracking) == 0
+        await until(lambda: len(asyncio.all_tasks()) <= tasks)
+        await own.commands.perform(TURN, "move", "turn")
+
+
 async def test_a_stop_before_the_robot_has_answered_counts() -> None:
     accepting = asyncio.Event()
 

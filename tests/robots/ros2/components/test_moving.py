@@ -348,6 +348,21 @@ async def test_a_robot_that_cannot_follow_is_said_after_some_tries() -> None:
                 await going
 
 
+async def test_a_goal_does_not_run_on_where_the_next_one_is_not_accepted() -> None:
+    async with staged() as stage:
+        follow = await stage.client.find(Follow)
+        stage.graph.say("/visitor_pose", visitor(3.0, 0.0))
+        async with follow.bound():
+            await follow.set(target_object_ref="visitor", distance=1000)
+            going = await stage.begun(stage.client.run(follow.start()), 1.5)
+            assert len(stage.graph.goals) == 1
+            stage.graph.rejects = True
+            stage.graph.say("/visitor_pose", visitor(3.0, 3.0))
+            with pytest.raises(ComponentFailed, match="the action has rejected the goal"):
+                await stage.until(going, 2.0)
+        assert stage.graph.goals[0].canceled == 1
+
+
 @pytest.mark.parametrize("frame", ["odom", ""])
 async def test_frames_that_differ_are_said(frame: str) -> None:
     async with staged() as stage:

@@ -1,5 +1,7 @@
 """What a component's status follows from, and what is said of it."""
 
+from math import nan
+
 import pytest
 
 from openrois.client.components import Move, Navigation, SystemInformation
@@ -37,6 +39,19 @@ async def test_a_topic_that_is_matched_and_silent_is_no_sign_of_life() -> None:
         stage.is_alive = False
         await stage.run(1.0)
         assert stage.component("move").problem().endswith("nothing has come on /odom yet")
+
+
+async def test_odometry_with_numbers_that_are_none_is_no_sign_of_life() -> None:
+    async with staged() as stage:
+        stage.is_alive = False
+        for _ in range(40):
+            stage.graph.say("/odom", odometry(nan, 0.0, 0.0))
+            await stage.run(0.05)
+        assert stage.component("move").status is ComponentStatus.ERROR
+        assert stage.component("move").problem().endswith("the poses on /odom have numbers that are none")
+        stage.is_alive = True
+        await stage.run(1.0)
+        assert stage.component("move").status is ComponentStatus.READY
 
 
 async def test_an_end_without_a_match_keeps_its_components_alone() -> None:
