@@ -107,10 +107,10 @@ async def test_of_several_calls_that_fail_the_same_one_is_told_each_time() -> No
     class Stranger(SimulatorServicer):
         """What answers is no Kachaka."""
 
-        async def _unknown(self, _request: Any, context: Any) -> Any:
+        async def _unknown(self, _request: Any, _context: Any) -> Any:
             self.count("asked")
             await asyncio.sleep(random.random() * 0.01)
-            await context.abort(grpc.StatusCode.UNIMPLEMENTED, "")
+            await _context.abort(grpc.StatusCode.UNIMPLEMENTED, "")
 
         GetRobotPose = GetBatteryInfo = GetError = IsReady = _unknown
 
