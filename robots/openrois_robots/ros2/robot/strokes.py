@@ -150,6 +150,4 @@ def clamped(velocity: Velocity, limits: Limits) -> Velocity:
     speed = hypot(velocity.ahead, velocity.left)
     share = min(1.0, limits.speed / speed) if speed else 1.0
     turn = max(-limits.turn, min(limits.turn, velocity.turn))
-    if not share and not turn:
-        return STANDING
     return Velocity(velocity.ahead * share, velocity.left * share, turn)
