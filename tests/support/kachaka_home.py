@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import dataclass
 
 from openrois_robots.kachaka.adapter import Robot, hosted_kachaka
@@ -13,7 +13,7 @@ from openrois.adapter.dialer import serve_parent
 from tests.support.deployment import gateway
 from tests.support.kachaka import PATIENCE, linked, simulated
 
-__all__ = ["Home", "home"]
+__all__ = ["Home", "home", "housed"]
 
 
 @dataclass
@@ -28,12 +28,20 @@ class Home:
 @asynccontextmanager
 async def home(picture: Picture | None = None, frame_rate: float = 30.0) -> AsyncIterator[Home]:
     """Run a gateway, and a robot behind it with its streams, as `kachaka`."""
-    clock = SystemClock()
+    async with (
+        simulated(1.0, picture=picture, frame_rate=frame_rate) as (servicer, address),
+        housed(linked(address, "kachaka")) as (url, robot),
+    ):
+        yield Home(servicer, robot, url)
+
+
+@asynccontextmanager
+async def housed(linking: AbstractAsyncContextManager[Robot]) -> AsyncIterator[tuple[str, Robot]]:
+    """Run a gateway, and a robot that is linked behind it with its streams; yield the gateway's address too."""
     async with (
         gateway() as running,
-        simulated(1.0, picture=picture, frame_rate=frame_rate) as (servicer, address),
-        linked(address, "kachaka") as robot,
-        hosted_kachaka("kachaka", robot, clock) as adapter,
+        linking as robot,
+        hosted_kachaka("kachaka", robot, SystemClock()) as adapter,
     ):
         url = running.url.replace("http", "ws", 1)
         there = asyncio.Event()
@@ -41,7 +49,7 @@ async def home(picture: Picture | None = None, frame_rate: float = 30.0) -> Asyn
         try:
             async with asyncio.timeout(PATIENCE):
                 await there.wait()
-            yield Home(servicer, robot, url)
+            yield url, robot
         finally:
             serving.cancel()
             await asyncio.wait({serving})

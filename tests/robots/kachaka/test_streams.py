@@ -12,8 +12,8 @@ from openrois_streaming.source import stamp
 
 from openrois.client import Client
 from openrois.client.components import FaceDetection, VideoStreaming
-from tests.support.kachaka import until
-from tests.support.kachaka_home import home
+from tests.support.kachaka import linked, simulator_process, until
+from tests.support.kachaka_home import home, housed
 from tests.support.people import Sitter
 from tests.support.people import picture as photographed
 
@@ -63,6 +63,24 @@ async def test_a_viewer_gets_nine_of_ten_distinct_pictures_and_without_one_none_
         assert "back" not in house.servicer.calls
         await until(lambda: house.robot.state.link.is_up)
         assert house.servicer.calls["front"] == calls, "nothing is fetched any more"
+
+
+@pytest.mark.long
+async def test_pictures_come_again_by_themselves_when_the_robot_was_restarted() -> None:
+    async with (
+        simulator_process() as robot,
+        housed(linked(robot.address, "kachaka")) as (url, _),
+        asyncio.timeout(90),
+        Client(url) as client,
+        Media(client) as media,
+        media.frames(f"kachaka/{VIDEO}", "i420") as frames,
+    ):
+        coming = aiter(frames)
+        await anext(coming)
+        await robot.kill()
+        await robot.start_again()
+        for _ in range(30):
+            await anext(coming)
 
 
 async def test_the_back_camera_is_a_stream_of_its_own() -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import openrois_robots.kachaka
 import pytest
 from kachaka_api.generated import kachaka_api_pb2 as pb2
+from openrois_robots.kachaka.api import calls
 from openrois_robots.kachaka.api.address import Address
 from openrois_robots.kachaka.api.calls import KachakaApi, RobotSilent, RobotUnreachable
 from openrois_robots.kachaka.simulator.servicer import SimulatorServicer
@@ -116,6 +117,14 @@ async def test_a_robot_that_comes_back_is_connected_again_soon() -> None:
                     break
         # gRPC's own pause grows up to two minutes; ours is a second and a fifth of it at most.
         print(f"connected again after {loop.time() - back_at:.2f} s")
+
+
+def test_it_tries_again_each_second_and_pings_no_robot() -> None:
+    """The robot's server answers pings of its clients with GOAWAY, and no ping has ever noticed a robot that hangs."""
+    options = dict(calls._OPTIONS)
+    assert options["grpc.max_reconnect_backoff_ms"] <= 1000
+    assert options["grpc.initial_reconnect_backoff_ms"] <= 1000
+    assert not any("keepalive" in name or "ping" in name for name in options)
 
 
 def test_of_the_vendors_package_the_generated_stub_alone_is_used() -> None:
