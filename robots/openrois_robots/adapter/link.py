@@ -107,8 +107,10 @@ class RobotLink:
         except (RoISError, OSError) as error:
             return f"{self.robot} cannot be reached: {error}"
         except Exception as error:  # What robots tell may be anything, and the link has to outlive it.
-            _log.exception("the answers of %s", self.robot)
-            return f"{self.robot} tells what this adapter does not understand: {type(error).__name__}: {error}"
+            problem = f"{self.robot} tells what this adapter does not understand: {type(error).__name__}: {error}"
+            if problem != self._problem:
+                _log.exception("the answers of %s", self.robot)
+            return problem
         finally:
             asked.cancel()
             late.cancel()

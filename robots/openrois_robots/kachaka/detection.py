@@ -17,6 +17,7 @@ from openrois.aio.tasks import TaskScope
 from openrois_robots.adapter.link import RobotLink
 from openrois_robots.kachaka.api.calls import KachakaApi
 from openrois_robots.kachaka.api.polling import Poll
+from openrois_robots.kachaka.layout import is_place
 from openrois_robots.kachaka.persons import Found, Lens, PersonTracks
 
 __all__ = ["Detection"]
@@ -99,7 +100,8 @@ class Detection:
                 await self._clock.sleep_until(self._clock.now() + _RETRY)
                 continue
             self._failure = ""
-            self._camera = Place(pose.pose.x, pose.pose.y, pose.pose.theta)
+            at = pose.pose
+            self._camera = Place(at.x, at.y, at.theta) if is_place(at.x, at.y, at.theta) else None
             now = self._clock.now()
             self.seen.notify_all(Sighting(now, self._tracks.update(_persons(response), self._lens, now)))
 

@@ -85,11 +85,15 @@ async def test_a_robot_that_hangs_is_lost_and_comes_back(robot: Robot, clock: Vi
 
 
 async def test_a_robot_that_tells_what_the_adapter_does_not_understand_is_lost_and_asked_again(
-    robot: Robot, clock: VirtualClock, link: RobotLink
+    robot: Robot, clock: VirtualClock, link: RobotLink, caplog: pytest.LogCaptureFixture
 ) -> None:
     await linked(robot, clock)
     robot.error = ValueError("cannot convert float NaN to integer")
-    await clock.advance(PERIOD)
+    for _ in range(5):
+        await clock.advance(PERIOD)
+    assert [record.exc_info is not None for record in caplog.records if record.levelno >= logging.WARNING] == [
+        *(False, True, False)
+    ], "it could not be reached; what it tells, with where that fails, once; that it is lost"
     assert link.status is ComponentStatus.ERROR
     assert link.problem == (
         "the robot at 192.0.2.7:26400 tells what this adapter does not understand:"

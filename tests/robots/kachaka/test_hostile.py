@@ -6,10 +6,12 @@ from typing import Any
 
 import pytest
 from kachaka_api.generated import kachaka_api_pb2 as pb2
+from openrois_body.sensing.changes import Place
 from openrois_robots.kachaka.adapter import VIDEO
+from openrois_robots.kachaka.simulator.house import Pose
 from openrois_robots.kachaka.simulator.servicer import SimulatorServicer
 
-from openrois.client.components import Navigation, PersonLocalization, SystemInformation
+from openrois.client.components import Navigation, PersonDetection, PersonLocalization, SystemInformation
 from openrois.errors import ComponentFailed
 from tests.support.image_files import JPEG, resized
 from tests.support.kachaka import ended, staged, until
@@ -123,6 +125,16 @@ async def test_detections_with_numbers_that_are_none_are_persons_without_a_place
             event = await anext(aiter(localized))
         assert 1 <= len(event.position_data) <= 50
         assert not any("nan" in each or "inf" in each for each in event.position_data)
+
+
+async def test_persons_are_nowhere_while_the_robot_does_not_tell_where_it_is() -> None:
+    nowhere = pb2.GetRobotPoseResponse(pose=pb2.Pose(x=NAN))
+    async with staged(at=Pose(0.0, 0.2), servicer=telling(GetRobotPose=nowhere)) as stage:
+        detection = await stage.client.find(PersonDetection)
+        localizer: Any = next(each for each in stage.robot.components if each.name == "person_localizer")
+        async with detection.person_detected() as detected, asyncio.timeout(10):
+            assert (await anext(each async for each in detected if each.number)).number == 1
+        assert localizer._detection.locate(Place(0.0, 1.0, 0.0)) is None
 
 
 async def test_pictures_that_are_none_or_too_large_are_counted_and_the_next_one_is_shown() -> None:
