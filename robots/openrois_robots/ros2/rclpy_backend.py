@@ -9,6 +9,7 @@ Source: https://docs.ros.org/en/jazzy/p/rclpy/. Without an installed ROS it was 
 import asyncio
 import importlib
 import importlib.util
+import logging
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -31,6 +32,8 @@ from openrois_robots.ros2.graph.matching import Direction, Peer, Qos, is_match, 
 from openrois_robots.ros2.interfaces.definitions import DefinitionError
 
 __all__ = ["RclpyBackend", "is_rclpy_installed"]
+
+_log = logging.getLogger(__name__)
 
 NODE: Final = "openrois"
 _JOIN: Final = 5.0
@@ -176,9 +179,18 @@ class RclpyBackend:
             self._executor.create_task(lambda: destroy(entity))
 
     def _spin(self) -> None:
-        # It raises when the context is shut down, which is how it is ended.
-        with suppress(Exception):
-            self._executor.spin()
+        executor = self._executor
+        while True:
+            try:
+                executor.spin()
+            except (
+                Exception
+            ) as error:  # What a message raises that rclpy cannot read; a context that is shut down raises.
+                if self._executor is None or not self._context.ok():
+                    return
+                _log.warning("rclpy could not hand on what a node has sent: %s: %s", type(error).__name__, error)
+            else:
+                return
 
     def _shut_down(self) -> None:
         executor, self._executor = self._executor, None
@@ -227,7 +239,11 @@ class RclpyPublisher(_OfTopic):
         """Publish a message."""
         if self._entity is None:
             raise ComponentFailed("the node has left the graph of ROS")
-        self._entity.publish(_filled(self._kind(), message))
+        filled = _filled(self._kind(), message)
+        try:
+            self._entity.publish(filled)
+        except Exception as error:  # What the middleware raises is of its own kinds.
+            raise ComponentFailed(f"ROS refused a message: {error}") from None
 
     def close(self) -> None:
         """Remove it from the graph."""
@@ -262,8 +278,15 @@ class RclpySubscription(_OfTopic):
             self._backend.call(self._drain)
 
     def _drain(self) -> None:
-        while self._waiting and self._entity is not None:
-            self._on_message(self._waiting.popleft())
+        """Hand one message on, and come back for the next one, whatever becomes of this one."""
+        if not self._waiting or self._entity is None:
+            return
+        message = self._waiting.popleft()
+        try:
+            self._on_message(message)
+        finally:
+            if self._waiting:
+                self._backend.call(self._drain)
 
 
 class RclpyServiceClient:
