@@ -75,7 +75,7 @@ class Parts:
         self._listen_to_battery()
         base = self._motion()
         self.wheels, self.legs, self.figure = base.wheels, base.legs, base.figure
-        self.goals, self._action = self._goals()
+        self.goals, self._needed_by_goals = self._goals()
 
     def ends(self, *ends: Matched) -> Ends:
         """Return the ends of a component."""
@@ -87,8 +87,8 @@ class Parts:
         return self.ends(*(() if self.wheels is None else (self.wheels.publisher,)))
 
     def goal_ends(self) -> Ends:
-        """Return what goals need."""
-        return self.ends(*(() if self._action is None else (self._action,)))
+        """Return what goals need: the action, and a node that hears the limit of their speed, where there is one."""
+        return self.ends(*self._needed_by_goals)
 
     def pose_states(self, topics: Mapping[str, str], reliability: str) -> dict[str, PoseState]:
         """Return the last poses of topics of `PoseStamped`, by their names."""
@@ -149,15 +149,15 @@ class Parts:
         figure = Figure(legs, self.world, Ways(self.world), lambda: self.link.status)
         return _Motion(wheels, legs, figure)
 
-    def _goals(self) -> tuple[Goals | None, Matched | None]:
+    def _goals(self) -> tuple[Goals | None, tuple[Matched, ...]]:
         settings, backend = self.mapping.navigation, self.backend
         if settings is None:
-            return None, None
+            return None, ()
         action = backend.action(settings.action, NAVIGATE)
         limit = backend.publisher(settings.speed_limit, SPEED_LIMIT, Qos()) if settings.speed_limit else None
         speed = self.mapping.base.max_speed
         goals = Goals(action, settings, self.mapping.places, speed, limit, self.heard_pose, self._stand, self.clock)
-        return goals, action
+        return goals, (action,) if limit is None else (action, limit)
 
 
 def _ignore(_command: object) -> None:

@@ -41,6 +41,14 @@ async def test_a_topic_that_is_matched_and_silent_is_no_sign_of_life() -> None:
         assert stage.component("move").problem().endswith("nothing has come on /odom yet")
 
 
+async def test_a_speed_limit_that_no_node_hears_keeps_the_robot_from_goals() -> None:
+    async with staged(problems={"/speed_limit": "no node subscribes to /speed_limit"}) as stage:
+        for name in ("navigation", "follower"):
+            assert stage.component(name).status is ComponentStatus.UNINITIALIZED, name
+            assert stage.component(name).problem() == "no node subscribes to /speed_limit", name
+        assert stage.component("move").status is ComponentStatus.READY
+
+
 async def test_odometry_with_numbers_that_are_none_is_no_sign_of_life() -> None:
     async with staged() as stage:
         stage.is_alive = False
