@@ -5,7 +5,7 @@ import random
 import pytest
 from openrois_bench.faults.robots import FAULTS, ROBOTS, measured, stage
 
-pytestmark = [pytest.mark.extra(name="kachaka"), pytest.mark.timeout(120)]
+pytestmark = pytest.mark.timeout(120)
 
 
 async def test_a_kachaka_is_told_to_stop_when_its_gateway_hangs() -> None:
