@@ -1,11 +1,7 @@
 """A simulated Kachaka over real gRPC, here or in a process of its own, and its adapter behind a gateway in memory."""
 
-import asyncio
-import os
-import signal
-import sys
-from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager, suppress
+from collections.abc import AsyncIterator
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,30 +15,12 @@ from openrois_streaming.clock import SystemClock
 
 from openrois.client import Client
 from openrois.testing import harness
+from tests.support.robots import RobotProcess, until
 
-__all__ = [
-    "FAST",
-    "HomeProcess",
-    "Linked",
-    "ended",
-    "linked",
-    "simulated",
-    "simulator_process",
-    "staged",
-    "until",
-]
+__all__ = ["FAST", "HomeProcess", "Linked", "linked", "simulated", "simulator_process", "staged"]
 
 FAST = 20.0
 """Seconds of the robot in one: what it does takes its time, and tests do not wait for it."""
-PATIENCE = 30.0
-"""Seconds that anything may take on a busy machine."""
-
-
-async def until(holds: Callable[[], object], patience: float = PATIENCE) -> None:
-    """Wait until something holds that tells of no event."""
-    async with asyncio.timeout(patience):
-        while not holds():  # noqa: ASYNC110 - it tells of no event
-            await asyncio.sleep(0.005)
 
 
 @asynccontextmanager
@@ -106,60 +84,14 @@ async def staged(
         yield Linked(made, robot, client)
 
 
-class HomeProcess:
-    """A simulator in a process of its own, which can be frozen, killed and started again at its port."""
+class HomeProcess(RobotProcess):
+    """A simulator in a process of its own."""
 
-    def __init__(self, process: asyncio.subprocess.Process, address: Address, options: tuple[str, ...]) -> None:
-        self.process = process
-        self.address = address
-        self._options = options
-
-    def freeze(self) -> None:
-        os.kill(self.process.pid, signal.SIGSTOP)
-
-    def thaw(self) -> None:
-        os.kill(self.process.pid, signal.SIGCONT)
-
-    async def kill(self) -> None:
-        with suppress(ProcessLookupError):
-            self.process.kill()
-        await self.process.wait()
-
-    async def said(self) -> str:
-        """Return what it printed as errors, once it has ended."""
-        assert self.process.stderr is not None
-        return (await self.process.stderr.read()).decode()
-
-    async def start_again(self) -> None:
-        self.process, _ = await _launched(self.address.port, self._options)
+    @property
+    def address(self) -> Address:
+        return Address("127.0.0.1", self.port)
 
 
-async def _launched(port: int, options: tuple[str, ...]) -> tuple[asyncio.subprocess.Process, int]:
-    process = await asyncio.create_subprocess_exec(
-        sys.executable,
-        *("-m", "openrois_robots.kachaka.simulator", "--port", str(port), *options),
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.PIPE,
-    )
-    assert process.stdout is not None
-    async with asyncio.timeout(PATIENCE):
-        ready = await process.stdout.readline()
-    assert ready.startswith(b"ready "), ready
-    return process, int(ready.rpartition(b":")[2])
-
-
-@asynccontextmanager
-async def simulator_process(*options: str) -> AsyncIterator[HomeProcess]:
+def simulator_process(*options: str) -> AbstractAsyncContextManager[HomeProcess]:
     """Run a simulator in a process of its own."""
-    process, port = await _launched(0, options)
-    home = HomeProcess(process, Address("127.0.0.1", port), options)
-    try:
-        yield home
-    finally:
-        await home.kill()
-
-
-async def ended(work: Awaitable[object]) -> BaseException | None:
-    """Return what a work raises; None where it raises nothing."""
-    (outcome,) = await asyncio.gather(work, return_exceptions=True)
-    return outcome if isinstance(outcome, BaseException) else None
+    return HomeProcess.running("openrois_robots.kachaka.simulator", *options)

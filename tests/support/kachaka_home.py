@@ -11,7 +11,8 @@ from openrois_streaming.clock import SystemClock
 
 from openrois.adapter.dialer import serve_parent
 from tests.support.deployment import gateway
-from tests.support.kachaka import PATIENCE, linked, simulated
+from tests.support.kachaka import linked, simulated
+from tests.support.robots import PATIENCE
 
 __all__ = ["Home", "home", "housed"]
 

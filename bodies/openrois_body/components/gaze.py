@@ -1,29 +1,36 @@
 """Gaze: where the body looks. A component of OpenRoIS; the standard has none."""
 
 from collections.abc import Callable
-from typing import Annotated
+from typing import Annotated, Protocol
 
 from pydantic import Field
 
 from openrois.adapter import Component, ComponentStatus, command
-from openrois_body.body import Body
 
-__all__ = ["Gaze"]
+__all__ = ["Eyes", "Gaze"]
 
 Coordinate = Annotated[float, Field(ge=-1, le=1)]
+
+
+class Eyes(Protocol):
+    """What looks; `openrois_body.body.Body` implements it."""
+
+    def turn_eyes(self, x: float, y: float) -> None:
+        """Look somewhere; raises ComponentFailed."""
+        ...
 
 
 class Gaze(Component, authority="OpenRoIS", function="function"):
     """Turns the eyes, and the head a little after them. Of class function: a glance needs no reservation.
 
     Args:
-        body: turns the eyes.
+        eyes: look.
         engine_status: returns the status of the game engine.
     """
 
-    def __init__(self, body: Body, engine_status: Callable[[], ComponentStatus]) -> None:
+    def __init__(self, eyes: Eyes, engine_status: Callable[[], ComponentStatus]) -> None:
         super().__init__()
-        self._body = body
+        self._eyes = eyes
         self._engine_status = engine_status
 
     def condition(self) -> ComponentStatus:
@@ -38,4 +45,4 @@ class Gaze(Component, authority="OpenRoIS", function="function"):
             x: -1 (the viewer's left) to 1
             y: -1 (down) to 1
         """
-        self._body.turn_eyes(x, y)
+        self._eyes.turn_eyes(x, y)

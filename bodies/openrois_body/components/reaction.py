@@ -1,12 +1,11 @@
 """Reaction: gestures of head, arms and body (component 12), named by the identifiers of Annex D where it has one."""
 
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from openrois.adapter import BadParameter, ComponentStatus, command, components
-from openrois_body.body import Body
 
-__all__ = ["Reaction", "reaction_ref"]
+__all__ = ["Player", "Reaction", "reaction_ref"]
 
 _LONGEST: Final = 30.0
 """Seconds after which a reaction counts as failed, so that an engine that never completes it blocks no other."""
@@ -28,20 +27,31 @@ def reaction_ref(name: str) -> str:
     return f"urn:x-rois:def:reaction:OpenRoIS::{name}"
 
 
+class Player(Protocol):
+    """What plays reactions; `openrois_body.body.Body` implements it."""
+
+    async def react(self, reaction: str) -> None:
+        """Play a reaction to its end; raises Aborted and ComponentFailed. Cancelling this stops it."""
+        ...
+
+
 class Reaction(components.Reaction):
     """Plays the reaction that `reaction_ref` names; one at a time, a new one replaces the one that runs.
 
     Args:
-        body: plays the reactions.
-        reactions: returns the names that the game engine offers now.
+        player: plays the reactions.
+        reactions: returns the names that it offers now.
         engine_status: returns the status of the game engine.
     """
 
     def __init__(
-        self, body: Body, reactions: Callable[[], tuple[str, ...]], engine_status: Callable[[], ComponentStatus]
+        self,
+        player: Player,
+        reactions: Callable[[], tuple[str, ...]],
+        engine_status: Callable[[], ComponentStatus],
     ) -> None:
         super().__init__()
-        self._body = body
+        self._player = player
         self._reactions = reactions
         self._engine_status = engine_status
 
@@ -69,7 +79,7 @@ class Reaction(components.Reaction):
         name = self._names().get(self.reaction_ref or "")
         if name is None:
             raise BadParameter("reaction_ref is not set, or not offered; available_reactions lists the refs")
-        await self._body.react(name)
+        await self._player.react(name)
 
     async def stop(self) -> None:
         """Stop the reaction; `start` ends with ABORT."""

@@ -19,7 +19,7 @@ from openrois_body.hearing.ear import Ear
 from openrois_body.hearing.noise_floor import Presence
 from openrois_body.sensing.changes import Place
 
-__all__ = ["ASSUMED_DISTANCE", "SoundLocalization"]
+__all__ = ["ASSUMED_DISTANCE", "SoundLocalization", "place_at"]
 
 ASSUMED_DISTANCE: Final = 1.0
 """Metres from the microphones to a source: two microphones tell its bearing only."""
@@ -98,14 +98,18 @@ class SoundLocalization(Localizing, components.SoundLocalization):
             self._bearings.append(bearing)
         if bearing is None or len(self._bearings) < _AGREEING:
             return
-        place = _place(median(self._bearings))
+        place = place_at(median(self._bearings))
         ref = f"urn:x-rois:def:sound:OpenRoIS::{self._engine_id}/microphone/{self._number}"
         if self.is_news({ref: place}, at):
             moment = datetime.fromtimestamp(wall_at(self._clock, at), UTC)
             self.sound_localized((ref,), (place.text,), moment)
 
 
-def _place(bearing: float) -> Place:
-    """Return the place of a source at the assumed distance that faces the microphones."""
+def place_at(bearing: float) -> Place:
+    """Return the place of a source at the assumed distance that faces the microphones.
+
+    Args:
+        bearing: radians from straight ahead, to the right.
+    """
     x, y = ASSUMED_DISTANCE * math.sin(bearing), ASSUMED_DISTANCE * math.cos(bearing)
     return Place(x, y, math.atan2(-y, -x))

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from openrois.adapter import BadParameter, ComponentStatus, components, parameter
-from openrois_body.speech.voice import Voice
+from openrois_body.speech.speaker import Speaker
 
 __all__ = ["SpeechSynthesis"]
 
@@ -23,13 +23,17 @@ class SpeechSynthesis(components.SpeechSynthesis):
     ssml_text: Speech | None = parameter(None)
     volume: Annotated[int, Field(ge=0, le=100)] = parameter(50)
 
-    def __init__(self, voice: Voice) -> None:
+    def __init__(self, voice: Speaker) -> None:
         super().__init__()
         self._voice = voice
 
     def condition(self) -> ComponentStatus:
-        """Return READY where speech synthesis is installed, else ERROR."""
+        """Return READY where texts can be spoken, else ERROR."""
         return ComponentStatus.READY if self._voice.available()[0] else ComponentStatus.ERROR
+
+    def problem(self) -> str:
+        """Return why texts cannot be spoken, or what to install."""
+        return self._voice.available()[1]
 
     def accept_parameters(self, changes: dict[str, Any]) -> dict[str, Any]:
         """Let one text replace the other, also where it is empty; refuse two at once."""

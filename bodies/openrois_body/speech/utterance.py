@@ -16,7 +16,7 @@ from openrois_body.sound.mixer import BodySound, Playback, SoundBusy
 from openrois_body.speech.playout_delay import PlayoutDelay
 from openrois_body.speech.synthesizer import NamedMark, Speech, Word
 
-__all__ = ["MarkReached", "Progress", "SpeechBegan", "SpeechEnded", "Utterance", "WordSpoken"]
+__all__ = ["MarkReached", "Progress", "SpeechBegan", "SpeechEnded", "Utterance", "WordSpoken", "place_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,10 +117,10 @@ class Utterance:
             while rest is not None:
                 await self._going_on.wait()
                 if self._cut_off:
-                    raise Aborted(f"{self._cut_off} {self._where()}")
+                    raise Aborted(f"{self._cut_off} {place_of(self._last)}")
                 rest = await self._play(rest)
         except asyncio.CancelledError:
-            self._announce_end(CompletedStatus.ABORT, f"the speech was stopped {self._where()}")
+            self._announce_end(CompletedStatus.ABORT, f"the speech was stopped {place_of(self._last)}")
             raise
         except Aborted as error:
             self._announce_end(CompletedStatus.ABORT, str(error))
@@ -198,10 +198,10 @@ class Utterance:
         else:
             self._on_progress(MarkReached(self.speech_id, moment.name, at))
 
-    def _where(self) -> str:
-        if self._last is None:
-            return "before the first word"
-        return f"at the word {self._last.text!r} (character {self._last.position})"
-
     def _announce_end(self, status: CompletedStatus, reason: str) -> None:
         self._on_progress(SpeechEnded(self.speech_id, status, reason, self._last, self._sound.clock.wall()))
+
+
+def place_of(word: Word | None) -> str:
+    """Return where a speech was cut off, for a sentence: at the last word that was begun."""
+    return "before the first word" if word is None else f"at the word {word.text!r} (character {word.position})"

@@ -13,7 +13,7 @@ from openrois.component.component import Component
 from openrois.errors import RoISError
 from openrois.types.codes import ErrorType
 
-__all__ = ["PATIENCE", "PERIOD", "Linked", "RobotLink", "report_losses"]
+__all__ = ["PATIENCE", "PERIOD", "Linked", "RobotLink", "RobotNotReady", "report_losses"]
 
 _log = logging.getLogger(__name__)
 
@@ -26,6 +26,10 @@ PATIENCE: Final = 1.0
 _T = TypeVar("_T")
 
 
+class RobotNotReady(ComponentFailed):
+    """The robot answers, and cannot work; the text continues the sentence `the robot at ...`."""
+
+
 class RobotLink:
     """The link to one robot.
 
@@ -33,7 +37,8 @@ class RobotLink:
 
     Args:
         robot: what is linked, for sentences: `the robot at 192.0.2.7:26400`.
-        probe: asks for a sign of life; `ComponentFailed` or `OSError` says why there is none.
+        probe: asks for a sign of life; `ComponentFailed` or `OSError` says why there is none, `RobotNotReady` why the
+            robot cannot work although it answers.
         clock: the media clock.
 
     Attributes:
@@ -104,6 +109,8 @@ class RobotLink:
             if not asked.done():
                 return f"{self.robot} has not answered for {PATIENCE:g} s"
             await asked
+        except RobotNotReady as error:
+            return f"{self.robot} {error}"
         except (RoISError, OSError) as error:
             return f"{self.robot} cannot be reached: {error}"
         except Exception as error:  # What robots tell may be anything, and the link has to outlive it.

@@ -16,7 +16,17 @@ from openrois.transport.address import adapter_url
 from openrois.transport.credential_options import add_credential_options, credentials
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 
-__all__ = ["AdapterSettings", "add_adapter_options", "read_adapter_settings", "read_config", "read_table", "read_toml"]
+__all__ = [
+    "AdapterSettings",
+    "RobotTable",
+    "add_adapter_options",
+    "add_robot_option",
+    "read_adapter_settings",
+    "read_config",
+    "read_table",
+    "read_toml",
+    "robot_address",
+]
 
 _D = TypeVar("_D")
 
@@ -56,6 +66,36 @@ class AdapterSettings:
     network: NetworkSettings = field(default_factory=NetworkSettings)
     credentials: Credentials = NO_CREDENTIALS
     metrics: tuple[str, int] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RobotTable:
+    """The table `robot` of the configuration file of a robot that is found by its address.
+
+    Attributes:
+        address: `HOST` or `HOST:PORT`; empty: `--robot` says it.
+    """
+
+    address: str = ""
+
+
+def add_robot_option(parser: argparse.ArgumentParser, port: int) -> None:
+    """Add `--robot`, the address of a robot; `port` is that of its API."""
+    parser.add_argument(
+        "--robot", metavar="HOST[:PORT]", help=f"where it is (port {port} unless given; robot.address of --config)"
+    )
+
+
+def robot_address(chosen: argparse.Namespace, table: RobotTable) -> str:
+    """Return the address of `--robot`, else that of the configuration file.
+
+    Raises:
+        ValueError: there is none; a sentence for a person.
+    """
+    address: str = chosen.robot or table.address
+    if not address:
+        raise ValueError("--robot is missing: say where the robot is, as in --robot 192.168.1.20")
+    return address
 
 
 def add_adapter_options(parser: argparse.ArgumentParser, engine_id: str, tables: str) -> None:

@@ -2,8 +2,8 @@
 
 import argparse
 import sys
-from collections.abc import Awaitable, Callable, Mapping, Sequence
-from contextlib import AbstractAsyncContextManager
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
@@ -12,6 +12,8 @@ from openrois_media.metrics.figures import Snapshot
 from openrois_media.process import serve_process
 from openrois_media.running import prepare_process
 from openrois_streaming.aiortc_internals.trial import UnsupportedLibrary
+from openrois_streaming.clock import MediaClock, SystemClock
+from openrois_streaming.network.settings import NetworkSettings
 
 from openrois.adapter.process import run_until_stopped
 from openrois.cli.command_line import CommandLine
@@ -21,9 +23,10 @@ from openrois.observability.logs import set_up_logging
 from openrois.session.session import EngineHost
 from openrois_robots.adapter.options import AdapterSettings, add_adapter_options, read_adapter_settings
 
-__all__ = ["RobotCommand", "RunningRobot"]
+__all__ = ["RobotCommand", "RunningRobot", "run_hosted"]
 
 _S = TypeVar("_S")
+_R = TypeVar("_R")
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,3 +102,26 @@ class RobotCommand(Generic[_S]):
                 settings.metrics,
                 robot.requirements,
             )
+
+
+def run_hosted(
+    made: Callable[[str, _S, MediaClock], AbstractAsyncContextManager[_R]],
+    hosted: Callable[[str, _R, MediaClock, NetworkSettings], AbstractAsyncContextManager[RunningRobot]],
+) -> Callable[[AdapterSettings, _S], AbstractAsyncContextManager[RunningRobot]]:
+    """Return what runs a robot on the clock of this machine: `run` of its command.
+
+    Args:
+        made: makes or links the robot, from its engine_id and settings.
+        hosted: makes an engine of it, with the settings of its streams.
+    """
+
+    @asynccontextmanager
+    async def run(settings: AdapterSettings, own: _S) -> AsyncIterator[RunningRobot]:
+        clock = SystemClock()
+        async with (
+            made(settings.engine_id, own, clock) as robot,
+            hosted(settings.engine_id, robot, clock, settings.network) as running,
+        ):
+            yield running
+
+    return run

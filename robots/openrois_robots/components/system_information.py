@@ -9,7 +9,7 @@ from openrois.adapter import ComponentFailed, ComponentStatus, Payload, componen
 from openrois.catalog.system_information import EngineStatusResult, RobotPositionResult
 from openrois_robots.adapter.battery import Battery
 
-__all__ = ["Pose", "SystemInformation"]
+__all__ = ["Pose", "PoseInformation", "SystemInformation"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,69 @@ class BatteryResult(Payload):
     is_low: bool
 
 
-class SystemInformation(components.SystemInformation, function="sensing"):
+class PoseInformation(components.SystemInformation, function="sensing"):
+    """Reports the robot's pose and its status: what there is to tell of a robot without a battery.
+
+    Args:
+        robot_ref: the id by which the robot is known, the only entry of `robot_ref`.
+        robot_status: returns the status of the robot.
+        problem: returns why it is not READY; empty: no more is known.
+        pose: returns the robot's last pose; None while it has told none.
+        wall_clock: epoch seconds.
+    """
+
+    def __init__(
+        self,
+        robot_ref: str,
+        robot_status: Callable[[], ComponentStatus],
+        problem: Callable[[], str],
+        pose: Callable[[], Pose | None],
+        wall_clock: Callable[[], float] = time.time,
+    ) -> None:
+        super().__init__()
+        self._robot_ref = robot_ref
+        self._robot_status = robot_status
+        self._problem = problem
+        self._pose = pose
+        self._operable_since = datetime.fromtimestamp(wall_clock(), UTC)
+
+    async def robot_position(self) -> RobotPositionResult:
+        """Return the robot, its position `x,y,th`, and when it was there.
+
+        Raises:
+            ComponentFailed: the robot has not told where it is.
+        """
+        pose = self._known_pose()
+        position = f"{pose.x:.3f},{pose.y:.3f},{pose.th:.4f}"
+        return RobotPositionResult(position_data=(position,), robot_ref=(self._robot_ref,), timestamp=pose.at)
+
+    async def engine_status(self) -> EngineStatusResult:
+        """Return whether the robot works, and since when the adapter has been operable."""
+        return EngineStatusResult(status=self._robot_status(), operable_time=self._operable_since)
+
+    @query
+    async def pose(self) -> PoseResult:
+        """Return where the robot is, with frame and time.
+
+        Raises:
+            ComponentFailed: the robot has not told where it is.
+        """
+        pose = self._known_pose()
+        return PoseResult(x=pose.x, y=pose.y, th=pose.th, frame=pose.frame, timestamp=pose.at)
+
+    @query
+    async def health(self) -> str:
+        """Return why the robot does not work, in a sentence; empty while it does."""
+        return self._problem()
+
+    def _known_pose(self) -> Pose:
+        pose = self._pose()
+        if pose is None:
+            raise ComponentFailed(self._problem() or "the robot has not told where it is")
+        return pose
+
+
+class SystemInformation(PoseInformation, function="sensing"):
     """Reports the robot's pose, its status and its battery.
 
     The status is WARNING while the battery is low: all components work, and refuse goals other than the charger.
@@ -72,40 +134,15 @@ class SystemInformation(components.SystemInformation, function="sensing"):
         battery: Battery,
         wall_clock: Callable[[], float] = time.time,
     ) -> None:
-        super().__init__()
-        self._robot_ref = robot_ref
-        self._robot_status = robot_status
-        self._problem = problem
-        self._pose = pose
+        super().__init__(robot_ref, robot_status, problem, pose, wall_clock)
         self._battery = battery
-        self._operable_since = datetime.fromtimestamp(wall_clock(), UTC)
-
-    async def robot_position(self) -> RobotPositionResult:
-        """Return the robot, its position `x,y,th`, and when it was there.
-
-        Raises:
-            ComponentFailed: the robot has not told where it is.
-        """
-        pose = self._known_pose()
-        position = f"{pose.x:.3f},{pose.y:.3f},{pose.th:.4f}"
-        return RobotPositionResult(position_data=(position,), robot_ref=(self._robot_ref,), timestamp=pose.at)
 
     async def engine_status(self) -> EngineStatusResult:
         """Return whether the robot works, and since when the adapter has been operable."""
-        status = self._robot_status()
-        if self._battery.is_low and status is ComponentStatus.READY:
-            status = ComponentStatus.WARNING
-        return EngineStatusResult(status=status, operable_time=self._operable_since)
-
-    @query
-    async def pose(self) -> PoseResult:
-        """Return where the robot is, with frame and time.
-
-        Raises:
-            ComponentFailed: the robot has not told where it is.
-        """
-        pose = self._known_pose()
-        return PoseResult(x=pose.x, y=pose.y, th=pose.th, frame=pose.frame, timestamp=pose.at)
+        told = await super().engine_status()
+        if self._battery.is_low and told.status is ComponentStatus.READY:
+            return told.model_copy(update={"status": ComponentStatus.WARNING})
+        return told
 
     @query
     async def battery(self) -> BatteryResult:
@@ -118,14 +155,3 @@ class SystemInformation(components.SystemInformation, function="sensing"):
         if battery.percent is None:
             raise ComponentFailed(self._problem() or "the robot has not told the charge of its battery")
         return BatteryResult(percent=battery.percent, is_charging=battery.is_charging, is_low=battery.is_low)
-
-    @query
-    async def health(self) -> str:
-        """Return why the robot does not work, in a sentence; empty while it does."""
-        return self._problem()
-
-    def _known_pose(self) -> Pose:
-        pose = self._pose()
-        if pose is None:
-            raise ComponentFailed(self._problem() or "the robot has not told where it is")
-        return pose

@@ -7,25 +7,14 @@ from functools import partial
 from typing import Any, Final
 
 from openrois_robots.adapter.battery import BatteryLimit
-from openrois_robots.adapter.options import read_config, read_table
+from openrois_robots.adapter.options import RobotTable, add_robot_option, read_config, read_table, robot_address
 from openrois_robots.kachaka.api.address import PORT, Address, read_address
 from openrois_robots.kachaka.limits import DrivingLimits, SpeechSettings
 
-__all__ = ["TABLES", "KachakaSettings", "RobotTable", "add_options", "read_settings"]
+__all__ = ["TABLES", "KachakaSettings", "add_options", "read_settings"]
 
 TABLES: Final = "robot, driving, speech and battery: address and limits"
 """The tables of the configuration file, for the help."""
-
-
-@dataclass(frozen=True, slots=True)
-class RobotTable:
-    """The robot.
-
-    Attributes:
-        address: `HOST` or `HOST:PORT`; empty: `--robot` says it.
-    """
-
-    address: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,9 +44,7 @@ _READ: Final[Mapping[str, Callable[[str, Any], Any]]] = {
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that only this robot has."""
-    parser.add_argument(
-        "--robot", metavar="HOST[:PORT]", help=f"where it is (port {PORT} unless given; robot.address of --config)"
-    )
+    add_robot_option(parser, PORT)
 
 
 def read_settings(chosen: argparse.Namespace) -> KachakaSettings:
@@ -67,7 +54,5 @@ def read_settings(chosen: argparse.Namespace) -> KachakaSettings:
         ValueError: one is wrong or missing, or the file cannot be read; a sentence for a person.
     """
     tables = read_config(chosen.config, _READ)
-    address = chosen.robot or tables["robot"].address
-    if not address:
-        raise ValueError("--robot is missing: say where the robot is, as in --robot 192.168.1.20")
-    return KachakaSettings(read_address(address), tables["driving"], tables["speech"], tables["battery"])
+    address = read_address(robot_address(chosen, tables["robot"]))
+    return KachakaSettings(address, tables["driving"], tables["speech"], tables["battery"])

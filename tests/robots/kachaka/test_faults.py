@@ -19,7 +19,8 @@ from openrois.client.components import Move, Navigation, SpeechSynthesis, System
 from openrois.errors import ComponentFailed
 from openrois.testing import harness
 from openrois.types.codes import ErrorType
-from tests.support.kachaka import ended, linked, simulated, simulator_process, until
+from tests.support.kachaka import linked, simulated, simulator_process
+from tests.support.robots import ended, until
 
 
 async def navigate(client: Client, *targets: str) -> None:

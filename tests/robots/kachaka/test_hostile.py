@@ -14,7 +14,8 @@ from openrois_robots.kachaka.simulator.servicer import SimulatorServicer
 from openrois.client.components import Navigation, PersonDetection, PersonLocalization, SystemInformation
 from openrois.errors import ComponentFailed
 from tests.support.image_files import JPEG, resized
-from tests.support.kachaka import ended, staged, until
+from tests.support.kachaka import staged
+from tests.support.robots import ended, until
 
 NAN, INF = float("nan"), float("inf")
 

@@ -13,8 +13,9 @@ from openrois.client import Client
 from openrois.client.components import Move, Navigation
 from openrois.contract import Client as Application
 from openrois.types.streams import HolderNotification
-from tests.support.kachaka import Linked, ended, staged, until
+from tests.support.kachaka import Linked, staged
 from tests.support.kachaka_home import home
+from tests.support.robots import ended, until
 from tests.support.teleoperation import Hand
 
 

@@ -12,10 +12,11 @@ from openrois_streaming.source import stamp
 
 from openrois.client import Client
 from openrois.client.components import FaceDetection, VideoStreaming
-from tests.support.kachaka import linked, simulator_process, until
+from tests.support.kachaka import linked, simulator_process
 from tests.support.kachaka_home import home, housed
 from tests.support.people import Sitter
 from tests.support.people import picture as photographed
+from tests.support.robots import until
 
 pytestmark = pytest.mark.media
 

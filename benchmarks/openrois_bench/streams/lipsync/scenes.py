@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from openrois_avatar.link.embedded import EmbeddedEngine
 from openrois_body.body import Body
 from openrois_body.sound.mixer import BodySound
+from openrois_body.speech.speaker import DEFAULT_CHARACTER
 from openrois_body.speech.synthesizer import Synthesizer
-from openrois_body.speech.voice import DEFAULT_CHARACTER, Voice
+from openrois_body.speech.voice import Voice
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.synthetic import ColourBars, Tone

@@ -20,7 +20,8 @@ from openrois_streaming.clock import SystemClock
 from openrois.adapter import ComponentFailed, OutOfResources
 from openrois.aio.tasks import TaskScope
 from openrois.errors import Aborted
-from tests.support.kachaka import ended, simulated, simulator_process, until
+from tests.support.kachaka import simulated, simulator_process
+from tests.support.robots import ended, until
 
 FAR = pb2.Command(move_forward_command=pb2.MoveForwardCommand(distance_meter=2.0, speed=0.3))
 TURN = pb2.Command(rotate_in_place_command=pb2.RotateInPlaceCommand(angle_radian=0.01))

@@ -25,7 +25,8 @@ from openrois.client.components import (
     SystemInformation,
 )
 from openrois.errors import Aborted, BadParameter, ComponentFailed, OutOfResources, TimedOut
-from tests.support.kachaka import Linked, ended, staged, until
+from tests.support.kachaka import Linked, staged
+from tests.support.robots import ended, until
 
 pytestmark = pytest.mark.extra(name="kachaka")
 

@@ -8,7 +8,8 @@ from kachaka_api.generated import kachaka_api_pb2 as pb2
 from openrois_robots.kachaka.api.calls import KachakaApi, get_request
 
 from openrois.adapter import ComponentFailed
-from tests.support.kachaka import ended, simulator_process
+from tests.support.kachaka import simulator_process
+from tests.support.robots import ended
 
 
 async def test_it_says_where_it_is_and_has_its_options() -> None:
