@@ -27,6 +27,7 @@ EXTRAS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "robot": (*_AVATAR, "panda3d"),
         "demo": (*_GATEWAY, *_AVATAR, "espeakng_loader", "panda3d", "pocketsphinx", "pygame"),
         "kachaka": (*_AVATAR, "grpc", "kachaka_api"),
+        "reachy": (*_AVATAR, "espeakng_loader"),
         "ros2": (*_AVATAR, "cyclonedds"),
     }
 )

@@ -8,7 +8,7 @@ import importlib.util
 import logging
 import os
 import shutil
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import NoReturn
 
@@ -18,6 +18,7 @@ from hypothesis import HealthCheck, settings
 from tests.support.canary import leak
 from tests.support.mono import Mono
 from tests.support.namespaces import hide_cables_of_others, missing
+from tests.support.vendor_daemon import PROGRAM, VendorDaemon
 
 pytest_plugins = ["openrois_streaming.testing.plugin"]
 
@@ -118,6 +119,15 @@ def flite() -> None:
     """A program that speaks English is installed, for ears to hear."""
     if shutil.which("flite") is None:
         _lack("no flite is found; install it to run the tests with spoken English (Debian: apt install flite)")
+
+
+@pytest.fixture(scope="session")
+def vendor_daemon(namespaces: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[VendorDaemon]:
+    """The vendor's daemon of a Reachy Mini, which runs for all tests that want it."""
+    if not PROGRAM.exists():
+        _lack(f"no {PROGRAM.name} is found in {PROGRAM.parents[1].name}; `make robots` installs it")
+    with VendorDaemon.running(tmp_path_factory.mktemp("reachy")) as daemon:
+        yield daemon
 
 
 @pytest.fixture(scope="session")

@@ -48,7 +48,13 @@ def _kachaka(arguments: Sequence[str]) -> int:
     return COMMAND.main(arguments)
 
 
+def _reachy(arguments: Sequence[str]) -> int:
+    with needing_extra("reachy"):
+        from openrois_robots.reachy.command import COMMAND
+    return COMMAND.main(arguments)
+
+
 ROBOTS: Final[Mapping[str, Callable[[Sequence[str]], int]]] = MappingProxyType(
-    {"simulated": _simulated, "kachaka": _kachaka, "ros2": _ros2}
+    {"simulated": _simulated, "kachaka": _kachaka, "reachy": _reachy, "ros2": _ros2}
 )
 """The robots, and the function that runs each; its libraries are imported then."""

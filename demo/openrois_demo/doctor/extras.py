@@ -20,6 +20,7 @@ PURPOSES: Final = {
     "robot": "no simulated robot",
     "demo": "no demo, which needs all of them",
     "kachaka": "no Kachaka; its libraries need Python 3.12 or older",
+    "reachy": "no Reachy Mini, or none that speaks",
     "ros2": "no robot that speaks ROS 2 without a ROS of its own",
 }
 """What is missing without each extra."""

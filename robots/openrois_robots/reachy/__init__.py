@@ -1,0 +1,1 @@
+"""The adapter of a Reachy Mini, a head with two antennas on a body that turns."""

@@ -1,0 +1,1 @@
+"""The daemon of a Reachy Mini, by its REST and its WebSocket."""

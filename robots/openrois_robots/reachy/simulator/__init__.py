@@ -1,0 +1,1 @@
+"""A simulated daemon of a Reachy Mini, for tests and for trying an application without a robot."""
