@@ -22,8 +22,11 @@ unit: .venv/dev.stamp
 	$(PY) -m pytest -n auto --dist worksteal -m "$(UNIT)" $(ARGS)
 faults: .venv/dev.stamp; OPENROIS_SEEDS=20 $(PY) -m pytest -n 4 --dist worksteal tests/faults $(ARGS)
 # What needs programs of robots' vendors, Roslyn or many seeds: at most 20 minutes. What cannot be installed here is skipped, and said.
-robots: .venv/dev.stamp
+robots: .venv/dev.stamp .venv-reachy/stamp
 	OPENROIS_SEEDS=20 $(PY) -m pytest --durations=20 -rs -m robots $(call marked,robots) $(ARGS)
+.venv-reachy/stamp: constraints-reachy.txt
+	python3 -m venv .venv-reachy && PIP_BUILD_CONSTRAINT= .venv-reachy/bin/pip install -q --disable-pip-version-check -c $< reachy-mini && touch $@ || \
+	echo "SKIPPED the daemon of a Reachy Mini: it cannot be installed here; CONTRIBUTING.md says what it needs"
 nightly:; OPENROIS_SEEDS=20 $(MAKE) test LONG=1; tests=$$?; .ci/pythons all && $(PY) -m tools.pictures --check && exit $$tests
 check: lint test
 lint: .venv/dev.stamp $(NODE_MODULES)

@@ -14,6 +14,9 @@ from openrois_avatar.scene import external_scene
 from openrois_robots.kachaka.adapter import hosted_kachaka, linked_kachaka
 from openrois_robots.kachaka.api.address import Address
 from openrois_robots.kachaka.options import KachakaSettings
+from openrois_robots.reachy.adapter import hosted_reachy, linked_reachy
+from openrois_robots.reachy.daemon.address import Address as DaemonAddress
+from openrois_robots.reachy.options import ReachySettings
 from openrois_robots.ros2 import adapter as ros2
 from openrois_robots.ros2.graph.backend import RosBackend
 from openrois_robots.ros2.mapping.reading import read_mapping
@@ -64,6 +67,16 @@ async def _kachaka() -> AsyncIterator[Profiles]:
 
 
 @asynccontextmanager
+async def _reachy() -> AsyncIterator[Profiles]:
+    settings = ReachySettings(DaemonAddress("127.0.0.1", 1))
+    async with (
+        linked_reachy("reachy", settings, _CLOCK) as linked,
+        hosted_reachy("reachy", linked, _CLOCK) as served,
+    ):
+        yield served.host.engine.directory.component_profiles
+
+
+@asynccontextmanager
 async def _ros2() -> AsyncIterator[Profiles]:
     mapping = read_mapping(tomllib.loads(_mapping_file()))
     async with (
@@ -103,6 +116,6 @@ class _NoGraph:
 
 
 BODIES: Final[Mapping[str, Callable[[], AbstractAsyncContextManager[Profiles]]]] = MappingProxyType(
-    {"avatar": _avatar, "simulated robot": _simulated, "Kachaka": _kachaka, "ROS 2": _ros2}
+    {"avatar": _avatar, "simulated robot": _simulated, "Kachaka": _kachaka, "Reachy Mini": _reachy, "ROS 2": _ros2}
 )
 """By the name of a body: its profiles, for as long as the block runs."""

@@ -7,6 +7,7 @@ from openrois_body import metrics as body
 from openrois_media.metrics import figures as adapter
 from openrois_robots.adapter import metrics as robots
 from openrois_robots.kachaka import metrics as kachaka
+from openrois_robots.reachy import metrics as reachy
 
 from openrois.gateway import metrics as gateway
 from openrois.metrics.figure import Figure
@@ -34,9 +35,10 @@ _ADAPTER: Final[tuple[tuple[str, Sequence[str], Sequence[Figure[Any]]], ...]] = 
     ("The guard of media", adapter.GUARD_LABELS, adapter.GUARD),
     ("Senses", body.SENSE_LABELS, body.SENSE),
     ("Input of operators", body.INPUT_LABELS, body.INPUT),
-    ("The link to a robot (Kachaka, ROS 2)", (), robots.LINK),
+    ("The link to a robot (Kachaka, Reachy Mini, ROS 2)", (), robots.LINK),
     ("A Kachaka's commands and velocities", kachaka.OUTCOMES, (*kachaka.COMMAND, *kachaka.VELOCITY)),
     ("A Kachaka's cameras", kachaka.CAMERA_LABELS, kachaka.CAMERA),
+    ("A Reachy Mini's motions", (), reachy.MOTION),
     ("Sources", adapter.SOURCE_LABELS, adapter.SOURCE),
     ("Renditions", adapter.RENDITION_LABELS, adapter.RENDITION),
     ("Streams", adapter.STREAM_LABELS, (*adapter.STREAM, *adapter.ADAPTATION, *adapter.RECEPTION)),
