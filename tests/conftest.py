@@ -16,6 +16,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from tests.support.canary import leak
+from tests.support.kachaka_api import IS_THERE
 from tests.support.mono import Mono
 from tests.support.namespaces import hide_cables_of_others, missing
 from tests.support.vendor_daemon import PROGRAM, VendorDaemon
@@ -24,6 +25,8 @@ pytest_plugins = ["openrois_streaming.testing.plugin"]
 
 hide_cables_of_others()
 
+_WITH_KACHAKA = {Path(__file__).parent / each for each in ("robots/kachaka", "tools/test_pages.py")}
+"""What imports the Kachaka's API."""
 WEB_DEMO = Path(__file__).parents[1] / "web_demo"
 
 # How long an example takes is the machine's business. Where everything is required, the same is tried each time,
@@ -180,6 +183,11 @@ def _lack(reason: str) -> NoReturn:
         pytest.fail(reason, pytrace=False)
     _lacking.add(f"Skipped: {reason}")
     pytest.skip(reason)
+
+
+def pytest_ignore_collect(collection_path: Path) -> bool | None:
+    """Leave tests out that import the Kachaka's API where it is not installed; `needs_kachaka` says so."""
+    return True if collection_path in _WITH_KACHAKA and not IS_THERE else None
 
 
 def pytest_configure() -> None:

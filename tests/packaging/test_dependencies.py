@@ -8,6 +8,8 @@ from pathlib import Path
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
+from tests.support.kachaka_api import needs_kachaka
+
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 EXACT = re.compile(r"([A-Za-z0-9][A-Za-z0-9._-]*)==([0-9][A-Za-z0-9.!+]*)")
@@ -79,6 +81,7 @@ def test_all_that_comes_along_is_listed_in_the_version_that_is_installed() -> No
     assert wrong == {}
 
 
+@needs_kachaka
 def test_nothing_is_listed_that_nobody_asks_for() -> None:
     assert set(constraints()) == set(closure(asked())) | TO_BUILD | BY_MAKE
 

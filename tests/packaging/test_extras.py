@@ -11,6 +11,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from openrois.extras import EXTRAS
+from tests.support.kachaka_api import needs_kachaka
 from tests.support.packages import NOT_SHIPPED, ROOT, packages
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -31,6 +32,7 @@ def distributions(extra: str) -> Iterator[str]:
             yield from distributions(included)
 
 
+@needs_kachaka
 def test_the_table_of_the_code_is_that_of_the_project() -> None:
     providers = packages_distributions()
     assert set(EXTRAS) == set(PROJECT["optional-dependencies"]) - FOR_DEVELOPERS

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 
+from tests.support.kachaka_api import needs_kachaka
 from tests.support.packages import ROOT, packages
 
 IMPORTING = """
@@ -33,6 +34,7 @@ def modules() -> list[str]:
     return found
 
 
+@needs_kachaka
 def test_no_module_reaches_for_the_network_or_starts_a_program() -> None:
     names = modules()
     said = subprocess.run([sys.executable, "-c", IMPORTING, *names], capture_output=True, text=True, check=False)

@@ -16,6 +16,7 @@ from openrois_robots.adapter.process import RobotCommand
 
 from openrois.gateway import command
 from openrois.gateway.configuration import configure
+from tests.support.kachaka_api import needs_kachaka
 
 PACKAGING = Path(__file__).parents[2] / "packaging"
 UNIT = PACKAGING / "openrois-gateway.service"
@@ -102,7 +103,7 @@ def test_the_avatar_is_watched_and_bounded_and_runs_with_the_options_of_its_unit
     ("name", "text"),
     [
         ("simulated", "[base]\nspeed = 0.5\n"),
-        ("kachaka", '[robot]\naddress = "192.0.2.7"\n'),
+        pytest.param("kachaka", '[robot]\naddress = "192.0.2.7"\n', marks=needs_kachaka),
         ("ros2", '[odometry]\ntopic = "odom"\n'),
     ],
 )
