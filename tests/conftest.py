@@ -187,7 +187,8 @@ def _lack(reason: str) -> NoReturn:
 
 def pytest_ignore_collect(collection_path: Path) -> bool | None:
     """Leave tests out that import the Kachaka's API where it is not installed; `needs_kachaka` says so."""
-    return True if collection_path in _WITH_KACHAKA and not IS_THERE else None
+    is_of_it = any(collection_path.is_relative_to(each) for each in _WITH_KACHAKA)
+    return True if is_of_it and not IS_THERE else None
 
 
 def pytest_configure() -> None:
