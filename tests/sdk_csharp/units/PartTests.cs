@@ -13,8 +13,8 @@ public static class BodyPartTests
     public static async Task AnOptionalPartIsLostAloneAndARequiredOneWithTheBody()
     {
         var place = new Place();
-        var losses = new List<string>();
-        place.Client.BodyLost += loss => losses.Add(loss.EngineId + " " + loss.ComponentRef);
+        var losses = new Feed<string>(10);
+        place.Client.BodyLost += loss => losses.Offer(loss.EngineId + " " + loss.ComponentRef);
         place.Gateway.Answers["rois.system.get_profile"] = given => Profile();
         place.Gateway.Answers["rois.command.bind"] = given => ScriptedGateway.Ok();
         await place.Client.ConnectAsync();
@@ -28,9 +28,9 @@ public static class BodyPartTests
         Check.True(body.Find(Reaction.Type) == null, "it is lost");
         Check.True(body.Error == null, "the body is not");
         Take(place, "robot/navigation");
-        await place.Settle();
+        Check.True(await losses.MoveNextAsync(), "it is told");
+        Check.Equal("robot robot/navigation", losses.Current);
         Check.Equal("another application holds robot/navigation now: a test", body.Error.Message);
-        Check.Equal(new[] { "robot robot/navigation" }, losses);
         // The parts that this application still has are given back.
         await place.Client.BodyAsync(Navigation.Type, Reaction.Type);
         Take(place, "robot/navigation");
