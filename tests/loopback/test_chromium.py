@@ -163,13 +163,16 @@ async def test_losses_are_repaired_and_a_burst_costs_few_key_frames(engine: Engi
         page.path = path
         engine.connect("v", "video")
         await page.plays("0", 30)
+        before = await engine.session.stats("v")
+        assert before.packets_retransmitted > 0
+        # A repeated packet may be lost too, and costs a key frame by chance: the burst is counted alone.
+        path.down.change(loss=0.0)
         path.down.lose_next(40)
         await page.plays("0", 20)
         assert path.down.figures().lost > 40
-    stats = await engine.session.stats("v")
-    assert stats.packets_retransmitted > 0
-    assert stats.key_frames <= 3
-    assert stats.key_frame_requests <= 10
+    after = await engine.session.stats("v")
+    assert after.key_frames - before.key_frames <= 2
+    assert after.key_frame_requests - before.key_frame_requests <= 10
 
 
 async def test_a_closed_tab_is_noticed_long_before_the_consent_to_send_expires(engine: Engine, page: Tab) -> None:
