@@ -7,7 +7,7 @@ NODE_MODULES := web_demo/node_modules/.stamp
 SHORT := $(if $(LONG),, and not long) and not robots
 UNIT := not media and not browser and not engine$(SHORT)
 # Many tests wait for processes: of three workers on two cores all work is done in three quarters of the time of two.
-WORKERS := $(shell expr $$(nproc) \* 3 / 2)
+WORKERS := $(shell expr $$(getconf _NPROCESSORS_ONLN) \* 3 / 2)
 UNIT_TESTS = -n $(WORKERS) --dist worksteal $(if $(LONG),-p tests.branches) -m "$(UNIT)"
 MEDIA_TESTS = -n 3 --dist loadfile -m "(media or engine) and not browser$(SHORT)" $(call marked,media\|engine)
 BROWSER_TESTS = -n 2 --dist loadfile -m "browser$(SHORT)" $(call marked,browser)

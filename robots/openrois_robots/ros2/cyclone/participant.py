@@ -109,9 +109,7 @@ class Reader(_End):
             except DDSException as error:
                 _log.warning("%s", error)
                 return None
-            except (
-                Exception
-            ) as error:  # What its decoder raises is of many kinds: UnicodeDecodeError, struct.error, ...
+            except Exception as error:  # What its decoder raises is of many kinds: UnicodeDecodeError, ...
                 if not self.flaw:
                     _log.warning("a message cannot be read: %s: %s", type(error).__name__, error)
                 self.flaw = f"{type(error).__name__}: {error}"
