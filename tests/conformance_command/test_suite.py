@@ -12,6 +12,7 @@ from openrois_conformance.suite import Outcome, Verdict, run_checks, visit
 
 from openrois.gateway.server import Gateway
 from openrois.jsonrpc.session import RpcSession
+from openrois.types.codes import ComponentStatus
 from tests.support import deployment
 from tests.support.bent import Bent, bent
 from tests.support.components import Lamp
@@ -84,6 +85,31 @@ async def test_without_an_adapter_what_needs_none_is_tried(gateway: Gateway) -> 
     assert len(of(verdicts, Outcome.PASSED)) >= 50
     assert "--no-adapter" in of(verdicts, Outcome.NOT_RUN)["bind-exclusive"]
     assert gateway.engine.directory.profile.engine_ids() == ("gateway",)
+
+
+@pytest.mark.parametrize(
+    ("status", "remarks"),
+    [
+        (ComponentStatus.READY, ()),
+        (ComponentStatus.ERROR, ("the component's status is ERROR: its events were not tried",)),
+    ],
+)
+async def test_events_of_a_component_that_cannot_work_are_not_tried(
+    gateway: Gateway, status: ComponentStatus, remarks: tuple[str, ...]
+) -> None:
+    lamp = Lamp()
+    lamp.condition = lambda: status  # type: ignore[method-assign]
+    async with deployment.adapter(gateway, lamp):
+        verdicts = await tried(address(gateway), adapter=False, component="robot/lamp")
+    assert of(verdicts, Outcome.FAILED) == {}
+    assert verdicts["component-events"].remarks == remarks
+
+
+async def test_a_component_that_says_it_can_work_and_refuses_subscribers_fails(gateway: Gateway) -> None:
+    refuse = result(lambda result: {**result, "return_code": "ERROR"}, "rois.event.subscribe")
+    async with deployment.adapter(gateway, Lamp()), bent(address(gateway), **refuse) as proxy:
+        verdicts = await tried(proxy.url, "component-events", adapter=False, component="robot/lamp")
+    assert "return_code of rois.event.subscribe" in of(verdicts, Outcome.FAILED)["component-events"]
 
 
 async def test_a_component_that_is_not_there(gateway: Gateway) -> None:

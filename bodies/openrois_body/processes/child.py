@@ -8,7 +8,7 @@ import os
 import signal
 from asyncio.subprocess import DEVNULL, PIPE, STDOUT, Process
 from collections import deque
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable, Coroutine, Mapping
 from contextlib import asynccontextmanager, suppress
 from typing import Final
 
@@ -39,6 +39,8 @@ async def child_process(
 ) -> AsyncIterator[Process]:
     """Run `python -P -m module` for as long as the context lasts; at its end the child is terminated, then killed.
 
+    That is waited for, a second at most, also where the context's task is cancelled once more.
+
     The child is killed when this process dies, and does not get the terminal's Ctrl-C.
 
     Args:
@@ -62,11 +64,7 @@ async def child_process(
     try:
         yield process
     finally:
-        await _end(process)
-        if conversation and process.stdout is not None:
-            await _drop(process.stdout)
-        await asyncio.wait({reading}, timeout=OUTPUT_TIMEOUT)
-        reading.cancel()
+        await _completed(_end(process, reading, conversation))
 
 
 async def write_message(process: Process, message: bytes) -> None:
@@ -100,7 +98,29 @@ async def _drop(stream: asyncio.StreamReader) -> None:
                 pass
 
 
-async def _end(process: Process) -> None:
+async def _completed(work: Coroutine[None, None, None]) -> None:
+    """Do `work` to its end, however often the caller is cancelled meanwhile; it is cancelled afterwards."""
+    working = asyncio.ensure_future(work)
+    cancelled: asyncio.CancelledError | None = None
+    while not working.done():
+        try:
+            await asyncio.wait((working,))
+        except asyncio.CancelledError as error:
+            cancelled = error
+    working.result()
+    if cancelled is not None:
+        raise cancelled
+
+
+async def _end(process: Process, reading: asyncio.Task[None], conversation: bool) -> None:
+    await _terminate(process)
+    if conversation and process.stdout is not None:
+        await _drop(process.stdout)
+    await asyncio.wait({reading}, timeout=OUTPUT_TIMEOUT)
+    reading.cancel()
+
+
+async def _terminate(process: Process) -> None:
     with suppress(ProcessLookupError):
         if process.returncode is None:
             process.terminate()

@@ -105,6 +105,36 @@ async def test_a_child_that_runs_on_is_ended() -> None:
 
 
 @pytest.mark.engine
+async def test_a_child_is_ended_although_its_owner_is_cancelled_twice() -> None:
+    started: list[Process] = []
+
+    async def own() -> None:
+        # It ends by the second signal alone.
+        arguments = (
+            "-n1",
+            "import signal, time; signal.signal(15, signal.SIG_IGN); print(1, flush=True); time.sleep(60)",
+        )
+        async with child_process("timeit", *arguments, output=Output("child", SystemClock(), said)) as process:
+            started.append(process)
+            await asyncio.Event().wait()
+
+    deaf = asyncio.Event()
+
+    def said(_line: str) -> None:
+        deaf.set()
+
+    async with asyncio.timeout(60):
+        owner = asyncio.create_task(own())
+        await deaf.wait()
+        owner.cancel()
+        await settle()
+        owner.cancel()
+        await asyncio.wait({owner})
+    assert owner.cancelled()
+    assert started[0].returncode == -9
+
+
+@pytest.mark.engine
 async def test_unread_output_of_a_child_does_not_keep_its_pipe_open() -> None:
     arguments = ("-n1", "-r1", "import sys; sys.stdout.write('x' * 10_000_000)")
     running = child_process("timeit", *arguments, output=output(), conversation=True)

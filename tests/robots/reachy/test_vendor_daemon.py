@@ -36,7 +36,7 @@ class TestBehaviour(_Vendors, BehaviourSuite):
 
 
 class TestProcess(_Vendors, ProcessSuite):
-    absent = frozenset({"reachy/sound_localizer"})
+    pass
 
 
 class TestSound(_Vendors):
