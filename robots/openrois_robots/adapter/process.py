@@ -2,13 +2,12 @@
 
 import argparse
 import sys
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import uvloop
-from openrois_media.metrics.figures import Snapshot
 from openrois_media.process import serve_process
 from openrois_media.running import prepare_process
 from openrois_streaming.aiortc_internals.trial import UnsupportedLibrary
@@ -20,28 +19,13 @@ from openrois.cli.command_line import CommandLine
 from openrois.errors import BadParameter
 from openrois.metrics.server import MetricsUnavailable
 from openrois.observability.logs import set_up_logging
-from openrois.session.session import EngineHost
+from openrois_robots.adapter.hosting import RunningRobot
 from openrois_robots.adapter.options import AdapterSettings, add_adapter_options, read_adapter_settings
 
-__all__ = ["RobotCommand", "RunningRobot", "run_hosted"]
+__all__ = ["RobotCommand", "run_hosted"]
 
 _S = TypeVar("_S")
 _R = TypeVar("_R")
-
-
-@dataclass(frozen=True, slots=True)
-class RunningRobot:
-    """A robot whose adapter runs.
-
-    Attributes:
-        host: the engine that is served to the gateway.
-        collect_figures: takes a snapshot of all metrics.
-        requirements: what `/readyz` requires beside the gateway: `the robot: it does not answer`, and whether it holds.
-    """
-
-    host: EngineHost
-    collect_figures: Callable[[], Awaitable[Snapshot]]
-    requirements: Mapping[str, Callable[[], bool]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,15 +13,15 @@ from openrois_body.teleoperation.operator_control import OperatorControl
 from openrois_media import NetworkSettings, VideoSource
 from openrois_media.components import VideoStreaming
 from openrois_media.devices import Camera
+from openrois_media.metrics.figures import FigureGroup
 from openrois_media.streams import AdapterStreams, Stream
 from openrois_streaming.clock import MediaClock
 
-from openrois.adapter.running import hosted
 from openrois.aio.tasks import TaskScope
 from openrois.component.component import Component
 from openrois.types.references import reference
+from openrois_robots.adapter.hosting import RunningRobot, hosted_with_streams
 from openrois_robots.adapter.link import report_losses
-from openrois_robots.adapter.process import RunningRobot
 from openrois_robots.components.system_information import SystemInformation
 from openrois_robots.kachaka.api.calls import KachakaApi
 from openrois_robots.kachaka.api.commands import Commands
@@ -158,14 +158,11 @@ async def hosted_kachaka(
         operator=robot.operator_control,
     )
     cameras = {name: camera.figures for name, camera in robot.cameras.items()}
-    async with (
-        streams as interface,
-        hosted(engine_id, *robot.components, *streams.components.values(), extension=interface) as host,
-    ):
-        collector = streams.collector(
-            lambda: (
-                *body_figures({"vision": robot.senses.watch.figures}, robot.operator_control.figures),
-                *kachaka_figures(link, robot.commands.figures, robot.driver.figures, cameras),
-            )
-        )
-        yield RunningRobot(host, collector.snapshot, {"the robot: it does not answer": lambda: link.is_up})
+    requirements = {"the robot: it does not answer": lambda: link.is_up}
+
+    def figures() -> tuple[FigureGroup, ...]:
+        of_body = body_figures({"vision": robot.senses.watch.figures}, robot.operator_control.figures)
+        return (*of_body, *kachaka_figures(link, robot.commands.figures, robot.driver.figures, cameras))
+
+    async with hosted_with_streams(engine_id, robot.components, streams, figures, requirements) as running:
+        yield running

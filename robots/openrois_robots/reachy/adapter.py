@@ -9,11 +9,10 @@ from openrois_media import NetworkSettings
 from openrois_media.streams import AdapterStreams
 from openrois_streaming.clock import MediaClock
 
-from openrois.adapter.running import hosted
 from openrois.aio.tasks import TaskScope
 from openrois.component.component import Component
+from openrois_robots.adapter.hosting import RunningRobot, hosted_with_streams
 from openrois_robots.adapter.link import report_losses
-from openrois_robots.adapter.process import RunningRobot
 from openrois_robots.reachy.components.gaze import Gaze
 from openrois_robots.reachy.components.move import Move
 from openrois_robots.reachy.components.reaction import Reaction
@@ -96,6 +95,8 @@ async def hosted_reachy(
     """
     link = robot.state.link
     streams = AdapterStreams(engine_id, {}, clock=clock, network=network)
-    async with streams as interface, hosted(engine_id, *robot.components, extension=interface) as host:
-        collector = streams.collector(lambda: reachy_figures(link, robot.motion.figures))
-        yield RunningRobot(host, collector.snapshot, {"the robot: it does not answer": lambda: link.is_up})
+    requirements = {"the robot: it does not answer": lambda: link.is_up}
+    async with hosted_with_streams(
+        engine_id, robot.components, streams, lambda: reachy_figures(link, robot.motion.figures), requirements
+    ) as running:
+        yield running

@@ -7,17 +7,17 @@ from dataclasses import dataclass
 from openrois_body.metrics import body_figures
 from openrois_body.teleoperation.operator_control import OperatorControl
 from openrois_media import NetworkSettings, VideoSource
+from openrois_media.metrics.figures import FigureGroup
 from openrois_media.streams import AdapterStreams
 from openrois_streaming.clock import MediaClock
 
-from openrois.adapter.running import hosted
 from openrois.aio.tasks import TaskScope
 from openrois.component.component import Component
 from openrois.errors import BadParameter
 from openrois.types.references import reference
+from openrois_robots.adapter.hosting import RunningRobot, hosted_with_streams
 from openrois_robots.adapter.link import RobotLink, report_losses
 from openrois_robots.adapter.metrics import link_figures
-from openrois_robots.adapter.process import RunningRobot
 from openrois_robots.components.system_information import SystemInformation
 from openrois_robots.ros2.components.follow import Follow
 from openrois_robots.ros2.components.move import Move
@@ -109,13 +109,13 @@ async def hosted_robot(
     streams = AdapterStreams(
         engine_id, dict(robot.cameras), clock=clock, network=network, operator=robot.operator_control
     )
-    parts = (*robot.components, *streams.components.values())
-    async with streams as interface, hosted(engine_id, *parts, extension=interface) as host:
-        collector = streams.collector(
-            lambda: (*body_figures({}, robot.operator_control.figures), link_figures(robot.link))
-        )
-        requirements = {"the robot: it is not linked": lambda: robot.link.is_up}
-        yield RunningRobot(host, collector.snapshot, requirements)
+    requirements = {"the robot: it is not linked": lambda: robot.link.is_up}
+
+    def figures() -> tuple[FigureGroup, ...]:
+        return (*body_figures({}, robot.operator_control.figures), link_figures(robot.link))
+
+    async with hosted_with_streams(engine_id, robot.components, streams, figures, requirements) as running:
+        yield running
 
 
 def _moving(parts: Parts, operator_control: OperatorControl) -> tuple[Component, ...]:

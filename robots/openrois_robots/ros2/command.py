@@ -9,8 +9,9 @@ from typing import Final
 from openrois_streaming.clock import SystemClock
 
 from openrois.extras import needing_extra
+from openrois_robots.adapter.hosting import RunningRobot
 from openrois_robots.adapter.options import AdapterSettings
-from openrois_robots.adapter.process import RobotCommand, RunningRobot
+from openrois_robots.adapter.process import RobotCommand
 from openrois_robots.ros2.adapter import hosted_robot, ros_robot
 from openrois_robots.ros2.graph.backend import RosBackend
 from openrois_robots.ros2.interfaces.store import Interfaces

@@ -32,15 +32,15 @@ from openrois_body.vision.box import place_on_floor
 from openrois_media import AudioSource, NetworkSettings, VideoSource
 from openrois_media.components import AudioStreaming, VideoStreaming
 from openrois_media.devices import Camera
+from openrois_media.metrics.figures import FigureGroup
 from openrois_media.streams import AdapterStreams
 from openrois_streaming.clock import MediaClock
 
-from openrois.adapter.running import hosted
 from openrois.aio.tasks import TaskScope
 from openrois.component.component import Component
 from openrois.types.codes import ComponentStatus, ErrorType
 from openrois.types.references import reference
-from openrois_robots.adapter.process import RunningRobot
+from openrois_robots.adapter.hosting import RunningRobot, hosted_with_streams
 from openrois_robots.components.system_information import Pose, SystemInformation
 from openrois_robots.simulated.battery import Battery
 from openrois_robots.simulated.camera import FRAME_RATE, SIZE, RobotCamera
@@ -202,8 +202,11 @@ async def hosted_robot(
         network=network,
         operator=robot.operator_control,
     )
-    async with streams as interface:
-        robot.voice.playout_delay.observe_sessions(interface.sessions, reference(engine_id, AUDIO))
-        async with hosted(engine_id, *robot.components, *streams.components.values(), extension=interface) as host:
-            collector = streams.collector(lambda: body_figures(robot.senses, robot.operator_control.figures))
-            yield RunningRobot(host, collector.snapshot, {"the robot: its battery is empty": robot.can_drive})
+    robot.voice.playout_delay.observe_sessions(streams.interface.sessions, reference(engine_id, AUDIO))
+    requirements = {"the robot: its battery is empty": robot.can_drive}
+
+    def figures() -> tuple[FigureGroup, ...]:
+        return body_figures(robot.senses, robot.operator_control.figures)
+
+    async with hosted_with_streams(engine_id, robot.components, streams, figures, requirements) as running:
+        yield running

@@ -11,8 +11,9 @@ from typing import Any
 import aiohttp
 import pytest
 from openrois_media.streams import AdapterStreams
+from openrois_robots.adapter.hosting import RunningRobot
 from openrois_robots.adapter.options import AdapterSettings
-from openrois_robots.adapter.process import RobotCommand, RunningRobot
+from openrois_robots.adapter.process import RobotCommand
 
 from openrois.adapter.running import hosted
 from openrois.errors import BadParameter
