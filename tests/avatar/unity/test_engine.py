@@ -6,6 +6,7 @@ import json
 from collections.abc import AsyncIterator, Coroutine, Iterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -49,20 +50,20 @@ def access_units() -> Iterator[bytes]:
 def outcomes(mono: Mono, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """What came of everything that is tried with a running engine, all at once: it waits most of the time."""
     folder = tmp_path_factory.mktemp("engines")
-    plain, played = str(console(mono, folder)), str(player(mono, folder))
+    plain, played = started(mono, console(mono, folder)), started(mono, player(mono, folder))
     units = folder / "units"
     units.write_text("\n".join(base64.b64encode(unit).decode() for unit in access_units()))
-    encoder = str(encoding(mono, folder)), str(units), str(WIDTH), str(HEIGHT)
+    encoder = (*started(mono, encoding(mono, folder)), str(units), str(WIDTH), str(HEIGHT))
     trials: dict[str, Coroutine[Any, Any, Any]] = {
-        "ring": findings(f"unix:{folder}/engine", mono.runtime, plain),
-        "socket": findings(ANYWHERE, mono.runtime, plain, "", "socket"),
-        "unity": findings(ANYWHERE, mono.runtime, played),
-        "components": components(f"unix:{folder}/fourth", mono.runtime, plain),
-        "scene": scene(f"unix:{folder}/third", mono.runtime, played),
-        "encoded": findings(ANYWHERE, mono.runtime, *encoder),
-        "restart, ring": two_adapters(f"unix:{folder}/first", mono.runtime, plain),
-        "restart, socket": two_adapters(f"unix:{folder}/second", mono.runtime, plain, "socket"),
-        "malformed": malformed(mono.runtime, plain),
+        "ring": findings(f"unix:{folder}/engine", *plain),
+        "socket": findings(ANYWHERE, *plain, "", "socket"),
+        "unity": findings(ANYWHERE, *played),
+        "components": components(f"unix:{folder}/fourth", plain),
+        "scene": scene(f"unix:{folder}/third", played),
+        "encoded": findings(ANYWHERE, *encoder),
+        "restart, ring": two_adapters(f"unix:{folder}/first", plain),
+        "restart, socket": two_adapters(f"unix:{folder}/second", plain, "socket"),
+        "malformed": malformed(plain),
     }
 
     async def tried() -> list[Any]:
@@ -70,6 +71,11 @@ def outcomes(mono: Mono, tmp_path_factory: pytest.TempPathFactory) -> dict[str, 
             return await asyncio.gather(*trials.values(), return_exceptions=True)
 
     return dict(zip(trials, asyncio.run(tried()), strict=True))
+
+
+def started(mono: Mono, program: Path) -> tuple[str, ...]:
+    """The command that runs a program."""
+    return tuple(map(str, mono.command(program)))
 
 
 async def findings(address: str, *command: str) -> dict[str, Finding]:
@@ -136,12 +142,12 @@ def test_the_components_of_an_avatar_move_it(outcomes: dict[str, Any]) -> None:
     assert (place.x, place.y) == pytest.approx((0.5, 0.5), abs=0.01)
 
 
-async def components(address: str, runtime: str, program: str) -> Place:
+async def components(address: str, program: tuple[str, ...]) -> Place:
     """Where the figure is after an application has let it nod, and sent it somewhere."""
     async with (
         external_scene("avatar", address, "", SystemClock()) as scene,
         harness(*scene.components, engine_id="avatar") as client,
-        running(runtime, program, address) as engine,
+        running(*program, address) as engine,
     ):
         await engine.said("connected to")
         while scene.place() is None:
@@ -182,13 +188,13 @@ def rounded(events: list[Event]) -> list[Event]:
     return short
 
 
-async def scene(address: str, runtime: str, program: str) -> tuple[RawVideo, list[Event]]:
+async def scene(address: str, program: tuple[str, ...]) -> tuple[RawVideo, list[Event]]:
     """A picture of the scene of the components for Unity, and the events about it."""
     events: list[Event] = []
     async with (
         LinkServer.listen(address, "", on_event=events.append) as server,
         server.video.open() as pictures,
-        running(runtime, program, address) as engine,
+        running(*program, address) as engine,
     ):
         connection = await server.accept()
         picture = await anext(pictures)
@@ -199,9 +205,9 @@ async def scene(address: str, runtime: str, program: str) -> tuple[RawVideo, lis
     return picture, events
 
 
-async def two_adapters(address: str, runtime: str, program: str, *way: str) -> None:
+async def two_adapters(address: str, program: tuple[str, ...], *way: str) -> None:
     """Let an engine see two adapters come and go; the third ends it."""
-    async with running(runtime, program, address, *way) as engine:
+    async with running(*program, address, *way) as engine:
         await engine.said("not connected")
         for _ in range(2):
             events: list[Event] = []
@@ -240,7 +246,7 @@ def test_a_malformed_adapter_is_told_and_left(outcomes: dict[str, Any]) -> None:
     assert farewells == ["bad COMMAND: path: expected arrays of 3"] * 2
 
 
-async def malformed(runtime: str, program: str) -> tuple[list[str], list[str]]:
+async def malformed(program: tuple[str, ...]) -> tuple[list[str], list[str]]:
     """What an engine prints, and sends an adapter whose first command is malformed, at two connections."""
     farewells: asyncio.Queue[str] = asyncio.Queue()
 
@@ -260,6 +266,6 @@ async def malformed(runtime: str, program: str) -> tuple[list[str], list[str]]:
 
     server = await asyncio.start_server(adapter, "127.0.0.1", 0)
     port = server.sockets[0].getsockname()[1]
-    async with server, running(runtime, program, f"tcp:127.0.0.1:{port}") as engine:
+    async with server, running(*program, f"tcp:127.0.0.1:{port}") as engine:
         said = [await engine.said("disconnected") for _ in range(2)]
         return said, [await farewells.get() for _ in range(2)]

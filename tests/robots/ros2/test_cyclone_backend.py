@@ -44,6 +44,13 @@ class TestCyclone(BackendSuite):
             assert "name its distribution" in old.problem
 
 
+async def test_settings_that_dds_does_not_take_are_named_with_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CYCLONEDDS_URI", "file:///home/robot/einstellungen-für-dds.xml")
+    with pytest.raises(OSError, match="CYCLONEDDS_URI has the character 'ü': name a file whose path is ASCII alone"):
+        async with CycloneBackend(free_domain(), Interfaces(folder=INTERFACES)):
+            pass
+
+
 async def test_of_messages_that_wait_the_newest_are_kept() -> None:
     domain = free_domain()
     async with joined(domain) as sender, joined(domain) as receiver:

@@ -150,6 +150,9 @@ class Participant:
             self._entity = await asyncio.to_thread(_join, self._domain)
         except DDSException as error:
             raise OSError(f"DDS cannot join domain {self._domain}: {error}; see CYCLONEDDS_URI") from None
+        except UnicodeEncodeError as error:
+            odd = error.object[error.start]
+            raise OSError(f"CYCLONEDDS_URI has the character {odd!r}: name a file whose path is ASCII alone") from None
         self._watch("publish", BuiltinTopicDcpsPublication)
         self._watch("subscribe", BuiltinTopicDcpsSubscription)
         return self
