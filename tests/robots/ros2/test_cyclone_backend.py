@@ -45,7 +45,7 @@ class TestCyclone(BackendSuite):
 
 
 async def test_settings_that_dds_does_not_take_are_named_with_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("CYCLONEDDS_URI", "file:///home/robot/einstellungen-für-dds.xml")
+    monkeypatch.setenv("CYCLONEDDS_URI", "file:///etc/einstellungen-für-dds.xml")
     with pytest.raises(OSError, match="CYCLONEDDS_URI has the character 'ü': name a file whose path is ASCII alone"):
         async with CycloneBackend(free_domain(), Interfaces(folder=INTERFACES)):
             pass
