@@ -1,7 +1,7 @@
 """Principals: roles, the one table of what each role may call, and scopes of components. Pure."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from fnmatch import translate
@@ -9,7 +9,9 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Final
 
-__all__ = ["ALLOWED", "LOCAL", "Principal", "Role", "quota_name"]
+__all__ = ["ALLOWED", "LOCAL", "Principal", "Role", "engines_named", "quota_name"]
+
+_UP_TO_WILDCARD: Final = re.compile(r"[^*?\[]*")
 
 
 class Role(StrEnum):
@@ -104,6 +106,11 @@ class Principal:
         return self._shown(component_ref) is not None
 
     @property
+    def sees_everything(self) -> bool:
+        """Whether nothing is out of its scope."""
+        return "*" in self.scope
+
+    @property
     def is_application(self) -> bool:
         """Whether it may connect where applications do."""
         return not self.roles.isdisjoint(_READERS)
@@ -117,6 +124,16 @@ class Principal:
     def is_administrator(self) -> bool:
         """Whether it may take from others what they hold."""
         return Role.ADMINISTRATOR in self.roles
+
+
+def engines_named(scope: Iterable[str]) -> frozenset[str] | None:
+    """Return the only engines of which a scope can show a component; None where its patterns name no engine."""
+    heads = [_UP_TO_WILDCARD.match(pattern) for pattern in scope]
+    literals = [(head[0], head.end() == len(head.string)) for head in heads if head is not None]
+    if any("/" not in literal and not is_whole for literal, is_whole in literals):
+        return None
+    # A pattern without a slash that is all literal is no reference, and shows nothing.
+    return frozenset(literal.partition("/")[0] for literal, _ in literals if "/" in literal)
 
 
 @lru_cache(maxsize=64)

@@ -64,7 +64,7 @@ async def _stop(
             pending.stopping[component_ref] = outcome
             for command in pending.of(component_ref):
                 command.stopping = reason
-            profile = engine.directory.component_profiles.get(component_ref)
+            profile = engine.components.get(component_ref)
             if profile is not None and profile.command("stop") is not None:
                 await engine.invoke(component_ref, "stop")
     except TimeoutError:

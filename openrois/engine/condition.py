@@ -35,14 +35,28 @@ _TOKEN: Final = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """One comparison of a property with a text or a pattern."""
+    """One comparison of a property with a text or a pattern.
+
+    Attributes:
+        property: its name.
+        pattern: whether `text` is a pattern.
+        text: what is compared with.
+        prefix: how every text begins that satisfies it.
+        longest: the longest text without a slash that stands in every text which satisfies it.
+    """
 
     property: str
     pattern: bool
     text: str
+    prefix: str = field(init=False, repr=False, compare=False)
+    longest: str = field(init=False, repr=False, compare=False)
     _like: re.Pattern[str] | None = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        literals = _literals(self.text) if self.pattern else [self.text]
+        object.__setattr__(self, "prefix", literals[0])
+        parts = (part for literal in literals for part in literal.split("/"))
+        object.__setattr__(self, "longest", max(parts, key=len))
         object.__setattr__(self, "_like", _compiled(self.text) if self.pattern else None)
 
     def matches(self, value: str) -> bool:
@@ -153,6 +167,17 @@ def _compiled(pattern: str) -> re.Pattern[str]:
     first, *more = parts
     middle = "".join(f"(?>.*?{part})" for part in more[:-1] if part)
     return re.compile(first + middle + (f".*{more[-1]}" if more else ""), re.DOTALL)
+
+
+def _literals(pattern: str) -> list[str]:
+    """Return the texts before, between and behind the wildcards of a pattern."""
+    literals = [""]
+    for item in _pattern_items(pattern):
+        if item in ("%", "_"):
+            literals.append("")
+        else:
+            literals[-1] += item[1:]
+    return literals
 
 
 def _pattern_items(pattern: str) -> list[str]:

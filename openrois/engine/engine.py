@@ -22,12 +22,14 @@ from openrois.contract import (
     Sink,
     ignore_fault,
 )
+from openrois.engine.extension_users import ExtensionUsers
 from openrois.engine.faults import FaultMint
 from openrois.engine.lost_components import LostComponents
+from openrois.engine.tree import Tree, TreeChange
 from openrois.errors import BadParameter, NotResponding, TimedOut, Unsupported
 from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument, Result
-from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
+from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
 from openrois.types.references import engine_of, flaw_of_name
 from openrois.types.streams import HolderNotification, subject_of
 
@@ -35,24 +37,8 @@ __all__ = ["Engine", "leads_to"]
 
 _log = logging.getLogger(__name__)
 
-AUTHORITY: Final = "OpenRoIS"
-"""Gives the ids of engines of this product their meaning."""
-
 MAX_DEPTH: Final = 8
 """How deep engines may stand below one another."""
-
-
-@dataclass(slots=True)
-class _Child:
-    bus: ComponentBus
-    directory: Directory
-    own: bool
-
-
-@dataclass(frozen=True, slots=True)
-class _Subscription:
-    bus: ComponentBus
-    component_ref: str
 
 
 class Engine:
@@ -62,6 +48,9 @@ class Engine:
 
     Attributes:
         engine_id: the engine's name in its tree.
+        tree: what its buses offer.
+        users: which buses know which clients.
+        changes: called with each change of the tree; they must not block.
         faults: gets the faults of the engine and of every bus attached to it.
         on_fault: the engine that this one is attached to gets them, too.
         mint: makes the faults that this engine notices.
@@ -75,12 +64,15 @@ class Engine:
         self.faults: Listeners[Fault] = Listeners()
         self.on_fault: OnFault = ignore_fault
         self.lost = LostComponents()
-        self._children: list[_Child] = []
-        self._routes: dict[str, ComponentBus] = {}
-        self._subscriptions: dict[str, _Subscription] = {}
-        self._changes: Listeners[()] = Listeners()
+        self.tree: Tree[ComponentBus] = Tree(engine_id)
+        self.changes: Listeners[TreeChange] = Listeners()
         self.mint = FaultMint(engine_id)
-        self._directory = self._merge()
+        self._may_be_own: dict[ComponentBus, bool] = {}
+        self._subscriptions: dict[str, str] = {}
+        """The component of each subscription."""
+        self._subscribed: dict[str, set[str]] = {}
+        """The subscriptions of each component."""
+        self.users = ExtensionUsers()
 
     async def attach(self, bus: ComponentBus, *, own: bool = True) -> None:
         """Add a bus and notify the listeners.
@@ -96,49 +88,56 @@ class Engine:
         """
         if bus is self:
             raise BadParameter("an engine cannot be attached below itself")
-        child = _Child(bus, await bus.discover(), own)
-        self._check(child.directory, child)
-        self._children.append(child)
+        directory = await bus.discover()
+        self._check(bus, directory, own=own)
+        self._may_be_own[bus] = own
         if isinstance(bus, FaultSource):
             bus.on_fault = self._notify_fault
-        self._changed()
+        self._replace(bus, directory)
 
-    async def refresh(self, bus: ComponentBus) -> None:
+    async def refresh(self, bus: ComponentBus) -> frozenset[str]:
         """Read again what an attached bus offers and notify the listeners; a bus that is not attached is ignored.
+
+        Returns:
+            The components that it does not offer any more.
 
         Raises:
             BadParameter: the new profile is not acceptable; the old one still stands.
             RoISError: it could not be asked.
         """
         directory = await bus.discover()
-        child = next((child for child in self._children if child.bus is bus), None)
-        if child is not None:
-            self._check(directory, child)
-            child.directory = directory
-            self._changed()
+        if self.tree.offer_of(bus) is None:
+            return frozenset()
+        self._check(bus, directory, own=self._may_be_own[bus])
+        return self._replace(bus, directory)
 
-    def detach(self, bus: ComponentBus, *, lost: str = "") -> None:
+    def detach(self, bus: ComponentBus, *, lost: str = "") -> frozenset[str]:
         """Remove a bus and notify the listeners; a bus that is not attached is ignored.
 
         Args:
             bus: what to take away.
             lost: why, where its connection was lost: applications that work with its components are notified that it
                 does not respond, and until it is back its components count as failing.
+
+        Returns:
+            The components that it offered.
         """
-        leaving = [child for child in self._children if child.bus is bus]
-        if leaving:
-            gone = leaving[0].directory.profile.component_refs() if lost else ()
+        offer = self.tree.offer_of(bus)
+        if offer is None:
+            return frozenset()
+        if lost:
+            gone = offer.profile.component_ids
             self.lost.lose(gone)
-            for fault in self.mint.make_each(ErrorType.COMPONENT_NOT_RESPONDING, gone, lost) if lost else ():
+            for fault in self.mint.make_each(ErrorType.COMPONENT_NOT_RESPONDING, gone, lost):
                 self._notify_fault(fault)
-            self._children.remove(leaving[0])
-            if isinstance(bus, FaultSource):
-                bus.on_fault = ignore_fault
-            self._changed()
+        del self._may_be_own[bus]
+        if isinstance(bus, FaultSource):
+            bus.on_fault = ignore_fault
+        return self._replace(bus, None)
 
     def on_change(self, listener: Callable[[], None]) -> Callable[[], None]:
         """Call `listener`, which must not block, whenever the tree changes; return what ends that."""
-        return self._changes.add(listener)
+        return self.changes.add(lambda _change: listener())
 
     def report(self, error_type: ErrorType, description: str, component_ref: str = "") -> None:
         """Report a fault that this engine noticed: its own, or that of a component which it called."""
@@ -150,17 +149,13 @@ class Engine:
         self.faults.notify_all(fault)
         self.on_fault(fault)
 
-    def _check(self, directory: Directory, child: _Child) -> None:
+    def _check(self, bus: ComponentBus, directory: Directory, *, own: bool) -> None:
         ids = directory.profile.engine_ids()
-        own = child.own and ids == (self.engine_id,)
-        taken = set() if own else {self.engine_id}
-        for other in self._children:
-            if other is not child:
-                taken.update(other.directory.profile.engine_ids())
+        taken = set() if own and ids == (self.engine_id,) else {self.engine_id}
         for engine_id in ids:
             if flaw := flaw_of_name(engine_id):
                 raise BadParameter(f"{engine_id[:200]!r} is no engine id: {flaw}")
-            if engine_id in taken:
+            if engine_id in taken or self.tree.bus_of(engine_id) not in (None, bus):
                 raise BadParameter(f"the engine id {engine_id!r} is taken already: each engine needs one of its own")
             taken.add(engine_id)
         if _depth(directory.profile) >= MAX_DEPTH:
@@ -170,44 +165,31 @@ class Engine:
             if flaw := _flaw_of(ref, offering, directory) or ("it stands twice" if ref in repeated else ""):
                 raise BadParameter(f"the component {ref[:300]!r} cannot be in this tree: {flaw}")
 
-    def _changed(self) -> None:
-        self._directory = self._merge()
-        self.lost.found(self._directory.component_profiles)
-        self._routes = {
-            engine_id: child.bus for child in self._children for engine_id in child.directory.profile.engine_ids()
-        }
-        self._subscriptions = {
-            subscribe_id: subscription
-            for subscribe_id, subscription in self._subscriptions.items()
-            if subscription.component_ref in self._directory.component_profiles
-            and self._routes.get(engine_of(subscription.component_ref)) is subscription.bus
-        }
-        self._changes.notify_all()
+    def _replace(self, bus: ComponentBus, directory: Directory | None) -> frozenset[str]:
+        """Set what a bus offers, notify the listeners, and return the components that are not there any more."""
+        change = self.tree.replace(bus, directory)
+        if change.latter is not None:
+            self.lost.found(change.latter.component_profiles)
+        gone = change.gone_refs
+        for ref in gone:
+            for subscribe_id in self._subscribed.pop(ref, ()):
+                del self._subscriptions[subscribe_id]
+        self.changes.notify_all(change)
+        return gone
 
-    def _merge(self) -> Directory:
-        own = [c.directory for c in self._children if c.directory.profile.identifier.code == self.engine_id]
-        below = [c.directory for c in self._children if c.directory.profile.identifier.code != self.engine_id]
-        profile = HRIEngineProfile(
-            identifier=RoISIdentifier(code=self.engine_id, authority=AUTHORITY),
-            sub_profiles=tuple(directory.profile for directory in below),
-            component_ids=tuple(ref for directory in own for ref in directory.profile.component_ids),
-        ).completed()
-        # A bus speaks for the components it lists; another profile beside them could belong to another engine.
-        components = {
-            ref: directory.component_profiles[ref]
-            for directory in (*own, *below)
-            for ref in directory.profile.component_refs()
-        }
-        return Directory(profile, components)
+    @property
+    def components(self) -> Mapping[str, HRIComponentProfile]:
+        """The profile of every component of the tree by its reference; it changes with the tree."""
+        return self.tree.components
 
     @property
     def directory(self) -> Directory:
         """The directory of the tree."""
-        return self._directory
+        return self.tree.directory
 
     async def discover(self) -> Directory:
         """Return the directory of the tree."""
-        return self._directory
+        return self.tree.directory
 
     def route(self, ref_or_id: str) -> ComponentBus:
         """Return the bus behind which the engine stands that leads `ref_or_id`.
@@ -215,14 +197,14 @@ class Engine:
         Raises:
             Unsupported: no such engine is in the tree.
         """
-        bus = self._routes.get(engine_of(ref_or_id))
+        bus = self.tree.bus_of(engine_of(ref_or_id))
         if bus is None:
             raise Unsupported(f"there is no engine for {ref_or_id[:200]!r}")
         return bus
 
     def leads_alike(self, one: str, other: str) -> bool:
         """Tell whether two references or ids lead to the same bus."""
-        buses = self._routes.get(engine_of(one)), self._routes.get(engine_of(other))
+        buses = self.tree.bus_of(engine_of(one)), self.tree.bus_of(engine_of(other))
         return buses[0] is not None and buses[0] is buses[1]
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
@@ -248,14 +230,21 @@ class Engine:
             subscribe_id = await bus.subscribe(component_ref, event_type, sink)
         except NotResponding as silence:
             raise self.blame(component_ref, silence) from None
-        self._subscriptions[subscribe_id] = _Subscription(bus, component_ref)
+        if leads_to(self, component_ref, bus):
+            self._subscriptions[subscribe_id] = component_ref
+            self._subscribed.setdefault(component_ref, set()).add(subscribe_id)
         return subscribe_id
 
     async def unsubscribe(self, subscribe_id: str) -> None:
         """End a subscription."""
-        subscription = self._subscriptions.pop(subscribe_id, None)
-        if subscription is not None:
-            await subscription.bus.unsubscribe(subscribe_id)
+        component_ref = self._subscriptions.pop(subscribe_id, None)
+        if component_ref is None:
+            return
+        subscribed = self._subscribed[component_ref]
+        subscribed.remove(subscribe_id)
+        if not subscribed:
+            del self._subscribed[component_ref]
+        await self.route(component_ref).unsubscribe(subscribe_id)
 
     def blame(self, component_ref: str, silence: NotResponding) -> TimedOut:
         """Report that a call to a component had no answer; return what to raise, which is not reported again."""
@@ -267,10 +256,10 @@ class Engine:
         """The streaming and signaling methods of the whole tree, routed by the id or reference in their params."""
         return _TreeExtension(self)
 
-    def extensions(self) -> tuple[Extension, ...]:
-        """Return the extensions of the buses attached here that have one."""
-        found = (getattr(child.bus, "extension", None) for child in self._children)
-        return tuple(extension for extension in found if extension is not None)
+    def extension_at(self, engine_id: str) -> Extension | None:
+        """Return the extension of the bus behind which an engine with streams stands; None where it has none."""
+        extension: Extension | None = getattr(self.tree.bus_of(engine_id), "extension", None)
+        return extension if extension is not None and engine_id in extension.engines() else None
 
 
 def leads_to(engine: Engine, ref_or_id: str, bus: ComponentBus) -> bool:
@@ -301,18 +290,17 @@ class _TreeExtension:
 
     def engines(self) -> frozenset[str]:
         """Return the ids of the engines of the tree that have streams."""
-        return frozenset[str]().union(*(extension.engines() for extension in self.engine.extensions()))
-
-    def _of(self, subject: str) -> Extension:
-        engine_id = engine_of(subject)
-        for extension in self.engine.extensions():
-            if engine_id in extension.engines():
-                return extension
-        raise Unsupported(f"there is no engine with streams for {subject[:200]!r}")
+        extensions = (getattr(bus, "extension", None) for bus in self.engine.tree.buses())
+        return frozenset[str]().union(*(each.engines() for each in extensions if each is not None))
 
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
         """Pass a call to the engine named by its component_ref, stream_id or peer_id."""
-        extension = self._of(subject_of(params))
+        subject = subject_of(params)
+        extension = self.engine.extension_at(engine_of(subject))
+        if extension is None:
+            raise Unsupported(f"there is no engine with streams for {subject[:200]!r}")
+        bus = self.engine.route(subject)
+        self.engine.users.note(client, bus)
         try:
             return await extension.call(method, params, client)
         except NotResponding as silence:
@@ -320,18 +308,24 @@ class _TreeExtension:
             if not isinstance(component_ref, str):
                 raise
             raise self.engine.blame(component_ref, silence) from None
+        finally:
+            # A client that was forgotten meanwhile may have something there now.
+            self.engine.users.note(client, bus)
 
     async def set_holder(self, notification: HolderNotification, client: Client) -> None:
         """Notify the engine of the component, whether or not it has streams."""
         component_ref = notification.component_ref
-        extension: Extension | None = getattr(self.engine.route(component_ref), "extension", None)
+        bus = self.engine.route(component_ref)
+        extension: Extension | None = getattr(bus, "extension", None)
         if extension is None:
             raise Unsupported(f"the engine of {component_ref[:200]!r} takes no notification of holders")
+        self.engine.users.note(client, bus)
         await extension.set_holder(notification, client)
 
     async def forget_client(self, client: Client) -> None:
         """End what a client has at every bus; one that fails does not keep the others from being called."""
-        told = (extension.forget_client(client) for extension in self.engine.extensions())
+        extensions = (getattr(bus, "extension", None) for bus in self.engine.users.forget_client(client))
+        told = (each.forget_client(client) for each in extensions if each is not None)
         for outcome in await asyncio.gather(*told, return_exceptions=True):
             if isinstance(outcome, Exception):
                 _log.info("an engine could not end what a departed client has: %s", outcome)

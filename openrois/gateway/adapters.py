@@ -95,9 +95,9 @@ async def serve_adapter(
         attaching.cancel()
         heartbeat.stop()
         well = closed.code in _FAREWELLS
-        engine.detach(proxy, lost="" if well else f"the connection to its engine has ended: {closed}")
+        gone = engine.detach(proxy, lost="" if well else f"the connection to its engine has ended: {closed}")
         proxy.lost("the connection to the engine has ended")
-        host.leases.keep_only(set(engine.directory.component_profiles))
+        host.leases.end_all(gone)
 
 
 async def _keep_attached(
@@ -115,8 +115,7 @@ async def _keep_attached(
                 is_notified = True
             await changed.wait()
             changed.clear()
-            await host.engine.refresh(proxy)
-            host.leases.keep_only(set(host.engine.directory.component_profiles))
+            host.leases.end_all(await host.engine.refresh(proxy))
             await host.sleep(CHANGE_PAUSE)
     except BadParameter as error:
         await _refuse(host, session, expiry, str(error))

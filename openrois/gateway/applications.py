@@ -28,6 +28,7 @@ from openrois.interfaces.overload_rules import queue_rules
 from openrois.jsonrpc.session import Handler, InvalidParams, Reply, RpcSession
 from openrois.observability.correlation import connection
 from openrois.observability.logs import Tally
+from openrois.scope.views import ViewChange
 from openrois.session.session import ApplicationSession, EngineHost
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.references import engine_of
@@ -91,7 +92,7 @@ async def serve_application(
     session.methods = enforced(app, methods)
     expiry.on_principal = partial(setattr, app, "principal")
     expiry.on_expiring = expiring(session.notify, lambda: app.extended)
-    stop_listening = app.engine.on_change(lambda _visibly: signaling.tree_changed())
+    stop_listening = app.engine.on_change(signaling.tree_changed)
     app.end_connection = partial(session.end_session, RESUMED, "another connection has resumed this session")
     closed = StreamClosed(_WITHOUT_HANDSHAKE)
     lost = False
@@ -174,13 +175,12 @@ class _Signaling:
         for peer_id in tuple(self._peers):
             self._forget_peer(peer_id)
 
-    def tree_changed(self) -> None:
+    def tree_changed(self, _change: ViewChange) -> None:
         """Drop the peers of engines that are out of scope now; one that is still there ends them."""
-        present = self._host.engine.directory.profile.engine_ids()
         for peer_id in tuple(self._peers):
-            if engine_of(peer_id) not in self.app.engine.engine_ids:
+            if not self.app.engine.tree.has_engine(engine_of(peer_id)):
                 self._forget_peer(peer_id)
-                if engine_of(peer_id) in present:
+                if self._host.engine.tree.has_engine(engine_of(peer_id)):
                     self._end_peer(peer_id, "the application may not have it any more")
 
     def methods(self) -> dict[str, Handler]:

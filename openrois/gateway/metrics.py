@@ -103,7 +103,7 @@ GATEWAY: Final[tuple[Figure[EngineHost], ...]] = (
         "openrois_gateway_components",
         "gauge",
         "Components of all engines.",
-        lambda h: len(h.engine.directory.component_profiles),
+        lambda h: len(h.engine.components),
     ),
     Figure(
         "openrois_gateway_unfinished_commands",
@@ -417,7 +417,7 @@ def _codes(closed: Mapping[int, int]) -> Iterator[tuple[str, int]]:
 
 
 def _engines(host: EngineHost) -> list[str]:
-    return [profile.identifier.code for profile in host.engine.directory.profile.sub_profiles]
+    return host.engine.tree.sub_engine_ids
 
 
 def _histogram(name: str, latencies: Latencies) -> Metric:

@@ -6,6 +6,7 @@ from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from typing import Final
 
+from openrois.engine.tree import TreeChange
 from openrois.session.session import EngineHost
 
 __all__ = ["RestartBarrier"]
@@ -27,7 +28,6 @@ class RestartBarrier:
     def __init__(self, host: EngineHost, sleep: Callable[[float], Awaitable[None]] = asyncio.sleep) -> None:
         self._host = host
         self._sleep = sleep
-        self._there: frozenset[str] = frozenset()
         self._missing = set(host.journal.engines)
         self._over = asyncio.Event()
 
@@ -47,20 +47,18 @@ class RestartBarrier:
         if not self.is_over:
             _log.info("applications wait for engines that were there before: %s", ", ".join(sorted(self._missing)))
             self._host.tasks.start(self._give_up())
-        stop_listening = self._host.engine.on_change(self._tree_changed)
+        stop_listening = self._host.engine.changes.add(self._tree_changed)
         try:
             yield
         finally:
             stop_listening()
 
-    def _tree_changed(self) -> None:
+    def _tree_changed(self, change: TreeChange) -> None:
         if self._host.draining:
             return
-        there = frozenset(self._host.engine.directory.profile.engine_ids()) - {self._host.engine.engine_id}
-        for engine_id in there ^ self._there:
-            self._host.journal.engine(engine_id, is_there=engine_id in there)
-        self._there = there
-        self._missing -= there
+        for engine_id in (change.engines_before ^ change.engines_now) - {self._host.engine.engine_id}:
+            self._host.journal.engine(engine_id, is_there=engine_id in change.engines_now)
+        self._missing -= change.engines_now
         self._end_if_complete()
 
     def _end_if_complete(self) -> None:

@@ -200,7 +200,7 @@ class _Commands:
             raise BadParameter(f"the command_id {command_id[:200]!r} is empty or taken")
         if len(command_id) > MAX_ID:
             raise BadParameter(f"a command_id has at most {MAX_ID} characters")
-        if engine_of(command_id) in self._app.engine.engine_ids and not self._app.trusted:
+        if self._app.engine.tree.has_engine(engine_of(command_id)) and not self._app.trusted:
             raise BadParameter("a command_id cannot begin with the id of an engine and a slash")
         seen.add(command_id)
 

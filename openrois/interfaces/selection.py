@@ -15,17 +15,8 @@ COMPONENT_PROPERTIES: Final = frozenset({"component_ref", "component_type"})
 
 
 def matching(engine: ScopedEngine, condition: Condition) -> list[str]:
-    """Return the refs of the components that satisfy a condition, in the order of the profile."""
-    profiles = engine.directory.component_profiles
-    named = condition.value_of("component_ref")
-    if named is not None:
-        # The usual question, which should not take longer the more components there are.
-        profiles = {named: profiles[named]} if named in profiles else {}
-    return [
-        ref
-        for ref, profile in profiles.items()
-        if condition.matches({"component_ref": ref, "component_type": profile.component_type})
-    ]
+    """Return the refs of the components that satisfy a condition, in the order in which they came."""
+    return engine.tree.search(condition)
 
 
 def the_one(engine: ScopedEngine, condition: Condition, declares: Callable[[HRIComponentProfile], bool]) -> str:
@@ -35,8 +26,7 @@ def the_one(engine: ScopedEngine, condition: Condition, declares: Callable[[HRIC
         Unsupported: no component does.
         BadParameter: several do; the condition has to name one.
     """
-    profiles = engine.directory.component_profiles
-    refs = [ref for ref in matching(engine, condition) if declares(profiles[ref])]
+    refs = [ref for ref in engine.tree.search(condition) if declares(engine.components[ref])]
     if not refs:
         raise Unsupported("no component that satisfies the condition has this message")
     if len(refs) > 1:

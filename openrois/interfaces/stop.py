@@ -1,5 +1,6 @@
 """`openrois.stop_all`: everything that acts on an engine stops, for an application that controls a part of it."""
 
+from collections.abc import Iterable
 from typing import Final
 
 from openrois.commands.stop import stop_components
@@ -46,20 +47,28 @@ def _chosen(app: ApplicationSession, params: StopAllParams) -> list[str]:
     """
     if params.engine_id is not None and params.component_ref is not None:
         raise BadParameter("give either an engine_id or a component_ref, not both")
-    profiles = app.host.engine.directory.component_profiles
-    acting = [ref for ref, profile in profiles.items() if profile.function is ComponentFunction.ACTUATION]
-    shown = app.engine.directory.component_profiles
-    if app.principal.is_administrator:
-        mine = {engine_of(ref) for ref in shown}
-    else:
-        mine = {engine_of(ref) for ref in acting if app.host.leases.model.holding.is_held(ref, app)}
     if params.engine_id is None and params.component_ref is None:
-        return [ref for ref in acting if engine_of(ref) in mine]
+        return [ref for engine_id in _controlled(app) for ref in _acting(app, engine_id)]
     if params.component_ref is not None:
         app.engine.require(params.component_ref)
     engine_id = params.engine_id or engine_of(params.component_ref or "")
-    if engine_id not in {engine_of(ref) for ref in shown}:
+    if not app.engine.tree.refs_of(engine_id):
         raise Unsupported(f"there is no engine {engine_id[:200]!r}")
-    if engine_id not in mine:
+    acting = _acting(app, engine_id)
+    held = app.host.leases.model.holding
+    if not app.principal.is_administrator and not any(held.is_held(ref, app) for ref in acting):
         raise OutOfResources(f"the application holds no actuation component of {engine_id}: bind one first")
-    return [ref for ref in acting if engine_of(ref) == engine_id]
+    return acting
+
+
+def _acting(app: ApplicationSession, engine_id: str) -> list[str]:
+    """Return the actuation components of an engine, also those that are out of the application's scope."""
+    engine = app.host.engine
+    refs = engine.tree.refs_of(engine_id)
+    return [ref for ref in refs if engine.components[ref].function is ComponentFunction.ACTUATION]
+
+
+def _controlled(app: ApplicationSession) -> Iterable[str]:
+    """Return the engines of which the application controls a part; an administrator controls all that it sees."""
+    refs = app.engine.components if app.principal.is_administrator else app.host.leases.model.holding.held_by(app)
+    return dict.fromkeys(map(engine_of, refs))

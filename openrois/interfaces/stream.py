@@ -61,7 +61,7 @@ Outcome = TypeVar("Outcome", bound=ReturnResult)
 
 def has_streams(app: ApplicationSession, component_ref: str) -> bool:
     """Tell whether the component's engine has the streaming methods and tells applications about their own streams."""
-    return engine_of(component_ref) in app.engine.extension.engines()
+    return app.engine.has_streams(engine_of(component_ref))
 
 
 def is_verb(command_type: str) -> bool:
@@ -249,7 +249,7 @@ async def get_parameters(app: ApplicationSession, component_ref: str) -> tuple[P
 
 async def _set_parameters(app: ApplicationSession, unit: CommandUnit) -> tuple[Result, ...]:
     """Change the parameters of a component; those that are about streams to come are this application's alone."""
-    profile = app.engine.directory.component_profiles.get(unit.component_ref)
+    profile = app.engine.components.get(unit.component_ref)
     own: tuple[Argument, ...] = ()
     if profile is not None and profile.command("connect_stream") is not None:
         own = tuple(argument for argument in unit.arguments if argument.name in STREAM_PARAMETERS)

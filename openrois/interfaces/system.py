@@ -3,7 +3,7 @@
 from openrois.engine.condition import parse_condition
 from openrois.errors import BadParameter
 from openrois.interfaces.operation import operation
-from openrois.interfaces.selection import COMPONENT_PROPERTIES, matching
+from openrois.interfaces.selection import COMPONENT_PROPERTIES
 from openrois.jsonrpc.session import Handler
 from openrois.session.session import ApplicationSession
 from openrois.types.messages import (
@@ -14,7 +14,6 @@ from openrois.types.messages import (
     ResultsResult,
     ReturnResult,
 )
-from openrois.types.profiles import HRIEngineProfile
 
 __all__ = ["methods"]
 
@@ -32,11 +31,13 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
 
     async def get_profile(params: ConditionParams) -> ProfileResult:
         condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
-        kept = set(matching(app.engine, condition))
-        directory = app.engine.directory
+        tree = app.engine.tree
+        if not condition.comparisons:
+            whole = tree.directory
+            return ProfileResult(profile=whole.profile, component_profiles=dict(whole.component_profiles))
+        kept = tree.search(condition)
         return ProfileResult(
-            profile=_restrict(directory.profile, kept) if condition.comparisons else directory.profile,
-            component_profiles={ref: profile for ref, profile in directory.component_profiles.items() if ref in kept},
+            profile=tree.restricted(kept), component_profiles={ref: tree.components[ref] for ref in kept}
         )
 
     async def get_error_detail(params: ErrorDetailParams) -> ResultsResult:
@@ -50,14 +51,3 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
         "rois.system.get_profile": operation(ConditionParams, ProfileResult, get_profile),
         "rois.system.get_error_detail": operation(ErrorDetailParams, ResultsResult, get_error_detail),
     }
-
-
-def _restrict(profile: HRIEngineProfile, kept: set[str]) -> HRIEngineProfile:
-    """Return the tree of engines with only the components in `kept`; sub-engines without any are left out."""
-    below = (_restrict(sub_profile, kept) for sub_profile in profile.sub_profiles)
-    return HRIEngineProfile(
-        identifier=profile.identifier,
-        sub_profiles=tuple(sub_profile for sub_profile in below if sub_profile.component_ids),
-        component_ids=tuple(ref for ref in profile.component_ids if ref in kept),
-        parameter_profiles=profile.parameter_profiles,
-    )

@@ -57,8 +57,8 @@ def require_may_send(app: ApplicationSession, component_ref: str) -> bool:
     engine_id = engine_of(component_ref)
     exclusive = [
         ref
-        for ref, profile in app.engine.directory.component_profiles.items()
-        if profile.function is ComponentFunction.ACTUATION and engine_of(ref) == engine_id
+        for ref in app.engine.tree.refs_of(engine_id)
+        if app.engine.components[ref].function is ComponentFunction.ACTUATION
     ]
     if exclusive and not any(app.may_operate(ref) for ref in exclusive):
         raise OutOfResources(f"sending to {engine_id} needs control of it: bind one of its actuation components first")

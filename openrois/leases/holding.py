@@ -19,6 +19,8 @@ class Holding:
 
     def __init__(self, first_epoch: int = 1) -> None:
         self._held: dict[str, tuple[object, int]] = {}
+        self._of_holder: dict[int, dict[str, int]] = {}
+        """The epochs of what each holder has, by its identity."""
         self._numbers = count(first_epoch)
 
     def bind(self, component_ref: str, holder: object) -> int:
@@ -37,8 +39,22 @@ class Holding:
     def move(self, component_ref: str, holder: object) -> int:
         """Make `holder` the only holder of a component; return the epoch that begins."""
         epoch = next(self._numbers)
-        self._held[component_ref] = holder, epoch
+        former = self._held.get(component_ref)
+        if former is not None:
+            self._remove(component_ref, former[0])
+        self._add(component_ref, holder, epoch)
         return epoch
+
+    def _add(self, component_ref: str, holder: object, epoch: int) -> None:
+        self._held[component_ref] = holder, epoch
+        self._of_holder.setdefault(id(holder), {})[component_ref] = epoch
+
+    def _remove(self, component_ref: str, holder: object) -> None:
+        del self._held[component_ref]
+        held = self._of_holder[id(holder)]
+        del held[component_ref]
+        if not held:
+            del self._of_holder[id(holder)]
 
     def holder(self, component_ref: str) -> tuple[object, int] | None:
         """Return the holder of the component and the epoch, or None where it is free."""
@@ -56,7 +72,7 @@ class Holding:
 
     def held_by(self, holder: object) -> dict[str, int]:
         """Return the epochs of what `holder` holds, by component_ref."""
-        return {ref: epoch for ref, (other, epoch) in self._held.items() if other is holder}
+        return dict(self._of_holder.get(id(holder), {}))
 
     def held(self) -> frozenset[str]:
         """Return every component that is held."""
@@ -66,8 +82,12 @@ class Holding:
         """Release a component and return the epoch that is over; None if `holder` does not hold it."""
         if not self.is_held(component_ref, holder):
             return None
-        return self._held.pop(component_ref)[1]
+        epoch = self._held[component_ref][1]
+        self._remove(component_ref, holder)
+        return epoch
 
     def succeed(self, component_ref: str, successor: object) -> None:
         """Make a successor the holder in the same epoch."""
-        self._held[component_ref] = successor, self._held[component_ref][1]
+        former, epoch = self._held[component_ref]
+        self._remove(component_ref, former)
+        self._add(component_ref, successor, epoch)

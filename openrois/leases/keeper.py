@@ -102,9 +102,9 @@ class LeaseKeeper:
         self.notifications.forget_watcher(holder)
         self._carry(self.model.lose(holder, self._now()))
 
-    def keep_only(self, component_refs: Iterable[str]) -> None:
+    def end_all(self, component_refs: Iterable[str]) -> None:
         """End the leases of components that are no longer there."""
-        self._carry(self.model.keep_only(component_refs))
+        self._carry(self.model.end_all(component_refs))
 
     def request(self, component_ref: str, asker: Holder) -> str:
         """Request a component; return the id of the request, or empty text where no holder has to be asked.

@@ -103,10 +103,10 @@ class LeaseModel:
             changes += self.release(component_ref, holder, now, why)
         return changes
 
-    def keep_only(self, component_refs: Iterable[str]) -> list[Change]:
+    def end_all(self, component_refs: Iterable[str]) -> list[Change]:
         """End the leases of components that are no longer there, and the waiting for them."""
         changes: list[Change] = []
-        for component_ref in sorted(self.holding.held().difference(component_refs)):
+        for component_ref in sorted(ref for ref in component_refs if self.holding.holder(ref) is not None):
             held = self._held(component_ref)
             self.holding.release(component_ref, held[0])
             changes.append(Lost(component_ref, held[0], held[1], Why.GONE))

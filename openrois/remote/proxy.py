@@ -31,6 +31,7 @@ from openrois.remote.extension import MAY_BIND, RemoteExtension
 from openrois.remote.faults import RemoteFaults
 from openrois.remote.remote_profile import RemoteProfile
 from openrois.remote.rpc_call import RpcCalls, read_result
+from openrois.remote.shared_profiles import shared_profile
 from openrois.remote.stops import SharedStops
 from openrois.remote.subscriptions import SharedSubscriptions
 from openrois.types.codes import CompletedStatus, ReturnCode
@@ -143,7 +144,7 @@ class RemoteProxy:
         self._use_greeting(result.profile)
         # It speaks for the components that it lists: another profile could belong to another engine.
         listed = {ref: result.component_profiles.get(ref) for ref in result.profile.component_refs()}
-        profiles = {ref: profile for ref, profile in listed.items() if profile is not None}
+        profiles = {ref: shared_profile(profile) for ref, profile in listed.items() if profile is not None}
         directory = Directory(result.profile, profiles)
         self.accepts(directory)
         self._remote_profile.directory = directory

@@ -110,7 +110,7 @@ def _tell_unasked(session: RpcSession, url: str) -> None:
 
 def _end_waiting(host: EngineHost, app: ApplicationSession) -> None:
     """End commands that wait for their turn: behind the lost connection no application could stop them then."""
-    for component_ref, profile in host.engine.directory.component_profiles.items():
+    for component_ref, profile in host.engine.components.items():
         if profile.function is ComponentFunction.ACTUATION:
             for command in host.pending.of(component_ref):
                 if command.owner is app and command.task is None:
@@ -175,7 +175,7 @@ class _ServedExtension:
         return {CLIENT_GONE: client_gone, HolderNotification.method: holder}
 
     async def _handle_holder(self, notification: HolderNotification, client_id: str) -> None:
-        if client_id and notification.component_ref in self._host.engine.directory.component_profiles:
+        if client_id and notification.component_ref in self._host.engine.components:
             client = self._clients.get(client_id)
             if client is None and notification.holds:
                 client = self._clients[client_id] = Client(client_id, self._notifying(client_id))
@@ -235,7 +235,7 @@ class _ServedExtension:
 
     def _tree_changed(self) -> None:
         components = {stream_id: component_ref for stream_id, (_, component_ref) in self._streams.items()}
-        for notice in lost_streams(components, self._host.engine.directory, self._host.wall_clock()):
+        for notice in lost_streams(components, self._host.engine.components, self._host.wall_clock()):
             client_id, _ = self._streams.pop(notice.stream_id)
             self._notify(notice.method, {**notice.model_dump(mode="json"), "client_id": client_id})
 

@@ -2,32 +2,26 @@
 
 from collections.abc import Collection
 from dataclasses import replace
-from typing import Final
+from typing import Any
 
 from openrois.auth.principal import Principal
 from openrois.contract import Directory, Fault
+from openrois.engine.tree import Tree
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
 from openrois.types.references import engine_of
 
-__all__ = ["ScopedDirectories", "scoped_directory", "scoped_fault"]
+__all__ = ["scoped_directory", "scoped_fault"]
 
-MAX_SCOPES: Final = 1024
-"""Directories that are kept; there are as many as scopes of connected principals."""
-
-_UNNAMED: Final = "the engine has a fault"
-
-
-def _sees_everything(principal: Principal) -> bool:
-    return principal.is_administrator and "*" in principal.scope
+_UNNAMED = "the engine has a fault"
 
 
 def scoped_directory(directory: Directory, principal: Principal) -> Directory:
     """Return a directory without what is out of scope.
 
-    An engine without a component in scope, its own or below it, is not there either, but for administrators whose scope
-    is everything; the root always is. For these the directory is returned as it is.
+    An engine without a component in scope, its own or below it, is not there either; the root always is. Where
+    everything is in scope the directory is returned as it is.
     """
-    if _sees_everything(principal):
+    if principal.sees_everything:
         return directory
     components = {
         ref: _shown_component(profile, principal)
@@ -55,39 +49,20 @@ def _shown_engine(profile: HRIEngineProfile, components: Collection[str]) -> HRI
     )
 
 
-def scoped_fault(fault: Fault, directory: Directory, shown: Directory, principal: Principal) -> Fault | None:
+def scoped_fault(fault: Fault, tree: Tree[Any], shown: Tree[Any], principal: Principal) -> Fault | None:
     """Return a fault as the principal may see it, None where it may not.
 
     The sentence about a fault of an engine may name any component: a principal that sees only some reads another.
 
     Args:
         fault: what happened.
-        directory: all there is.
+        tree: all there is.
         shown: what the principal is shown of that.
         principal: that is notified.
     """
     if fault.component_ref:
         return fault if principal.sees(fault.component_ref) else None
-    if engine_of(fault.error_id) not in shown.profile.engine_ids():
+    if not shown.has_engine(engine_of(fault.error_id)):
         return None
-    whole = len(shown.component_profiles) == len(directory.component_profiles)
+    whole = len(shown.components) == len(tree.components)
     return fault if whole else replace(fault, description=_UNNAMED)
-
-
-class ScopedDirectories:
-    """The directories of one engine for all connected principals: those with the same scope share one."""
-
-    def __init__(self) -> None:
-        self._of: Directory | None = None
-        self._by_scope: dict[tuple[bool, tuple[str, ...]], Directory] = {}
-
-    def get(self, directory: Directory, principal: Principal) -> Directory:
-        """Return the newest directory as the principal sees it."""
-        if directory is not self._of or len(self._by_scope) >= MAX_SCOPES:
-            self._of = directory
-            self._by_scope.clear()
-        key = (principal.is_administrator, principal.scope)
-        shown = self._by_scope.get(key)
-        if shown is None:
-            shown = self._by_scope[key] = scoped_directory(directory, principal)
-        return shown

@@ -8,8 +8,10 @@ from openrois.aio.listeners import Listeners
 from openrois.auth.principal import Principal
 from openrois.contract import Client, ComponentBus, Extension, Fault
 from openrois.engine.engine import Engine, leads_to
+from openrois.engine.tree import Tree
 from openrois.errors import NotResponding, TimedOut, Unsupported
-from openrois.scope.filter import ScopedDirectories, scoped_fault
+from openrois.scope.filter import scoped_fault
+from openrois.scope.views import ViewChange, Views
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile
 from openrois.types.references import engine_of
@@ -26,35 +28,31 @@ class ScopedEngine:
     Args:
         engine: all there is.
         principal: whose scope it is.
-        scoped_directories: shares directories between principals of one scope.
-
-    Attributes:
-        directory: what there is for the principal now.
-        engine_ids: the engines in it.
+        views: of the engine.
     """
 
-    def __init__(self, engine: Engine, principal: Principal, scoped_directories: ScopedDirectories) -> None:
+    def __init__(self, engine: Engine, principal: Principal, views: Views) -> None:
         self._engine = engine
         self._principal = principal
-        self._directories = scoped_directories
-        self._changes: Listeners[bool] = Listeners()
-        self._stop_listening = engine.on_change(self._look_again)
-        self._update_directory()
-
-    def _update_directory(self) -> None:
-        self.directory = self._directories.get(self._engine.directory, self._principal)
-        self.engine_ids = frozenset(self.directory.profile.engine_ids())
-
-    def _look_again(self) -> None:
-        former = self.directory
-        self._update_directory()
-        # A principal that sees everything is notified of any change, also that of an engine which comes back as it was.
-        whole = self.directory is self._engine.directory
-        self._changes.notify_all(whole or self.directory != former)
+        self._views = views
+        self._changes: Listeners[ViewChange] = Listeners()
+        self._view = views.enter(principal)
+        self._stop_following = self._view.changes.add(self._changes.notify_all)
 
     def close(self) -> None:
         """Stop following the engine."""
-        self._stop_listening()
+        self._stop_following()
+        self._views.leave(self._view)
+
+    @property
+    def tree(self) -> Tree[Any]:
+        """What there is for the principal now."""
+        return self._view.tree
+
+    @property
+    def components(self) -> Mapping[str, HRIComponentProfile]:
+        """The profile of every component that there is for the principal now, by its reference."""
+        return self._view.tree.components
 
     @property
     def engine_id(self) -> str:
@@ -68,15 +66,20 @@ class ScopedEngine:
 
     @principal.setter
     def principal(self, principal: Principal) -> None:
-        if principal != self._principal:
-            self._principal = principal
-            self._look_again()
+        former, is_other = self._view, principal.scope != self._principal.scope
+        self._principal = principal
+        if not is_other:
+            return
+        self._stop_following()
+        self._view = self._views.enter(principal)
+        self._stop_following = self._view.changes.add(self._changes.notify_all)
+        visible = former.tree.directory != self._view.tree.directory
+        gone = frozenset(former.tree.components.keys() - self._view.tree.components.keys())
+        self._views.leave(former)
+        self._changes.notify_all(ViewChange(visible, gone))
 
-    def on_change(self, listener: Callable[[bool], None]) -> Callable[[], None]:
-        """Call `listener` whenever the tree or the principal changes; return what ends that.
-
-        Its argument is whether the directory is different now; it must not block.
-        """
+    def on_change(self, listener: Callable[[ViewChange], None]) -> Callable[[], None]:
+        """Call `listener`, which must not block, whenever the tree or the scope changes; return what ends that."""
         return self._changes.add(listener)
 
     def sees(self, component_ref: str) -> bool:
@@ -85,7 +88,7 @@ class ScopedEngine:
 
     def hides(self, component_ref: str) -> bool:
         """Tell whether a component exists and is out of scope: for the audit trail, never for an answer."""
-        is_there, is_seen = component_ref in self._engine.directory.component_profiles, self.sees(component_ref)
+        is_there, is_seen = component_ref in self._engine.components, self.sees(component_ref)
         return is_there and not is_seen
 
     def require(self, component_ref: str) -> HRIComponentProfile:
@@ -94,7 +97,7 @@ class ScopedEngine:
         Raises:
             Unsupported: it does not exist, or is out of scope.
         """
-        profile = self.directory.component_profiles.get(component_ref)
+        profile = self.components.get(component_ref)
         if profile is None:
             raise Unsupported(f"there is no component {component_ref[:200]!r}")
         return profile
@@ -105,7 +108,7 @@ class ScopedEngine:
 
     def scoped_fault(self, fault: Fault) -> Fault | None:
         """Return a fault as the principal may see it, None where it may not."""
-        return scoped_fault(fault, self._engine.directory, self.directory, self._principal)
+        return scoped_fault(fault, self._engine.tree, self.tree, self._principal)
 
     def route(self, ref_or_id: str) -> ComponentBus:
         """Return the bus behind which the engine stands that leads `ref_or_id`.
@@ -117,7 +120,7 @@ class ScopedEngine:
         return self._engine.route(ref_or_id)
 
     def _require_engine(self, ref_or_id: str) -> None:
-        if engine_of(ref_or_id) not in self.engine_ids:
+        if not self.tree.has_engine(engine_of(ref_or_id)):
             raise Unsupported(f"there is no engine for {ref_or_id[:200]!r}")
 
     def leads_alike(self, one: str, other: str) -> bool:
@@ -126,7 +129,7 @@ class ScopedEngine:
 
     def leads_to(self, component_ref: str, bus: ComponentBus) -> bool:
         """Tell whether a component is still in scope, and behind `bus`."""
-        return component_ref in self.directory.component_profiles and leads_to(self._engine, component_ref, bus)
+        return component_ref in self.components and leads_to(self._engine, component_ref, bus)
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
         """Query a component."""
@@ -144,6 +147,10 @@ class ScopedEngine:
         """Report that a call to a component had no answer; return what to raise."""
         return self._engine.blame(component_ref, silence)
 
+    def has_streams(self, engine_id: str) -> bool:
+        """Tell whether an engine is in scope that has the streaming methods."""
+        return self.tree.has_engine(engine_id) and self._engine.extension_at(engine_id) is not None
+
     @property
     def extension(self) -> Extension:
         """The streaming and signaling methods of the engines in scope."""
@@ -159,7 +166,7 @@ class _VisibleExtension:
 
     def engines(self) -> frozenset[str]:
         """Return the ids of the engines that have streams."""
-        return self.extension.engines() & self.visible.engine_ids
+        return self.extension.engines() & self.visible.tree.engine_ids
 
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
         """Pass a call to the engine named by its component_ref, stream_id or peer_id."""

@@ -5,7 +5,7 @@ import json
 import logging
 import time
 from collections import deque
-from collections.abc import Callable, Collection, Coroutine
+from collections.abc import Callable, Container, Coroutine
 from dataclasses import dataclass, field
 from datetime import UTC
 from typing import Any, Final
@@ -132,7 +132,7 @@ class EventLog:
             if isinstance(outcome, Exception):
                 _log.info("a subscription could not be ended: %s", outcome)
 
-    def keep_only(self, component_refs: Collection[str]) -> None:
+    def keep_only(self, component_refs: Container[str]) -> None:
         """Drop subscriptions to own streams of components that are no longer there; others are ended by their bus."""
         for subscription in tuple(self._subscriptions.values()):
             if not subscription.bus_id and subscription.component_ref not in component_refs:

@@ -30,9 +30,9 @@ from openrois.leases.keeper import LeaseKeeper
 from openrois.leases.lease_notifications import Holder
 from openrois.leases.model import Rules
 from openrois.observability.audit import Audit
-from openrois.scope.filter import ScopedDirectories
 from openrois.scope.revocation import Entitlements, end_streams, lost_uplinks
 from openrois.scope.scoped_engine import ScopedEngine
+from openrois.scope.views import ViewChange, Views
 from openrois.session.change_notice import ChangeNotice
 from openrois.session.error_log import ErrorLog
 from openrois.session.events import EventLog
@@ -62,7 +62,7 @@ class EngineHost:
         engine: the engine that is spoken to.
         tasks: owns the commands; they go on when the application that started them is gone.
         leases: holders of components and their queues.
-        scoped_directories: what applications are shown of the engine.
+        views: what applications of each scope see of the engine.
         commands: what the commands take that are accepted and not finished.
         unread: what waits to be sent on all connections.
         quotas: what the applications of one subject may have together.
@@ -83,7 +83,6 @@ class EngineHost:
 
     engine: Engine
     tasks: TaskScope
-    scoped_directories: ScopedDirectories = field(default_factory=ScopedDirectories)
     commands: CommandQuota = field(default_factory=CommandQuota)
     unread: UnreadBudget = field(default_factory=UnreadBudget)
     quotas: SubjectQuotas = field(default_factory=SubjectQuotas)
@@ -101,8 +100,10 @@ class EngineHost:
     heartbeat: Heartbeat = field(default_factory=Heartbeat)
     epoch_fence: EpochFence = field(default_factory=EpochFence)
     leases: LeaseKeeper = field(init=False)
+    views: Views = field(init=False)
 
     def __post_init__(self) -> None:
+        self.views = Views(self.engine)
         self.leases = LeaseKeeper(
             self.engine,
             self.tasks,
@@ -158,7 +159,7 @@ class ApplicationSession:
         principal: Principal = LOCAL,
     ) -> None:
         self.host = host
-        self.engine = ScopedEngine(host.engine, principal, host.scoped_directories)
+        self.engine = ScopedEngine(host.engine, principal, host.views)
         self.trusted = trusted
         # A parent speaks for many applications: the share of one is kept where they are known apart.
         own = (MAX_UNFINISHED, MAX_UNFINISHED_TEXT) if trusted else (MAX_RUNNING, MAX_RUNNING_TEXT)
@@ -294,15 +295,16 @@ class ApplicationSession:
             or component_ref in self.streams.values()
         )
 
-    def _tree_changed(self, visibly: bool) -> None:
+    def _tree_changed(self, change: ViewChange) -> None:
         """Drop what is not in scope any more: it has left the tree, or the principal's scope."""
-        shown = self.engine.directory.component_profiles.keys()
-        for notice in lost_streams(self.streams, self.engine.directory, self.host.wall_clock()):
-            self._deliver(notice.method, notice.model_dump(mode="json"), notice)
-        self.events.keep_only(shown)
-        self.bound &= shown
-        self.stream_parameters.keep_only(shown)
-        if visibly:
+        if change.gone_refs:
+            shown = self.engine.components
+            for notice in lost_streams(self.streams, shown, self.host.wall_clock()):
+                self._deliver(notice.method, notice.model_dump(mode="json"), notice)
+            self.events.keep_only(shown)
+            self.bound &= shown.keys()
+            self.stream_parameters.keep_only(shown)
+        if change.visible:
             self._change_notice.changed()
 
     def _handle_extension_notification(self, method: str, params: Mapping[str, Any]) -> None:
@@ -312,9 +314,9 @@ class ApplicationSession:
         engine_id = engine_of(subject_of(params))
 
         def deliver() -> None:
-            shown = engine_id in self.engine.engine_ids and (notice is None or self.engine.sees(notice.component_ref))
+            is_shown = notice is None or self.engine.sees(notice.component_ref)
             # What is not shown any more could not be ended in time.
-            if shown:
+            if is_shown and self.engine.tree.has_engine(engine_id):
                 self._deliver(method, params, notice)
 
         self.order.notify_after_replies(engine_id, deliver)

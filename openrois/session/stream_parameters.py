@@ -3,10 +3,9 @@
 Pure.
 """
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from typing import Final
 
-from openrois.contract import Directory
 from openrois.types.codes import StreamStatus
 from openrois.types.messages import Argument, Parameter, Result
 from openrois.types.profiles import HRIComponentProfile
@@ -39,17 +38,17 @@ class StreamParameters:
         seen |= self._set.get(component_ref, {})
         return tuple(parameter for parameter in seen.values() if parameter.value)
 
-    def keep_only(self, component_refs: Collection[str]) -> None:
+    def keep_only(self, component_refs: Container[str]) -> None:
         """Forget what was set on components that are no longer there."""
         self._set = {ref: own for ref, own in self._set.items() if ref in component_refs}
 
 
-def lost_streams(streams: Mapping[str, str], directory: Directory, now: float) -> list[StreamStatusNotification]:
+def lost_streams(streams: Mapping[str, str], there: Container[str], now: float) -> list[StreamStatusNotification]:
     """Return the announcement of the end of each stream whose component is not in the tree any more.
 
     Args:
         streams: the component_ref of each stream, by stream_id.
-        directory: what there is now.
+        there: the components that are there now.
         now: epoch seconds.
     """
     return [
@@ -60,5 +59,5 @@ def lost_streams(streams: Mapping[str, str], directory: Directory, now: float) -
             timestamp=date_time(now),
         )
         for stream_id, component_ref in streams.items()
-        if component_ref not in directory.component_profiles
+        if component_ref not in there
     ]

@@ -40,9 +40,9 @@ async def test_a_bug_shows_nothing_of_itself(app: Application, robot: Robot, mon
     def fail(*_arguments: object) -> None:
         raise ComponentFailed("the secret") from ZeroDivisionError("the secret")
 
-    monkeypatch.setattr("openrois.interfaces.system._restrict", lambda *_arguments: 1 / 0)
+    monkeypatch.setattr("openrois.engine.tree.Tree.restricted", lambda *_arguments: 1 / 0)
     error = await app.refused("rois.system.get_profile", condition=ANY)
     assert error == {"code": -32603, "message": "Internal error"}
-    monkeypatch.setattr("openrois.interfaces.system._restrict", fail)
+    monkeypatch.setattr("openrois.engine.tree.Tree.restricted", fail)
     assert (await app.ask("rois.system.get_profile", condition=ANY))["return_code"] == "ERROR"
     assert "secret" not in json.dumps(app.heard)

@@ -10,6 +10,7 @@ from openrois_signaling.messages import CANDIDATES_LIMIT, SDP_LIMIT
 from openrois_signaling.relay import BURST, PEERS_PER_OWNER
 
 from openrois.errors import BadParameter, Unsupported
+from openrois.engine.tree import Tree
 from openrois.gateway.server import Gateway
 from openrois.types.codes import StreamStatus
 from tests.support import deployment
@@ -89,7 +90,7 @@ class TestSignaling:
     ) -> None:
         await stream_of(app)
         peer_id = await peer_of(app)
-        monkeypatch.setattr(gateway.engine, "_children", [])
+        monkeypatch.setattr(gateway.engine, "tree", Tree("gateway"))
         assert await app.code("signaling.restart", peer_id=peer_id) == "UNSUPPORTED"
 
     async def test_capture_times_reach_the_application_as_they_are(

@@ -184,9 +184,8 @@ class World:
                 await self._lose_engine(self._chance.choice(self.robots))
 
     async def _lose_engine(self, robot: LocalRegistry) -> None:
-        self.host.engine.detach(robot)
         # As the gateway does where an adapter leaves.
-        self.host.leases.keep_only(set(self.host.engine.directory.component_profiles))
+        self.host.leases.end_all(self.host.engine.detach(robot))
         await asyncio.sleep(self._chance.uniform(0, 2))
         await self.host.engine.attach(robot)
 

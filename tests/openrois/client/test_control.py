@@ -326,8 +326,7 @@ class TestHandover:
         await ann.bind(LAMP)
         asking = asyncio.ensure_future(bob.control.request(LAMP, wait=True))
         await heard(told)
-        line.host.engine.detach(line.toys)
-        line.host.leases.keep_only(line.host.engine.directory.component_profiles)
+        line.host.leases.end_all(line.host.engine.detach(line.toys))
         if comes_back:
             await line.host.engine.attach(line.toys)
         with pytest.raises((OutOfResources, Unsupported), match=r"request it again|there is no component"):

@@ -337,13 +337,19 @@ class TestExtension:
     async def test_every_bus_learns_that_a_client_is_gone(
         self, engine: Engine, caplog: pytest.LogCaptureFixture
     ) -> None:
-        buses = [Far(tree(name)) for name in "abc"]
-        buses[0].extension, buses[2].extension = FarExtension(broken=True), FarExtension()
-        for bus in buses:
+        buses = [Far(tree(name)) for name in "abcd"]
+        extensions = [FarExtension("a", broken=True), FarExtension("b"), FarExtension("c"), FarExtension("d")]
+        client = Client("me", lambda _method, _params: None)
+        for bus, extension in zip(buses, extensions, strict=True):
+            bus.extension = extension
             await engine.attach(bus)
+        await engine.extension.call("rois.stream.suspend_stream", {"stream_id": "a/1"}, client)
+        await engine.extension.call("rois.stream.suspend_stream", {"stream_id": "b/1"}, client)
+        await engine.extension.set_holder(HolderNotification(component_ref="c/x", holds=True, epoch=1), client)
         with caplog.at_level(logging.INFO):
-            await engine.extension.forget_client(Client("me", lambda _method, _params: None))
-        assert buses[2].extension.forgotten == ["me"]
+            await engine.extension.forget_client(client)
+            await engine.extension.forget_client(client)
+        assert [each.forgotten for each in extensions] == [[], ["me"], ["me"], []]
         assert "could not end what a departed client has" in caplog.text
 
     async def test_which_engines_have_it(self, engine: Engine) -> None:

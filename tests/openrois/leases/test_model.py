@@ -368,8 +368,8 @@ def test_so_many_wait(model: LeaseModel) -> None:
 
 def test_a_component_that_is_gone_is_waited_for_no_more(model: LeaseModel) -> None:
     request = asked(model.request(LAMP, BOB, 0))
-    assert model.keep_only({LAMP}) == []
-    assert model.keep_only({ARM}) == [Lost(LAMP, ANN, 1, Why.GONE), Declined(request, in_time=True, gone=True)]
+    assert model.end_all({ARM}) == []
+    assert model.end_all({LAMP}) == [Lost(LAMP, ANN, 1, Why.GONE), Declined(request, in_time=True, gone=True)]
     assert model.waiting.queue(LAMP) == ()
 
 

@@ -6,7 +6,8 @@ import pytest
 
 from openrois.auth.principal import LOCAL, Principal, Role
 from openrois.contract import Directory, Fault
-from openrois.scope.filter import MAX_SCOPES, ScopedDirectories, scoped_directory, scoped_fault
+from openrois.engine.tree import Tree
+from openrois.scope.filter import scoped_directory, scoped_fault
 from openrois.types.codes import ErrorType
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, RoISIdentifier
 
@@ -44,7 +45,7 @@ def administrator(*scope: str) -> Principal:
         (viewer("robot/*"), [ARM, EYE], ["gateway", "robot"]),
         (viewer("below/*"), [DEEP], ["gateway", "robot", "below"]),
         (viewer("ROBOT/*", "other/*"), [], ["gateway"]),
-        (viewer("*"), [ARM, EYE, DEEP], ["gateway", "robot", "below"]),
+        (viewer("*"), [ARM, EYE, DEEP], ["gateway", "robot", "below", "idle"]),
         (administrator("robot/eye"), [EYE], ["gateway", "robot"]),
         (administrator("*"), [ARM, EYE, DEEP], ["gateway", "robot", "below", "idle"]),
         (LOCAL, [ARM, EYE, DEEP], ["gateway", "robot", "below", "idle"]),
@@ -78,23 +79,17 @@ def fault(error_id: str, component_ref: str = "") -> Fault:
         (viewer("robot/eye"), fault("gateway/1"), "the engine has a fault"),
         (viewer("robot/eye"), fault("below/1"), None),
         (viewer("*"), fault("gateway/1"), "robot/arm burns"),
-        (viewer("*"), fault("idle/1"), None),
+        (viewer("*"), fault("idle/1"), "robot/arm burns"),
         (LOCAL, fault("idle/1"), "robot/arm burns"),
     ],
 )
 def test_faults(principal: Principal, told: Fault, heard: str | None) -> None:
-    shown = scoped_fault(told, tree(), scoped_directory(tree(), principal), principal)
+    whole, seen = Tree[str]("gateway"), Tree[str]("gateway")
+    for below in tree().profile.sub_profiles:
+        offer = Directory(below, {ref: tree().component_profiles[ref] for ref in below.component_refs()})
+        whole.replace(below.identifier.code, offer)
+        shown_offer = scoped_directory(offer, principal)
+        if shown_offer.component_profiles or principal.sees_everything:
+            seen.replace(below.identifier.code, shown_offer)
+    shown = scoped_fault(told, whole, seen, principal)
     assert shown == (None if heard is None else replace(told, description=heard))
-
-
-def test_those_with_the_same_scope_share_a_directory() -> None:
-    whole, shown = tree(), ScopedDirectories()
-    seen = shown.get(whole, viewer("robot/*"))
-    assert shown.get(whole, replace(viewer("robot/*"), subject="another")) is seen
-    assert shown.get(whole, administrator("robot/*")) is not seen
-    assert shown.get(whole, administrator("*")) is whole
-    assert shown.get(whole, viewer("*")) is not whole
-    changed = tree()
-    assert shown.get(changed, viewer("robot/*")) is not seen
-    for number in range(MAX_SCOPES + 1):
-        assert shown.get(changed, viewer(f"{number}/*")).component_profiles == {}

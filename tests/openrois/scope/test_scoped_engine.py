@@ -7,8 +7,8 @@ from openrois.contract import Client
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
 from openrois.errors import NotResponding, TimedOut, Unsupported
-from openrois.scope.filter import ScopedDirectories
 from openrois.scope.scoped_engine import ScopedEngine
+from openrois.scope.views import ViewChange, Views
 from openrois.types.references import new_id
 from openrois.types.streams import HolderNotification
 from tests.support.components import Bell, Lamp
@@ -37,7 +37,7 @@ async def engine(streams: FakeStreams) -> Engine:
 
 @pytest.fixture
 def seen(engine: Engine) -> ScopedEngine:
-    return ScopedEngine(engine, operator("robot/*"), ScopedDirectories())
+    return ScopedEngine(engine, operator("robot/*"), Views(engine))
 
 
 async def test_what_is_in_scope_is_reached(seen: ScopedEngine, engine: Engine) -> None:
@@ -46,7 +46,7 @@ async def test_what_is_in_scope_is_reached(seen: ScopedEngine, engine: Engine) -
     assert [result.value for result in await seen.invoke(LAMP, "switch")] == ["1"]
     assert seen.leads_to(LAMP, seen.route(LAMP))
     assert seen.leads_alike(new_id("robot"), LAMP)
-    assert (seen.engine_id, seen.engine_ids) == ("gateway", {"gateway", "robot"})
+    assert (seen.engine_id, seen.tree.engine_ids) == ("gateway", {"gateway", "robot"})
 
 
 @pytest.mark.parametrize("ref", [HIDDEN, "secret/camera", "secret/none", "none/lamp", "robot/none", "lamp", ""])
@@ -84,32 +84,32 @@ async def test_engines_and_what_they_mint(seen: ScopedEngine, engine: Engine, st
 
 
 async def test_listeners_learn_whether_the_directory_is_different(seen: ScopedEngine, engine: Engine) -> None:
-    heard: list[bool] = []
-    seen.on_change(heard.append)
+    heard: list[tuple[bool, frozenset[str]]] = []
+    seen.on_change(lambda change: heard.append((change.visible, change.gone_refs)))
     more = LocalRegistry("more", [Lamp()])
     await engine.attach(more)
-    assert heard == [False]
+    assert heard == []
     seen.principal = operator("robot/*")
-    assert heard == [False]
+    assert heard == []
     seen.principal = operator("robot/*", "more/*")
-    assert heard == [False, True]
+    assert heard == [(True, frozenset())]
     engine.detach(more)
-    assert heard == [False, True, True]
-    assert LAMP in seen.directory.component_profiles
+    assert heard == [(True, frozenset()), (True, frozenset({"more/lamp"}))]
+    assert LAMP in seen.components
     seen.close()
     await engine.attach(more)
-    assert heard == [False, True, True]
+    assert len(heard) == 2
 
 
 async def test_a_principal_that_sees_everything_is_notified_of_every_change(engine: Engine) -> None:
     everything = Principal("anna", frozenset({Role.ADMINISTRATOR}), ("*",))
-    seen = ScopedEngine(engine, everything, ScopedDirectories())
-    heard: list[bool] = []
+    seen = ScopedEngine(engine, everything, Views(engine))
+    heard: list[ViewChange] = []
     seen.on_change(heard.append)
     registry = LocalRegistry("idle", [])
     await engine.attach(registry)
     await engine.refresh(registry)
-    assert heard == [True, True]
+    assert [change.visible for change in heard] == [True, True]
 
 
 async def test_what_only_the_audit_trail_may_know(seen: ScopedEngine) -> None:

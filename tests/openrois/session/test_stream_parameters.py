@@ -1,9 +1,8 @@
 """What an application sees of a streaming component's parameters."""
 
-from openrois.contract import Directory
 from openrois.session.stream_parameters import StreamParameters, lost_streams
 from openrois.types.messages import Argument, Result
-from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, ParameterProfile, RoISIdentifier
+from openrois.types.profiles import HRIComponentProfile, ParameterProfile, RoISIdentifier
 
 CAMERA = "robot/camera"
 PROFILE = HRIComponentProfile(
@@ -53,9 +52,7 @@ def test_it_is_of_one_component_and_forgotten_with_it() -> None:
 
 
 def test_streams_of_components_that_are_gone() -> None:
-    profile = HRIComponentProfile(identifier=RoISIdentifier(code="urn"), name="camera")
-    directory = Directory(HRIEngineProfile(identifier=RoISIdentifier(code="g")), {"a/camera": profile})
-    (notice,) = lost_streams({"a/1": "a/camera", "b/1": "b/camera"}, directory, 0.0)
+    (notice,) = lost_streams({"a/1": "a/camera", "b/1": "b/camera"}, {"a/camera"}, 0.0)
     assert notice.model_dump(mode="json") == {
         "stream_id": "b/1",
         "component_ref": "b/camera",
