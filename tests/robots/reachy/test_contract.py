@@ -4,12 +4,16 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import ClassVar
 from unittest.mock import patch
 
+import pytest
+
 from openrois.component.component import Component
 from openrois.testing import ComponentContract
 from openrois.testing.subject import LocalSubject
 from openrois.types.codes import ComponentStatus
 from tests.support.reachy import linked, scripted_synthesizer, simulated
 from tests.support.robots import until
+
+pytestmark = pytest.mark.extra(name="reachy")
 
 
 class _OfTheRobot(ComponentContract):

@@ -10,6 +10,8 @@ from openrois_robots.reachy.postures.limits import MotionLimits
 
 from openrois.cli.command_line import CommandLine
 
+pytestmark = pytest.mark.extra(name="reachy")
+
 
 def read(*arguments: str) -> ReachySettings:
     parser = CommandLine("robot")

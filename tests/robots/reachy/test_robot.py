@@ -5,6 +5,8 @@ from typing import Any
 import pytest
 from openrois_robots.reachy.robot import _not_running, _sound_problem
 
+pytestmark = pytest.mark.extra(name="reachy")
+
 
 @pytest.mark.parametrize(
     ("status", "problem"),

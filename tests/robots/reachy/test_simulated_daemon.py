@@ -7,6 +7,8 @@ import pytest
 from tests.robots.reachy.daemon_suite import DaemonSuite
 from tests.support.reachy import DaemonPlace, LocalDaemon
 
+pytestmark = pytest.mark.extra(name="reachy")
+
 
 class TestSimulatedDaemon(DaemonSuite):
     @pytest.fixture

@@ -33,6 +33,8 @@ from tests.support.reachy import Linked, daemon_process, linked, staged
 from tests.support.robots import ended, until
 from tests.support.voice import ScriptedSynthesizer
 
+pytestmark = pytest.mark.extra(name="reachy")
+
 _ALWAYS = {"system_info"}
 """Components that work without a robot: they say what is wrong."""
 

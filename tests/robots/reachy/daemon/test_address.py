@@ -3,6 +3,8 @@
 import pytest
 from openrois_robots.reachy.daemon.address import PORT, Address, read_address
 
+pytestmark = pytest.mark.extra(name="reachy")
+
 
 @pytest.mark.parametrize(
     ("text", "expected"),

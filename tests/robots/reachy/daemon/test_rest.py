@@ -15,6 +15,8 @@ from openrois_robots.reachy.daemon.rest import Daemon, DaemonSilent, DaemonUnrea
 
 from openrois.errors import ComponentFailed
 
+pytestmark = pytest.mark.extra(name="reachy")
+
 
 class Connecting(OSError):
     """What a library makes of an error of the system."""
