@@ -31,6 +31,7 @@ class Needs(Enum):
     ADAPTER = "the suite's own adapter was not allowed (--no-adapter)"
     EXTENSIONS = "the gateway does not answer openrois.hello"
     LEASES = "the gateway does not speak openrois.lease"
+    DIRECTORY = "the gateway does not speak openrois.directory"
     ADMINISTRATOR = "what the gateway was shown is no administrator's token"
     COMPONENT = "no component was given (--component)"
 

@@ -11,6 +11,7 @@ from websockets.exceptions import WebSocketException
 
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.websocket import refusal
+from openrois.types.directory import DIRECTORY
 from openrois.types.leases import LEASES
 from openrois_conformance.application import Application
 from openrois_conformance.deviation import Deviation
@@ -110,6 +111,7 @@ async def visit(
             Needs.EXTENSIONS: bool(extensions),
             Needs.ADAPTER: adapter,
             Needs.LEASES: LEASES in extensions,
+            Needs.DIRECTORY: DIRECTORY in extensions,
             Needs.ADMINISTRATOR: is_administrator,
         }
         missing |= {need: need.value for need, is_there in there.items() if not is_there}

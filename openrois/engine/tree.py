@@ -1,5 +1,6 @@
 """The directory of a tree of engines, kept as buses come, change and go: each change costs what changed. Pure."""
 
+from bisect import bisect_left, bisect_right, insort
 from collections.abc import Collection, Iterable, Iterator, KeysView, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from openrois.engine.condition import Condition
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, RoISIdentifier
 from openrois.types.references import engine_of
 
-__all__ = ["AUTHORITY", "Tree", "TreeChange"]
+__all__ = ["AUTHORITY", "Place", "Tree", "TreeChange"]
 
 AUTHORITY: Final = "OpenRoIS"
 """Gives the ids of engines of this product their meaning."""
@@ -21,6 +22,19 @@ AUTHORITY: Final = "OpenRoIS"
 _NOTHING: Final = Directory(HRIEngineProfile(identifier=RoISIdentifier(code="")))
 
 Bus = TypeVar("Bus")
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """The place of an engine in a tree.
+
+    Attributes:
+        parent_id: the engine right above it.
+        component_refs: the components that it owns, and no engine below it.
+    """
+
+    parent_id: str
+    component_refs: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +66,20 @@ class TreeChange:
         """The ids of the engines behind the bus now."""
         return frozenset(() if self.latter is None else self.latter.profile.engine_ids())
 
+    @cached_property
+    def changed_engines(self) -> frozenset[str]:
+        """The ids of the engines that came, have gone, or are not as they were."""
+        there = self.engines_before & self.engines_now
+        if not there or self.former is None or self.latter is None:
+            return self.engines_before | self.engines_now
+        before, now = dict(_places(self.former.profile, "")), dict(_places(self.latter.profile, ""))
+        same = {each for each in there if before[each] == now[each] and self._is_same(now[each].component_refs)}
+        return (self.engines_before | self.engines_now) - same
+
+    def _is_same(self, refs: Iterable[str]) -> bool:
+        former, latter = self._former.component_profiles, self._latter.component_profiles
+        return all(former.get(ref) == latter[ref] for ref in refs)
+
     @property
     def _former(self) -> Directory:
         return self.former or _NOTHING
@@ -80,6 +108,8 @@ class Tree(Generic[Bus]):
         self._components: dict[str, HRIComponentProfile] = {}
         self.components: Mapping[str, HRIComponentProfile] = MappingProxyType(self._components)
         self._index = ComponentIndex()
+        self._places: dict[str, Place] = {}
+        self._sorted: list[str] | None = None
         self._directory: Directory | None = None
 
     @property
@@ -128,10 +158,22 @@ class Tree(Generic[Bus]):
         change = TreeChange(bus, former, latter)
         for engine_id in change.engines_before - change.engines_now:
             del self._buses[engine_id]
+            del self._places[engine_id]
         self._buses.update(dict.fromkeys(change.engines_now, bus))
+        self._places.update(() if latter is None else _places(latter.profile, self.engine_id))
+        self._sort(change)
         self._replace_components(change)
         self._directory = None
         return change
+
+    def _sort(self, change: TreeChange) -> None:
+        """Keep the order of the ids, once it was asked for."""
+        if self._sorted is None:
+            return
+        for engine_id in change.engines_before - change.engines_now - {self.engine_id}:
+            del self._sorted[bisect_left(self._sorted, engine_id)]
+        for engine_id in change.engines_now - change.engines_before - {self.engine_id}:
+            insort(self._sorted, engine_id)
 
     def _replace_components(self, change: TreeChange) -> None:
         for ref in change.gone_refs:
@@ -144,6 +186,24 @@ class Tree(Generic[Bus]):
             self._components[ref] = profile
             if known is None:
                 self._index.add(ref, profile)
+
+    def place_of(self, engine_id: str) -> Place | None:
+        """Return the place of an engine; None where it is not in the tree."""
+        if engine_id == self.engine_id:
+            return self._places.get(engine_id, Place("", ()))
+        return self._places.get(engine_id)
+
+    def engines_after(self, engine_id: str) -> Iterator[str]:
+        """Yield the engines whose ids come behind one, in their order; the tree must not change meanwhile."""
+        if self._sorted is None:
+            self._sorted = sorted(self.engine_ids)
+        for number in range(bisect_right(self._sorted, engine_id), len(self._sorted)):
+            yield self._sorted[number]
+
+    @property
+    def engine_count(self) -> int:
+        """How many engines there are, the root among them."""
+        return len(self._buses) + (self.engine_id not in self._buses)
 
     def search(self, condition: Condition) -> list[str]:
         """Return the references of the components that satisfy a condition, in the order in which they came."""
@@ -177,6 +237,14 @@ class Tree(Generic[Bus]):
             component_ids=refs,
         )
         return Directory(profile, {ref: self._components[ref] for ref in refs})
+
+
+def _places(profile: HRIEngineProfile, root_id: str) -> Iterator[tuple[str, Place]]:
+    """Yield the place of each engine of an offer below an engine."""
+    engine_id = profile.identifier.code
+    yield engine_id, Place("" if engine_id == root_id else root_id, profile.own_refs())
+    for below in profile.sub_profiles:
+        yield from _places(below, engine_id)
 
 
 def _listed(offers: Iterable[Directory]) -> Iterator[str]:

@@ -21,7 +21,7 @@ from openrois.gateway.refusals import RefusalNotes
 from openrois.gateway.renewal import Renewal, expiring
 from openrois.gateway.sign_in import SignIns
 from openrois.gateway.token_expiry import TokenExpiry
-from openrois.interfaces import base_methods, lease_methods, stream_methods
+from openrois.interfaces import base_methods, directory_methods, lease_methods, stream_methods
 from openrois.interfaces.enforcement import enforced
 from openrois.interfaces.operation import reply_first
 from openrois.interfaces.overload_rules import queue_rules
@@ -86,7 +86,8 @@ async def serve_application(
     notes = RefusalNotes(app)
     session.on_refusal = notes.note
     session.outbox.gap = app.gap
-    methods = {**base_methods(app), **stream_methods(app), **lease_methods(app), **signaling.methods()}
+    methods = {**base_methods(app), **directory_methods(app), **stream_methods(app), **lease_methods(app)}
+    methods |= signaling.methods()
     if renewal is not None:
         methods |= renewal.method(expiry, lambda principal: principal.is_application, notes.note_token)
     session.methods = enforced(app, methods)

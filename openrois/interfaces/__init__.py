@@ -1,10 +1,10 @@
 """The RoIS interfaces as method tables over one `ApplicationSession`: thin, one module each."""
 
-from openrois.interfaces import command, event, lease, query, stop, stream, system
+from openrois.interfaces import command, directory, event, lease, query, stop, stream, system
 from openrois.jsonrpc.session import Handler
 from openrois.session.session import ApplicationSession
 
-__all__ = ["base_methods", "lease_methods", "stream_methods"]
+__all__ = ["base_methods", "directory_methods", "lease_methods", "stream_methods"]
 
 
 def base_methods(app: ApplicationSession) -> dict[str, Handler]:
@@ -15,6 +15,11 @@ def base_methods(app: ApplicationSession) -> dict[str, Handler]:
 def stream_methods(app: ApplicationSession) -> dict[str, Handler]:
     """Return `openrois.hello` and the streaming verbs for an application."""
     return stream.methods(app)
+
+
+def directory_methods(app: ApplicationSession) -> dict[str, Handler]:
+    """Return `openrois.directory.*` for an application."""
+    return directory.methods(app)
 
 
 def lease_methods(app: ApplicationSession) -> dict[str, Handler]:

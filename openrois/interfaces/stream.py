@@ -29,6 +29,7 @@ from openrois.scope.revocation import Entitlements, end_streams
 from openrois.session.session import ApplicationSession
 from openrois.session.stream_parameters import STREAM_PARAMETERS
 from openrois.types.codes import ReturnCode, StreamStatus
+from openrois.types.directory import DIRECTORY
 from openrois.types.leases import LEASES
 from openrois.types.messages import Argument, CommandUnit, Parameter, Result, ReturnResult
 from openrois.types.references import engine_of
@@ -76,8 +77,13 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
     async def hello(params: HelloParams) -> HelloResult:
         app.extended = True
         app.leasing = app.leasing or LEASES in params.extensions
-        engines = tuple(sorted(app.engine.extension.engines()))
-        return HelloResult(client_id=app.client_id, extensions=(*EXTENSIONS, LEASES), engines=engines)
+        if DIRECTORY in params.extensions:
+            # Each entry of the directory says whether its engine has streams.
+            app.change_notice.name_engines()
+            engines: tuple[str, ...] = ()
+        else:
+            engines = tuple(sorted(app.engine.extension.engines()))
+        return HelloResult(client_id=app.client_id, extensions=(*EXTENSIONS, DIRECTORY, LEASES), engines=engines)
 
     async def connect(params: ConnectStreamParams) -> ConnectStreamResult:
         app.extended = True

@@ -75,8 +75,9 @@ class ScopedEngine:
         self._stop_following = self._view.changes.add(self._changes.notify_all)
         visible = former.tree.directory != self._view.tree.directory
         gone = frozenset(former.tree.components.keys() - self._view.tree.components.keys())
+        engine_ids = frozenset(former.tree.engine_ids | self._view.tree.engine_ids) if visible else frozenset[str]()
         self._views.leave(former)
-        self._changes.notify_all(ViewChange(visible, gone))
+        self._changes.notify_all(ViewChange(visible, engine_ids, gone))
 
     def on_change(self, listener: Callable[[ViewChange], None]) -> Callable[[], None]:
         """Call `listener`, which must not block, whenever the tree or the scope changes; return what ends that."""

@@ -20,10 +20,12 @@ class ViewChange:
 
     Attributes:
         visible: whether something can be seen of it.
+        engine_ids: the engines that it may be about.
         gone_refs: the components that are not seen any more.
     """
 
     visible: bool
+    engine_ids: frozenset[str] = frozenset()
     gone_refs: frozenset[str] = frozenset()
 
 
@@ -107,11 +109,11 @@ class Views:
         for view in tuple(self._concerned(change)):
             if view.tree is self._engine.tree:
                 # Any change is one, also that of an engine which comes back as it was.
-                view.changes.notify_all(ViewChange(visible=True, gone_refs=change.gone_refs))
+                view.changes.notify_all(ViewChange(True, change.changed_engines, change.gone_refs))
                 continue
             seen = view.show(change.bus, change.latter)
             if seen.former is not None or seen.latter is not None:
-                view.changes.notify_all(ViewChange(seen.former != seen.latter, seen.gone_refs))
+                view.changes.notify_all(ViewChange(seen.former != seen.latter, seen.changed_engines, seen.gone_refs))
 
     def _concerned(self, change: TreeChange) -> Iterator[View]:
         yield from self._others

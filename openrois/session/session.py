@@ -145,6 +145,7 @@ class ApplicationSession:
         engine: the part of the engine in the principal's scope: every name in a request is looked up there.
         end_connection: ends the connection at once; called when another session has gone on in this one's place.
         streams: the component_ref of each of its streams, by stream_id.
+        change_notice: notifies of changes of the directory.
         uplinks: those of them that it may have only as long as it operates their engine.
     """
 
@@ -183,7 +184,7 @@ class ApplicationSession:
         self.send_notification = self._notify = notify
         self._passes = passes
         self._left = left
-        self._change_notice = ChangeNotice(lambda: notify("rois.system.profile_changed", {}))
+        self.change_notice = ChangeNotice(notify, lambda engine_id: self.engine.tree.has_engine(engine_id))
         self._stop_listening = self.engine.on_change(self._tree_changed)
         self._stop_watching = host.engine.faults.add(self._handle_fault)
 
@@ -305,7 +306,7 @@ class ApplicationSession:
             self.bound &= shown.keys()
             self.stream_parameters.keep_only(shown)
         if change.visible:
-            self._change_notice.changed()
+            self.change_notice.changed(change.engine_ids)
 
     def _handle_extension_notification(self, method: str, params: Mapping[str, Any]) -> None:
         # Read before it waits: a malformed one is the fault of its engine, not of the call that it waits for.
@@ -357,6 +358,6 @@ class ApplicationSession:
         self.closed = True
         self._stop_listening()
         self._stop_watching()
-        self._change_notice.close()
+        self.change_notice.close()
         self.engine.close()
         await self.leave(lost=lost)

@@ -6,6 +6,16 @@ from typing import Final
 from pydantic import BaseModel
 
 from openrois.types.access import AuthExpiringNotification, AuthRefreshParams, AuthRefreshResult
+from openrois.types.directory import (
+    DIRECTORY,
+    DirectoryChangedNotification,
+    DirectoryListParams,
+    DirectoryListResult,
+    DirectoryProfilesParams,
+    DirectoryProfilesResult,
+    DirectoryReadParams,
+    DirectoryReadResult,
+)
 from openrois.types.leases import (
     LeaseChangedNotification,
     LeaseDeclinedNotification,
@@ -138,6 +148,21 @@ METHODS: Final[tuple[MethodType, ...]] = (
         "Say how long what arrives of a stream waits here until it is played.",
         "rois.stream",
     ),
+    MethodType(
+        "openrois.directory.list",
+        DirectoryListParams,
+        DirectoryListResult,
+        "Ask which engines there are, page by page.",
+        DIRECTORY,
+    ),
+    MethodType("openrois.directory.read", DirectoryReadParams, DirectoryReadResult, "Ask for some engines.", DIRECTORY),
+    MethodType(
+        "openrois.directory.profiles",
+        DirectoryProfilesParams,
+        DirectoryProfilesResult,
+        "Ask for the profiles of some components.",
+        DIRECTORY,
+    ),
     MethodType("openrois.lease.query", LeaseParams, LeaseResult, "Ask who holds a component.", "openrois.lease"),
     MethodType("openrois.lease.request", LeaseParams, LeaseRequestResult, "Ask its holder for it.", "openrois.lease"),
     MethodType("openrois.lease.leave", LeaseParams, ReturnResult, "Wait for it no more.", "openrois.lease"),
@@ -181,6 +206,12 @@ NOTIFICATIONS: Final[tuple[NotificationType, ...]] = (
     ),
     NotificationType(
         StreamStatusNotification.method, StreamStatusNotification, "A stream does something else now.", "rois.stream"
+    ),
+    NotificationType(
+        DirectoryChangedNotification.method,
+        DirectoryChangedNotification,
+        "Engines came, changed or have gone; in the place of `rois.system.profile_changed`.",
+        DIRECTORY,
     ),
     NotificationType(
         LeaseChangedNotification.method,

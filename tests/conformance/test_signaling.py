@@ -9,8 +9,8 @@ import pytest
 from openrois_signaling.messages import CANDIDATES_LIMIT, SDP_LIMIT
 from openrois_signaling.relay import BURST, PEERS_PER_OWNER
 
-from openrois.errors import BadParameter, Unsupported
 from openrois.engine.tree import Tree
+from openrois.errors import BadParameter, Unsupported
 from openrois.gateway.server import Gateway
 from openrois.types.codes import StreamStatus
 from tests.support import deployment

@@ -16,7 +16,8 @@ class TestHello:
     async def test_what_is_spoken(self, app: Application, other: Application) -> None:
         answer = await app.ask("openrois.hello", version="1", extensions=["rois.stream", "something.new"])
         assert answer["return_code"] == "OK"
-        assert (answer["version"], answer["extensions"]) == ("1", ["rois.stream", "signaling", "openrois.lease"])
+        spoken = ["rois.stream", "signaling", "openrois.directory", "openrois.lease"]
+        assert (answer["version"], answer["extensions"]) == ("1", spoken)
         theirs = await other.ask("openrois.hello", version="2")
         assert len({answer["client_id"], theirs["client_id"]}) == 2
         assert (await app.refused("openrois.hello"))["code"] == -32602

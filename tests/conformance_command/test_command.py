@@ -88,7 +88,7 @@ class TestRun:
         async with trying() as url:
             assert await run("--url", url, "--only", "query.*", "--json", str(tmp_path / "run.json")) == 0
         lines = capsys.readouterr().out.splitlines()
-        assert lines[0] == f"{url} is gateway; it speaks rois.stream, signaling, openrois.lease"
+        assert lines[0] == f"{url} is gateway; it speaks rois.stream, signaling, openrois.directory, openrois.lease"
         assert "The Query interface" in lines
         assert any(line.startswith("pass     query.selection") for line in lines)
         assert lines[-2:] == [

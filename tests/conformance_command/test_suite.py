@@ -63,7 +63,8 @@ async def test_a_gateway_of_the_base_wire_alone_passes(gateway: Gateway, monkeyp
     verdicts = await tried(address(gateway))
     assert of(verdicts, Outcome.FAILED) == {}
     skipped = of(verdicts, Outcome.NOT_RUN)
-    extended = {check.id for check in ALL_CHECKS if check.needs & {Needs.EXTENSIONS, Needs.LEASES, Needs.COMPONENT}}
+    needs = {Needs.EXTENSIONS, Needs.LEASES, Needs.DIRECTORY, Needs.COMPONENT}
+    extended = {check.id for check in ALL_CHECKS if check.needs & needs}
     assert skipped.keys() == extended
     assert "openrois.hello" in skipped["stream-life"]
 

@@ -175,6 +175,9 @@ async def test_a_gateway_with_hidden_engines_and_one_without_are_the_same() -> N
         ("rois.system.get_profile", {}),
         ("rois.command.search", {}),
         ("rois.system.get_profile", {"condition": "component_ref LIKE '%'"}),
+        ("openrois.directory.list", {}),
+        ("openrois.directory.read", {"engine_ids": ["hidden", "fleet", "gateway"]}),
+        ("openrois.directory.profiles", {"component_refs": ["hidden/navigation", IN]}),
         ("rois.command.bind_any", {"condition": ""}),
         ("rois.query.query", {"query_type": "component_status", "condition": ""}),
         ("rois.query.query", {"query_type": "get_parameter", "condition": ""}),
@@ -221,6 +224,20 @@ async def test_nothing_is_told_of_what_comes_and_goes_out_of_sight() -> None:
         engine.detach(where.robots["fleet"])
         frames = await wire.ask("rois.command.search", {})
         assert [json.loads(frame).get("method") for frame in frames] == ["rois.system.profile_changed", None]
+
+
+async def test_no_engine_out_of_sight_is_named() -> None:
+    async with place("fleet", "hidden") as where, where.application(principal("viewer", *SCOPE)) as wire:
+        await wire.result("openrois.hello", {"version": "1", "extensions": ["openrois.directory"]})
+        engine = where.host.engine
+        late = Watched("late")
+        await engine.attach(late)
+        engine.detach(late)
+        engine.detach(where.robots["hidden"])
+        assert len(await wire.ask("rois.command.search", {})) == 1
+        engine.detach(where.robots["fleet"])
+        told, _ = map(json.loads, await wire.ask("rois.command.search", {}))
+        assert (told["method"], told["params"]["gone"]) == ("openrois.directory.changed", ["fleet"])
 
 
 async def test_a_component_that_was_lost_out_of_sight_is_not_told_of() -> None:

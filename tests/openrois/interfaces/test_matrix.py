@@ -46,6 +46,9 @@ ORACLE: Final = """
     rois.event.get_event_detail         v m o a .   BAD_PARAMETER   BAD_PARAMETER
     openrois.hello                      v m o a .   -               OK
     openrois.auth.refresh               v m o a .   -               -
+    openrois.directory.list             v m o a .   OK              OK
+    openrois.directory.read             v m o a .   OK              OK
+    openrois.directory.profiles         v m o a .   OK              OK
     openrois.lease.query                v m o a .   UNSUPPORTED     OK
     openrois.lease.request              . . o a .   UNSUPPORTED     OK
     openrois.lease.leave                . . o a .   UNSUPPORTED     OK
@@ -159,6 +162,9 @@ def general() -> Iterator[Shape]:
         yield f"rois.command.{method}", lambda ref: {"component_ref": ref}
     for method in ("rois.system.get_profile", "rois.command.search", "rois.command.bind_any"):
         yield method, lambda ref: {"condition": condition(ref)}
+    yield "openrois.directory.list", lambda ref: {"component_types": [ref]}
+    yield "openrois.directory.read", lambda ref: {"engine_ids": [ref.partition("/")[0]]}
+    yield "openrois.directory.profiles", lambda ref: {"component_refs": [ref]}
     yield "rois.stream.connect_stream", lambda ref: {"component_ref": ref}
     for verb in ("disconnect_stream", "suspend_stream", "resume_stream", "query_stream_status"):
         yield f"rois.stream.{verb}", lambda ref: {"stream_id": ref}

@@ -64,7 +64,9 @@ async def test_a_view_hears_of_what_can_be_seen_and_of_nothing_else() -> None:
     await engine.attach(robot)
     await engine.refresh(robot)
     engine.detach(robot)
-    came, same, gone = ViewChange(visible=True), ViewChange(visible=False), ViewChange(True, frozenset({"robot/lamp"}))
+    robots = frozenset({"robot"})
+    came, same = ViewChange(True, robots), ViewChange(visible=False)
+    gone = ViewChange(True, robots, frozenset({"robot/lamp"}))
     assert heard == {"robot/lamp": [came, same, gone], "*/lamp": [came, same, gone], "other/*": []}
 
 
@@ -108,4 +110,7 @@ async def follow(steps: list[tuple[str, str, bool]]) -> None:
 
 
 def same(one: Directory, other: Directory) -> bool:
-    return one.profile == other.profile and dict(one.component_profiles) == dict(other.component_profiles)
+    """Tell whether two directories differ at most in their order: that of a view is the one in which things appear."""
+    below = [sorted(each.profile.sub_profiles, key=lambda profile: profile.identifier.code) for each in (one, other)]
+    refs = [sorted(each.profile.component_ids) for each in (one, other)]
+    return (below[0], refs[0], one.component_profiles) == (below[1], refs[1], other.component_profiles)

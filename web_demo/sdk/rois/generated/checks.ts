@@ -135,6 +135,40 @@ const isStreamStatusResult: Check = object({
   status: optional(isStreamStatus),
 });
 
+const isComponentEntry: Check = object({
+  component_ref: text,
+  component_type: text,
+  function: optional(orNull(isComponentFunction)),
+  profile_version: text,
+});
+
+const isEngineEntry: Check = object({
+  engine_id: text,
+  parent_id: text,
+  version: text,
+  extensions: optional(list(text)),
+  components: optional(list(isComponentEntry)),
+});
+
+const isDirectoryListResult: Check = object({
+  return_code: isReturnCode,
+  engines: optional(list(isEngineEntry)),
+  next: optional(text),
+  count: optional(integer),
+});
+
+const isDirectoryReadResult: Check = object({
+  return_code: isReturnCode,
+  engines: optional(list(isEngineEntry)),
+  left: optional(list(text)),
+});
+
+const isDirectoryProfilesResult: Check = object({
+  return_code: isReturnCode,
+  profiles: optional(map(isHRIComponentProfile)),
+  left: optional(list(text)),
+});
+
 const isLeaseState: Check = oneOf(LeaseState);
 
 const isLeaseStatus: Check = object({
@@ -239,6 +273,12 @@ const isStreamStatusNotification: Check = object({
   timestamp: text,
 });
 
+const isDirectoryChangedNotification: Check = object({
+  changed: optional(list(text)),
+  gone: optional(list(text)),
+  unnamed: optional(integer),
+});
+
 const isLeaseChangedNotification: Check = object({
   component_ref: optional(text),
   state: optional(isLeaseState),
@@ -339,6 +379,9 @@ export const RESULTS: { readonly [Name in MethodName]: Check } = {
   "rois.stream.resume_stream": isReturnResult,
   "rois.stream.query_stream_status": isStreamStatusResult,
   "rois.stream.report_playout": isReturnResult,
+  "openrois.directory.list": isDirectoryListResult,
+  "openrois.directory.read": isDirectoryReadResult,
+  "openrois.directory.profiles": isDirectoryProfilesResult,
   "openrois.lease.query": isLeaseResult,
   "openrois.lease.request": isLeaseRequestResult,
   "openrois.lease.leave": isReturnResult,
@@ -364,6 +407,7 @@ export const NOTIFICATIONS: { readonly [Name in NotificationName]: Check } = {
   "openrois.auth.expiring": isAuthExpiringNotification,
   "openrois.reason": isReasonNotification,
   "rois.stream.notify_stream_status": isStreamStatusNotification,
+  "openrois.directory.changed": isDirectoryChangedNotification,
   "openrois.lease.changed": isLeaseChangedNotification,
   "openrois.lease.requested": isLeaseRequestedNotification,
   "openrois.lease.declined": isLeaseDeclinedNotification,

@@ -15,6 +15,13 @@ import type {
   ConnectStreamParams,
   ConnectStreamResult,
   DetailParams,
+  DirectoryChangedNotification,
+  DirectoryListParams,
+  DirectoryListResult,
+  DirectoryProfilesParams,
+  DirectoryProfilesResult,
+  DirectoryReadParams,
+  DirectoryReadResult,
   ErrorDetailParams,
   ErrorNotification,
   EventNotification,
@@ -108,6 +115,12 @@ export interface Methods {
   readonly "rois.stream.query_stream_status": { params: StreamParams; result: StreamStatusResult };
   /** Say how long what arrives of a stream waits here until it is played. */
   readonly "rois.stream.report_playout": { params: ReportPlayoutParams; result: ReturnResult };
+  /** Ask which engines there are, page by page. */
+  readonly "openrois.directory.list": { params: DirectoryListParams; result: DirectoryListResult };
+  /** Ask for some engines. */
+  readonly "openrois.directory.read": { params: DirectoryReadParams; result: DirectoryReadResult };
+  /** Ask for the profiles of some components. */
+  readonly "openrois.directory.profiles": { params: DirectoryProfilesParams; result: DirectoryProfilesResult };
   /** Ask who holds a component. */
   readonly "openrois.lease.query": { params: LeaseParams; result: LeaseResult };
   /** Ask its holder for it. */
@@ -156,6 +169,8 @@ export interface Notifications {
   readonly "openrois.reason": ReasonNotification;
   /** A stream does something else now. */
   readonly "rois.stream.notify_stream_status": StreamStatusNotification;
+  /** Engines came, changed or have gone; in the place of `rois.system.profile_changed`. */
+  readonly "openrois.directory.changed": DirectoryChangedNotification;
   /** A component has another holder, or another queue. */
   readonly "openrois.lease.changed": LeaseChangedNotification;
   /** Another application asks for a component that this one holds. */

@@ -87,6 +87,14 @@ export interface Completed {
 export const CompletedStatus = ["OK", "ERROR", "ABORT", "OUT_OF_RESOURCES", "TIMEOUT"] as const;
 export type CompletedStatus = (typeof CompletedStatus)[number];
 
+/** A component in short. */
+export interface ComponentEntry {
+  readonly component_ref: string;
+  readonly component_type: string;
+  readonly function?: ComponentFunction | null;
+  readonly profile_version: string;
+}
+
 /**
  * The class of a component: only an actuation has to be bound before it is operated. An extension of
  * the wire.
@@ -138,6 +146,73 @@ export interface DetailParams {
 /** Where the media of a section flow, as seen from the application. */
 export const Direction = ["recvonly", "sendonly", "sendrecv"] as const;
 export type Direction = (typeof Direction)[number];
+
+/**
+ * Which engines came or are others now, and which have gone; in the place of
+ * `rois.system.profile_changed`.
+ */
+export interface DirectoryChangedNotification {
+  readonly changed?: readonly string[];
+  readonly gone?: readonly string[];
+  readonly unnamed?: number;
+}
+
+/** Params of `openrois.directory.list`: the engines behind `after`, in the order of their ids. */
+export interface DirectoryListParams {
+  readonly after?: string;
+  readonly limit?: number;
+  readonly component_types?: readonly string[];
+}
+
+/** Result of `openrois.directory.list`: `next` is the `after` of the next page, empty where there is none. */
+export interface DirectoryListResult {
+  readonly return_code: ReturnCode;
+  readonly engines?: readonly EngineEntry[];
+  readonly next?: string;
+  readonly count?: number;
+}
+
+/**
+ * Params of `openrois.directory.profiles`: components whose profiles are wanted, one for each version
+ * suffices.
+ */
+export interface DirectoryProfilesParams {
+  readonly component_refs: readonly string[];
+}
+
+/**
+ * Result of `openrois.directory.profiles`: profiles by `profile_version`; `left` are refs that found
+ * no room.
+ */
+export interface DirectoryProfilesResult {
+  readonly return_code: ReturnCode;
+  readonly profiles?: { readonly [name: string]: HRIComponentProfile };
+  readonly left?: readonly string[];
+}
+
+/** Params of `openrois.directory.read`: the engines to be told of. */
+export interface DirectoryReadParams {
+  readonly engine_ids: readonly string[];
+}
+
+/**
+ * Result of `openrois.directory.read`: those that do not exist are absent; `left` are those that found
+ * no room.
+ */
+export interface DirectoryReadResult {
+  readonly return_code: ReturnCode;
+  readonly engines?: readonly EngineEntry[];
+  readonly left?: readonly string[];
+}
+
+/** An engine in short. */
+export interface EngineEntry {
+  readonly engine_id: string;
+  readonly parent_id: string;
+  readonly version: string;
+  readonly extensions?: readonly string[];
+  readonly components?: readonly ComponentEntry[];
+}
 
 /** Params of get_error_detail. */
 export interface ErrorDetailParams {

@@ -76,6 +76,15 @@ namespace OpenRoIS
         /// <summary>Say how long what arrives of a stream waits here until it is played.</summary>
         public static readonly Method<ReportPlayoutParams, ReturnResult> StreamReportPlayout =
             new Method<ReportPlayoutParams, ReturnResult>("rois.stream.report_playout");
+        /// <summary>Ask which engines there are, page by page.</summary>
+        public static readonly Method<DirectoryListParams, DirectoryListResult> DirectoryList =
+            new Method<DirectoryListParams, DirectoryListResult>("openrois.directory.list");
+        /// <summary>Ask for some engines.</summary>
+        public static readonly Method<DirectoryReadParams, DirectoryReadResult> DirectoryRead =
+            new Method<DirectoryReadParams, DirectoryReadResult>("openrois.directory.read");
+        /// <summary>Ask for the profiles of some components.</summary>
+        public static readonly Method<DirectoryProfilesParams, DirectoryProfilesResult> DirectoryProfiles =
+            new Method<DirectoryProfilesParams, DirectoryProfilesResult>("openrois.directory.profiles");
         /// <summary>Ask who holds a component.</summary>
         public static readonly Method<LeaseParams, LeaseResult> LeaseQuery =
             new Method<LeaseParams, LeaseResult>("openrois.lease.query");
@@ -146,6 +155,9 @@ namespace OpenRoIS
         /// <summary>A stream does something else now.</summary>
         public static readonly Notification<StreamStatusNotification> StreamNotifyStreamStatus =
             new Notification<StreamStatusNotification>("rois.stream.notify_stream_status");
+        /// <summary>Engines came, changed or have gone; in the place of <c>rois.system.profile_changed</c>.</summary>
+        public static readonly Notification<DirectoryChangedNotification> DirectoryChanged =
+            new Notification<DirectoryChangedNotification>("openrois.directory.changed");
         /// <summary>A component has another holder, or another queue.</summary>
         public static readonly Notification<LeaseChangedNotification> LeaseChanged =
             new Notification<LeaseChangedNotification>("openrois.lease.changed");

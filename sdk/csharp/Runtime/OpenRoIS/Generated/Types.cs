@@ -178,6 +178,22 @@ namespace OpenRoIS
         Timeout,
     }
 
+    /// <summary>A component in short.</summary>
+    public sealed class ComponentEntry
+    {
+        [JsonProperty("component_ref", Required = Required.Always)]
+        public string ComponentRef { get; set; }
+
+        [JsonProperty("component_type", Required = Required.Always)]
+        public string ComponentType { get; set; }
+
+        [JsonProperty("function", NullValueHandling = NullValueHandling.Ignore)]
+        public ComponentFunction? Function { get; set; }
+
+        [JsonProperty("profile_version", Required = Required.Always)]
+        public string ProfileVersion { get; set; }
+    }
+
     /// <summary>
     /// The class of a component: only an actuation has to be bound before it is operated. An extension of
     /// the wire.
@@ -273,6 +289,125 @@ namespace OpenRoIS
         Sendonly,
         [EnumMember(Value = "sendrecv")]
         Sendrecv,
+    }
+
+    /// <summary>
+    /// Which engines came or are others now, and which have gone; in the place of
+    /// <c>rois.system.profile_changed</c>.
+    /// </summary>
+    public sealed class DirectoryChangedNotification
+    {
+        [JsonProperty("changed")]
+        public List<string> Changed { get; set; } = new List<string>();
+
+        [JsonProperty("gone")]
+        public List<string> Gone { get; set; } = new List<string>();
+
+        [JsonProperty("unnamed")]
+        public long Unnamed { get; set; } = 0;
+    }
+
+    /// <summary>
+    /// Params of <c>openrois.directory.list</c>: the engines behind <c>after</c>, in the order of their
+    /// ids.
+    /// </summary>
+    public sealed class DirectoryListParams
+    {
+        [JsonProperty("after")]
+        public string After { get; set; } = "";
+
+        [JsonProperty("limit")]
+        public int Limit { get; set; } = 100;
+
+        [JsonProperty("component_types")]
+        public List<string> ComponentTypes { get; set; } = new List<string>();
+    }
+
+    /// <summary>
+    /// Result of <c>openrois.directory.list</c>: <c>next</c> is the <c>after</c> of the next page, empty
+    /// where there is none.
+    /// </summary>
+    public sealed class DirectoryListResult : IOutcome
+    {
+        [JsonProperty("return_code", Required = Required.Always)]
+        public ReturnCode ReturnCode { get; set; }
+
+        [JsonProperty("engines")]
+        public List<EngineEntry> Engines { get; set; } = new List<EngineEntry>();
+
+        [JsonProperty("next")]
+        public string Next { get; set; } = "";
+
+        [JsonProperty("count")]
+        public long Count { get; set; } = 0;
+    }
+
+    /// <summary>
+    /// Params of <c>openrois.directory.profiles</c>: components whose profiles are wanted, one for each
+    /// version suffices.
+    /// </summary>
+    public sealed class DirectoryProfilesParams
+    {
+        [JsonProperty("component_refs", Required = Required.Always)]
+        public List<string> ComponentRefs { get; set; } = new List<string>();
+    }
+
+    /// <summary>
+    /// Result of <c>openrois.directory.profiles</c>: profiles by <c>profile_version</c>; <c>left</c> are
+    /// refs that found no room.
+    /// </summary>
+    public sealed class DirectoryProfilesResult : IOutcome
+    {
+        [JsonProperty("return_code", Required = Required.Always)]
+        public ReturnCode ReturnCode { get; set; }
+
+        [JsonProperty("profiles")]
+        public Dictionary<string, HRIComponentProfile> Profiles { get; set; } = new Dictionary<string, HRIComponentProfile>();
+
+        [JsonProperty("left")]
+        public List<string> Left { get; set; } = new List<string>();
+    }
+
+    /// <summary>Params of <c>openrois.directory.read</c>: the engines to be told of.</summary>
+    public sealed class DirectoryReadParams
+    {
+        [JsonProperty("engine_ids", Required = Required.Always)]
+        public List<string> EngineIds { get; set; } = new List<string>();
+    }
+
+    /// <summary>
+    /// Result of <c>openrois.directory.read</c>: those that do not exist are absent; <c>left</c> are those
+    /// that found no room.
+    /// </summary>
+    public sealed class DirectoryReadResult : IOutcome
+    {
+        [JsonProperty("return_code", Required = Required.Always)]
+        public ReturnCode ReturnCode { get; set; }
+
+        [JsonProperty("engines")]
+        public List<EngineEntry> Engines { get; set; } = new List<EngineEntry>();
+
+        [JsonProperty("left")]
+        public List<string> Left { get; set; } = new List<string>();
+    }
+
+    /// <summary>An engine in short.</summary>
+    public sealed class EngineEntry
+    {
+        [JsonProperty("engine_id", Required = Required.Always)]
+        public string EngineId { get; set; }
+
+        [JsonProperty("parent_id", Required = Required.Always)]
+        public string ParentId { get; set; }
+
+        [JsonProperty("version", Required = Required.Always)]
+        public string Version { get; set; }
+
+        [JsonProperty("extensions")]
+        public List<string> Extensions { get; set; } = new List<string>();
+
+        [JsonProperty("components")]
+        public List<ComponentEntry> Components { get; set; } = new List<ComponentEntry>();
     }
 
     /// <summary>Params of get_error_detail.</summary>
