@@ -11,6 +11,7 @@ from openrois.aio.tasks import TaskScope
 from openrois.client.bindings import Bindings
 from openrois.client.commands import Commands
 from openrois.client.control import control_notice
+from openrois.client.engine_directory import EngineDirectory, Generations
 from openrois.client.errors import ConnectionLost
 from openrois.client.feed import Feed
 from openrois.client.notices import ControlChanged, Fault, Notice, Notification, ProfileChanged
@@ -23,6 +24,7 @@ from openrois.jsonrpc.protocol import METHOD_NOT_FOUND
 from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
 from openrois.jsonrpc.token_renewal import renew_token
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
+from openrois.types.directory import DIRECTORY, DirectoryChangedNotification
 from openrois.types.leases import LEASES, LeaseState
 from openrois.types.messages import Completed, ErrorNotification, EventNotification, NoParams, ReturnResult
 from openrois.types.reasons import ReasonNotification, sentence
@@ -37,7 +39,8 @@ class Application:
     Attributes:
         commands, bindings, subscriptions: what it has at the gateway.
         extensions: what the gateway speaks beyond RoIS.
-        generation: counts how often components came or went, as far as that can be known.
+        generations: count how often engines came, changed or went, as far as that can be known.
+        directory: the engines that there are.
         notices, listeners: feeds of notices, and of notifications as they come.
         on_notice: called with each notice.
         notifications: handlers of the gateway's notifications.
@@ -54,7 +57,8 @@ class Application:
         self.bindings = Bindings(self.handle_notice)
         self.subscriptions = Subscriptions(asker, self.handle_notice)
         self.extensions: frozenset[str] = frozenset()
-        self.generation = 0
+        self.generations = Generations()
+        self.directory = EngineDirectory(asker)
         self.notices: WeakSet[Feed[Any]] = WeakSet()
         self.listeners: WeakSet[Feed[Any]] = WeakSet()
         self.on_notice: Listeners[Notice] = Listeners()
@@ -68,14 +72,14 @@ class Application:
 
     async def greet_gateway(self, session: RpcSession) -> None:
         """Connect as an application and learn which extensions the gateway has."""
-        self.generation += 1
+        self._all_may_have_changed()
         self._session = session
         await ask(session, "rois.system.connect", NoParams(), ReturnResult, timeout=self._timeout)
         self.extensions = await self._hello(session)
         await self._resumption.greet_gateway(session, extended=LEASES in self.extensions)
 
     async def _hello(self, session: RpcSession) -> frozenset[str]:
-        params = HelloParams(version=EXTENSION_VERSION, extensions=EXTENSIONS)
+        params = HelloParams(version=EXTENSION_VERSION, extensions=(*EXTENSIONS, DIRECTORY))
         try:
             answer = await ask(session, "openrois.hello", params, HelloResult, timeout=self._timeout)
         except RpcError as error:
@@ -133,14 +137,30 @@ class Application:
             case "rois.event.notify_event":
                 self.subscriptions.deliver(read_message(EventNotification, params))
             case "rois.system.profile_changed":
-                self.generation += 1
+                self._all_may_have_changed()
                 self._restorer.profile_changed()
                 self.handle_notice(ProfileChanged())
+            case DirectoryChangedNotification.method:
+                self._handle_changes(read_message(DirectoryChangedNotification, params))
             case "rois.system.notify_error":
                 fault = read_message(ErrorNotification, params)
                 self.handle_notice(Fault(fault.error_id, fault.error_type))
             case _:
                 self._handle_lease(method, params)
+
+    def _all_may_have_changed(self) -> None:
+        self.generations.count_all()
+        self.directory.reset()
+
+    def _handle_changes(self, notice: DirectoryChangedNotification) -> None:
+        self.directory.note_changes(notice)
+        engine_ids = frozenset[str]() if notice.unnamed else frozenset((*notice.changed, *notice.gone))
+        if engine_ids:
+            self.generations.count(engine_ids)
+        else:
+            self.generations.count_all()
+        self._restorer.profile_changed(engine_ids)
+        self.handle_notice(ProfileChanged(engine_ids))
 
     def _handle_lease(self, method: str, params: dict[str, Any]) -> None:
         notice = control_notice(method, params)
@@ -166,6 +186,7 @@ class _EveryName(Mapping[str, NotificationHandler]):
         "rois.event.notify_event",
         "rois.system.profile_changed",
         "rois.system.notify_error",
+        DirectoryChangedNotification.method,
     )
 
     def __init__(self, take: Callable[[str, dict[str, Any]], None]) -> None:

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 
 from openrois.catalog.component_type import ComponentType
 from openrois.client.component import ComponentProxy
+from openrois.types.directory import EngineEntry
 from openrois.types.messages import ProfileResult
 from openrois.types.profiles import HRIEngineProfile, component_urn
 
-__all__ = ["BodyComponent", "BodyInfo", "BodyProfile", "Kind", "bodies_in", "code_of", "urn_of"]
+__all__ = ["BodyComponent", "BodyInfo", "BodyProfile", "Kind", "bodies_in", "bodies_of", "code_of", "urn_of"]
 
 Kind = type[ComponentProxy] | ComponentType | str
 """A component type: a class of `openrois.client.components` or one's own, a `ComponentType`, its URN, or the code of a
@@ -100,7 +101,7 @@ class BodyInfo:
 
 
 def bodies_in(answer: ProfileResult) -> tuple[BodyProfile, ...]:
-    """Return the bodies of a gateway in the order of its profile, inner engines before those around them.
+    """Return the bodies of a gateway in the order of their ids, inner engines before those around them.
 
     Args:
         answer: to `get_profile`; of one with a condition, only components that meet it belong to a body.
@@ -109,13 +110,17 @@ def bodies_in(answer: ProfileResult) -> tuple[BodyProfile, ...]:
         return ()
     types = {ref: profile.component_type for ref, profile in answer.component_profiles.items()}
     main = answer.profile
-    below = (body for engine in main.sub_profiles for body in _bodies(engine, types))
+    below = (body for engine in _sorted(main.sub_profiles) for body in _bodies(engine, types))
     owned = _body(main.identifier.code, main.own_refs(), types)
     return (*below, *((owned,) if owned.types else ()))
 
 
+def _sorted(engines: Iterable[HRIEngineProfile]) -> list[HRIEngineProfile]:
+    return sorted(engines, key=lambda engine: engine.identifier.code)
+
+
 def _bodies(engine: HRIEngineProfile, types: Mapping[str, str]) -> Iterator[BodyProfile]:
-    for sub_engine in engine.sub_profiles:
+    for sub_engine in _sorted(engine.sub_profiles):
         yield from _bodies(sub_engine, types)
     if any(ref in types for ref in engine.own_refs()):
         yield _body(engine.identifier.code, engine.component_refs(), types)
@@ -123,3 +128,37 @@ def _bodies(engine: HRIEngineProfile, types: Mapping[str, str]) -> Iterator[Body
 
 def _body(engine_id: str, refs: Iterable[str], types: Mapping[str, str]) -> BodyProfile:
     return BodyProfile(engine_id, {ref: types[ref] for ref in sorted(refs) if ref in types})
+
+
+def bodies_of(entries: Iterable[EngineEntry]) -> tuple[BodyProfile, ...]:
+    """Return the bodies of a directory in the order of their ids, inner engines before those around them."""
+    below: dict[str, list[EngineEntry]] = {}
+    for entry in sorted(entries, key=lambda entry: entry.engine_id):
+        below.setdefault(entry.parent_id, []).append(entry)
+    found: list[BodyProfile] = []
+    for main in below.get("", ()):
+        for engine in below.get(main.engine_id, ()):
+            _add_bodies(found, engine, below)
+        if main.components:
+            found.append(_body_of(main.engine_id, _types(main)))
+    return tuple(found)
+
+
+def _add_bodies(
+    found: list[BodyProfile], engine: EngineEntry, below: Mapping[str, Iterable[EngineEntry]]
+) -> dict[str, str]:
+    """Add the bodies of an engine and of those below it; return the types of all their components."""
+    types = _types(engine)
+    for sub_engine in below.get(engine.engine_id, ()):
+        types |= _add_bodies(found, sub_engine, below)
+    if engine.components:
+        found.append(_body_of(engine.engine_id, types))
+    return types
+
+
+def _types(entry: EngineEntry) -> dict[str, str]:
+    return {each.component_ref: each.component_type for each in entry.components}
+
+
+def _body_of(engine_id: str, types: Mapping[str, str]) -> BodyProfile:
+    return BodyProfile(engine_id, dict(sorted(types.items())))

@@ -25,6 +25,7 @@ from openrois.errors import BadParameter, RoISError, Unsupported
 from openrois.transport.backoff import Backoff
 from openrois.transport.credentials import Credentials, Token
 from openrois.types.codes import ComponentStatus
+from openrois.types.directory import DIRECTORY
 
 __all__ = ["Client"]
 
@@ -84,6 +85,7 @@ class Client(Operations):
             connection,
             self._application.bindings,
             self.control,
+            self._application.directory,
             reconnect or _RECONNECT,
             self._application.handle_notice,
         )
@@ -229,7 +231,7 @@ class Client(Operations):
         urn = urn_of(kind)
         of_type = where(component_type=urn)
         refs = await self.search(f"{of_type} AND {condition}" if condition else of_type)
-        if not refs:
+        if not refs and DIRECTORY not in self.extensions:
             # Some gateways compare the code of the identifier alone with the URN.
             profiles = (await self.get_profile(condition)).component_profiles
             refs = tuple(ref for ref, profile in profiles.items() if profile.component_type == urn)

@@ -45,7 +45,7 @@ class ComponentProxy:
         self.client = client
         self.component_ref = component_ref
         self._type = component_type or self.component_type
-        self._read_in = 0
+        self._read_in: tuple[int, int] | None = None
         self._profile: HRIComponentProfile | None = None
 
     def __repr__(self) -> str:
@@ -67,8 +67,9 @@ class ComponentProxy:
         """Return the names and types of the messages: of the type, or of the component's profile now."""
         if self._type is not None:
             return _profile_of(self._type)
-        if self._profile is None or self._read_in != self.client.generation:
-            self._read_in = self.client.generation
+        generation = self.client.generation_of(self.component_ref)
+        if self._profile is None or self._read_in != generation:
+            self._read_in = generation
             self._profile = await self.profile()
         return self._profile
 

@@ -50,7 +50,13 @@ class Disconnected(Notice):
 
 @dataclass(frozen=True, slots=True)
 class ProfileChanged(Notice):
-    """The engines or components behind the gateway have changed."""
+    """The engines or components behind the gateway have changed.
+
+    Attributes:
+        engine_ids: which; empty where the gateway does not say, or there are too many.
+    """
+
+    engine_ids: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,6 +40,7 @@ from openrois.types.messages import (
     SetParameterResult,
 )
 from openrois.types.model import Model
+from openrois.types.references import engine_of
 from openrois.types.streams import ConnectStreamParams, ConnectStreamResult, StreamParams
 
 __all__ = ["Operations"]
@@ -71,8 +72,12 @@ class Operations:
 
     @property
     def generation(self) -> int:
-        """A count of how often components came or went, as far as is known; a profile is valid for one count."""
-        return self._application.generation
+        """A count of how often components came or went, as far as is known."""
+        return self._application.generations.total
+
+    def generation_of(self, component_ref: str) -> tuple[int, int]:
+        """Return a count of the changes of a component's engine; its profile is valid for one count."""
+        return self._application.generations.of(engine_of(component_ref))
 
     async def get_profile(self, condition: str = "") -> ProfileResult:
         """Return the tree of engines and the profile of each component that meets a condition; of all without one.

@@ -14,10 +14,11 @@ from typing import Final
 
 from openrois.client.bindings import Bindings
 from openrois.client.body import Body, Reservation, Wanted
-from openrois.client.body_directory import BodyComponent, BodyInfo, BodyProfile, bodies_in
+from openrois.client.body_directory import BodyComponent, BodyInfo, BodyProfile, bodies_in, bodies_of
 from openrois.client.component import proxy_of
 from openrois.client.connection import Connection
 from openrois.client.control import Control
+from openrois.client.engine_directory import EngineDirectory
 from openrois.client.errors import ConnectionLost
 from openrois.client.notices import BindingLost, BodyLost, Disconnected, Notice
 from openrois.client.operations import Operations
@@ -27,9 +28,9 @@ from openrois.errors import OutOfResources, RoISError, Unsupported
 from openrois.jsonrpc.session import RpcError
 from openrois.transport.backoff import Backoff
 from openrois.types.codes import ComponentFunction
+from openrois.types.directory import DIRECTORY
 from openrois.types.leases import LEASES, LeaseState
 from openrois.types.messages import ComponentParams, ConditionParams, SearchResult
-from openrois.types.profiles import HRIComponentProfile
 
 __all__ = ["WAIT", "Bodies"]
 
@@ -52,6 +53,7 @@ class Bodies:
         connection: of the client.
         bindings: what it has.
         control: its leases.
+        directory: the engines that there are.
         reconnect: the chance and the clock of waits.
         tell: takes what the application should know.
     """
@@ -62,6 +64,7 @@ class Bodies:
         connection: Connection,
         bindings: Bindings,
         control: Control,
+        directory: EngineDirectory,
         reconnect: Reconnect,
         tell: Callable[[Notice], None],
     ) -> None:
@@ -69,6 +72,7 @@ class Bodies:
         self._connection = connection
         self._bindings = bindings
         self._control = control
+        self._directory = directory
         self._reconnect = reconnect
         self._tell = tell
         self._reserved: dict[str, Reservation] = {}
@@ -77,20 +81,28 @@ class Bodies:
 
     async def all(self) -> list[BodyInfo]:
         """Return all bodies; see `Client.bodies`."""
-        answer = await self._operations.get_profile()
-        bodies = bodies_in(answer)
-        free = await self._free(answer.component_profiles)
+        bodies, functions = await self._read()
+        free = await self._free(functions)
         return [
             BodyInfo(body.engine_id, tuple(BodyComponent(ref, urn, free.get(ref)) for ref, urn in body.types.items()))
             for body in bodies
         ]
 
-    async def _free(self, profiles: Mapping[str, HRIComponentProfile]) -> dict[str, bool | None]:
+    async def _read(self) -> tuple[tuple[BodyProfile, ...], dict[str, ComponentFunction | None]]:
+        """Return all bodies, and the function of each component."""
+        if DIRECTORY in self._operations.extensions:
+            entries = await self._directory.read()
+            components = (each for entry in entries.values() for each in entry.components)
+            return bodies_of(entries.values()), {each.component_ref: each.function for each in components}
+        answer = await self._operations.get_profile()
+        return bodies_in(answer), {ref: profile.function for ref, profile in answer.component_profiles.items()}
+
+    async def _free(self, functions: Mapping[str, ComponentFunction | None]) -> dict[str, bool | None]:
         """Tell of each component whether no application holds it; of none where the gateway knows no leases."""
         if LEASES not in self._operations.extensions:
             return {}
-        leased = [ref for ref, profile in profiles.items() if profile.function is ComponentFunction.ACTUATION]
-        free: dict[str, bool | None] = dict.fromkeys(profiles, True)
+        leased = [ref for ref, function in functions.items() if function is ComponentFunction.ACTUATION]
+        free: dict[str, bool | None] = dict.fromkeys(functions, True)
         for first in range(0, len(leased), _AT_ONCE):
             some = leased[first : first + _AT_ONCE]
             free.update(zip(some, await asyncio.gather(*map(self._is_free, some)), strict=True))
@@ -126,7 +138,10 @@ class Bodies:
         while True:
             if read_in != self._operations.generation:
                 read_in = self._operations.generation
-                bodies = bodies_in(await self._operations.get_profile(condition))
+                if condition:
+                    bodies = bodies_in(await self._operations.get_profile(condition))
+                else:
+                    bodies, _ = await self._read()
             refusals: list[tuple[str, RoISError]] = []
             for body in _candidates(bodies, wanted):
                 try:

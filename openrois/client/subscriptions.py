@@ -1,7 +1,7 @@
 """The subscriptions of one client: which id means which, and making them again on the next connection."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from typing import Final, Protocol
 
@@ -13,6 +13,7 @@ from openrois.errors import RoISError
 from openrois.jsonrpc.session import RpcError, RpcSession
 from openrois.types.messages import EventNotification, ReturnResult, SubscribeParams, SubscribeResult, UnsubscribeParams
 from openrois.types.model import Model
+from openrois.types.references import engine_of
 
 __all__ = ["Entry", "Subscriptions"]
 
@@ -71,8 +72,9 @@ class Entry:
 class Subscriptions:
     """The subscriptions of one client.
 
-    A lost engine takes its subscriptions with it, and the only sign is `profile_changed`; so all are renewed then. The
-    old id counts until the new one is there, so that no event is lost, and none is delivered twice.
+    A lost engine takes its subscriptions with it, and the only sign is that the profile has changed; so they are
+    renewed then, all of them where the gateway does not say which engines have changed. The old id counts until the new
+    one is there, so that no event is lost, and none is delivered twice.
     """
 
     def __init__(self, asker: Callable[[], Asker], tell: Callable[[Notice], None]) -> None:
@@ -146,13 +148,22 @@ class Subscriptions:
         for entry in self._entries:
             entry.feed.end_feed(error)
 
-    async def renew(self, session: RpcSession, timeout: float, *, everything: bool) -> None:
-        """Subscribe again, to everything or only to what the gateway does not know of.
+    async def renew(self, session: RpcSession, timeout: float, engine_ids: Collection[str] | None) -> None:
+        """Subscribe again to what the gateway does not know of, or engines that have changed may have forgotten.
+
+        Args:
+            session: the connection.
+            timeout: seconds for each answer.
+            engine_ids: these engines; None for any. The id of a subscription begins with that of its engine.
 
         Raises:
             ConnectionLost: the connection ended.
         """
-        chosen = [entry for entry in tuple(self._entries) if everything or not entry.subscribe_id]
+
+        def is_doubtful(entry: Entry) -> bool:
+            return not entry.subscribe_id or engine_ids is None or engine_of(entry.subscribe_id) in engine_ids
+
+        chosen = [entry for entry in tuple(self._entries) if is_doubtful(entry)]
         await asyncio.gather(*(self._renew(session, timeout, entry) for entry in chosen))
 
     async def _renew(self, session: RpcSession, timeout: float, entry: Entry) -> None:

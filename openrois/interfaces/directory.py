@@ -47,6 +47,7 @@ class _Directory:
         self._app = app
 
     async def list_engines(self, params: DirectoryListParams) -> DirectoryListResult:
+        self._app.change_notice.flush()
         tree, wanted = self._app.engine.tree, frozenset(params.component_types)
         found: list[EngineEntry] = []
         components, after = 0, params.after
@@ -60,6 +61,7 @@ class _Directory:
         return DirectoryListResult(engines=tuple(found), count=tree.engine_count)
 
     async def read(self, params: DirectoryReadParams) -> DirectoryReadResult:
+        self._app.change_notice.flush()
         found: list[EngineEntry] = []
         components, asked = 0, list(dict.fromkeys(params.engine_ids))
         for entry in self._entries(asked):

@@ -56,6 +56,13 @@ class ChangeNotice:
         if self._due is None:
             self._tell_or_wait()
 
+    def flush(self) -> None:
+        """Notify at once what waits: the application asks for the directory as it is now."""
+        if self._due is not None:
+            self._due.cancel()
+            self._due = None
+            self._tell()
+
     def _note(self, engine_ids: Iterable[str]) -> None:
         for engine_id in engine_ids:
             if len(self._named) >= MAX_CHANGED and engine_id not in self._named:

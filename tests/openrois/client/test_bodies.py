@@ -18,17 +18,17 @@ from tests.support.grounds import Clock, Ground, Line, eventually, heard
 
 pytestmark = pytest.mark.extra(name="base")
 
-NAVIGATIONS = ("robot/navigation", "avatar/navigation")
+NAVIGATIONS = ("robot/navigation", "second/navigation")
 
 
 @pytest.fixture
-async def avatar(ground: Ground) -> Robot:
-    second = everything("avatar")
-    await ground.engine.attach(second.registry)
-    return second
+async def second(ground: Ground) -> Robot:
+    made = everything("second")
+    await ground.engine.attach(made.registry)
+    return made
 
 
-async def test_all_components_are_of_one_body(avatar: Robot, client: Client, ground: Ground) -> None:
+async def test_all_components_are_of_one_body(second: Robot, client: Client, ground: Ground) -> None:
     async with ground.client() as other:
         async with client.body(Navigation, SpeechSynthesis, optional=Reaction) as body:
             assert body.engine_id == "robot"
@@ -44,19 +44,19 @@ async def test_all_components_are_of_one_body(avatar: Robot, client: Client, gro
 
 
 async def test_the_next_body_is_taken_where_a_part_of_the_first_is(
-    avatar: Robot, client: Client, ground: Ground
+    second: Robot, client: Client, ground: Ground
 ) -> None:
     async with ground.client() as other:
         await other.bind("robot/speech_synthesizer")
         async with client.body(Navigation, SpeechSynthesis, wait=0) as body:
-            assert body.engine_id == "avatar"
+            assert body.engine_id == "second"
             # Nothing of the other one is held.
             await other.bind("robot/navigation")
 
 
-async def test_two_bodies_of_one_application_are_not_the_same(avatar: Robot, client: Client) -> None:
+async def test_two_bodies_of_one_application_are_not_the_same(second: Robot, client: Client) -> None:
     async with client.body(Navigation) as one, client.body(Navigation) as two:
-        assert {one.engine_id, two.engine_id} == {"robot", "avatar"}
+        assert {one.engine_id, two.engine_id} == {"robot", "second"}
         with pytest.raises(OutOfResources, match="a part of another body of this application"):
             async with client.body(Navigation, wait=0):
                 pass
@@ -92,11 +92,11 @@ async def test_of_several_components_of_a_type_the_first_is_taken_that_is_to_be_
             assert another[lamp].component_ref == "arms/right"
 
 
-async def test_a_condition_chooses_the_body(avatar: Robot, client: Client) -> None:
-    async with client.body(Navigation, condition="component_ref LIKE 'avatar/%'") as body:
-        assert body.engine_id == "avatar"
-    async with client.body(Navigation, condition=where(component_ref="avatar/navigation")) as body:
-        assert body.engine_id == "avatar"
+async def test_a_condition_chooses_the_body(second: Robot, client: Client) -> None:
+    async with client.body(Navigation, condition="component_ref LIKE 'second/%'") as body:
+        assert body.engine_id == "second"
+    async with client.body(Navigation, condition=where(component_ref="second/navigation")) as body:
+        assert body.engine_id == "second"
     with pytest.raises(BadParameter):
         async with client.body(Navigation, condition="component_ref"):
             pass
@@ -108,7 +108,7 @@ async def test_what_needs_no_reservation_is_shared(client: Client, ground: Groun
 
 
 async def test_a_refusal_says_which_bodies_there_are_and_what_refused(
-    avatar: Robot, client: Client, ground: Ground
+    second: Robot, client: Client, ground: Ground
 ) -> None:
     async with ground.client() as other:
         for ref in NAVIGATIONS:
@@ -118,7 +118,7 @@ async def test_a_refusal_says_which_bodies_there_are_and_what_refused(
                 pass
         said = str(refusal.value)
         assert said.startswith("no body with Navigation and SpeechSynthesis is free: robot: rois.command.bind(robot/n")
-        assert "; avatar: rois.command.bind(avatar/navigation): OUT_OF_RESOURCES (" in said
+        assert "; second: rois.command.bind(second/navigation): OUT_OF_RESOURCES (" in said
         await other.bind("robot/speech_synthesizer")
 
 
@@ -148,14 +148,14 @@ def test_a_wrong_request_is_refused_at_once(
 
 
 async def test_bodies_are_listed_with_what_they_can_do_and_whether_they_are_free(
-    avatar: Robot, client: Client, ground: Ground
+    second: Robot, client: Client, ground: Ground
 ) -> None:
     async with ground.client() as other, other.body(Navigation):
-        robot, toys, second = await client.bodies()
+        robot, more, toys = await client.bodies()
     free = ground.extended or None
     assert [(each.component_ref, each.free) for each in toys.components] == [("toys/bell", free), ("toys/lamp", free)]
     assert robot.refs(Navigation) == ("robot/navigation",)
-    assert (toys.free, robot.free, second.free) == (free, False if ground.extended else None, free)
+    assert (toys.free, robot.free, more.free) == (free, False if ground.extended else None, free)
     assert len(robot.components) == 17
 
 
@@ -202,10 +202,10 @@ async def test_it_is_had_when_it_is_given_back_or_comes(
         coming = enter(blocks, waiting, Navigation)
         await clock.asleep()
         changes = waiting.notices(ProfileChanged)
-        await line.host.engine.attach(everything("avatar").registry)
+        await line.host.engine.attach(everything("second").registry)
         await heard(changes, ProfileChanged)
         await clock.pass_time()
-        assert (await coming).engine_id == "avatar"
+        assert (await coming).engine_id == "second"
 
 
 def enter(blocks: AsyncExitStack, client: Client, *kinds: Kind, wait: float = 10) -> asyncio.Task[Body]:

@@ -44,7 +44,7 @@ def test_of_bodies_behind_it_the_main_engine_is_none() -> None:
 
 def test_an_engine_that_owns_nothing_is_no_body() -> None:
     site = engine("site", below=(engine("robot", "robot/navigation"), engine("avatar", "avatar/move")))
-    assert list(bodies(engine("gateway", below=(site,)))) == ["robot", "avatar"]
+    assert list(bodies(engine("gateway", below=(site,)))) == ["avatar", "robot"]
     assert bodies(engine("gateway")) == {}
     assert bodies_in(ProfileResult()) == ()
 

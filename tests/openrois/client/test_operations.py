@@ -23,9 +23,8 @@ def unit(command_type: str, command_id: str, **arguments: str) -> CommandUnit:
 
 
 async def test_what_the_gateway_speaks_beyond_rois_is_known(ground: Ground, client: Client) -> None:
-    assert client.extensions == (
-        frozenset({"rois.stream", "signaling", "openrois.lease"}) if ground.extended else frozenset()
-    )
+    spoken = {"rois.stream", "signaling", "openrois.directory", "openrois.lease"}
+    assert client.extensions == (spoken if ground.extended else set())
 
 
 async def test_the_profile_is_that_of_every_engine(client: Client) -> None:

@@ -174,7 +174,7 @@ async def test_a_reader_of_notifications_gets_the_named_ones(line: Line) -> None
             line.bell.ring("a scale")
             await client.search()
         assert (await anext(named)).params["results"][0]["value"] == "a scale"
-        assert (await anext(everything)).method == "rois.system.profile_changed"
+        assert (await anext(everything)).method == "openrois.directory.changed"
         assert (await anext(everything)).method == "rois.event.notify_event"
         named.end_feed()
         assert [each async for each in named] == []
