@@ -18,7 +18,6 @@ from openrois.aio.memory_return import returning_memory
 from openrois.aio.supervisor import Supervisor
 from openrois.aio.tasks import TaskScope
 from openrois.gateway.configuration import configure, printed
-from openrois.gateway.connection_limits import MAX_ADAPTERS, MAX_APPLICATIONS
 from openrois.gateway.page import NO_PAGE, has_page
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
@@ -54,7 +53,7 @@ def main(arguments: Sequence[str]) -> int:
         )
         for warning in configured.warnings:
             _log.warning("%s", warning)
-        _allow_files()
+        _allow_files(settings)
         uvloop.run(_run(settings))
     except (JournalUnusable, MetricsUnavailable, ValueError) as error:
         print(f"openrois gateway: {error}", file=sys.stderr)
@@ -109,10 +108,10 @@ async def _wait(told: asyncio.Event) -> None:
     await told.wait()
 
 
-def _allow_files() -> None:
+def _allow_files(settings: GatewaySettings) -> None:
     """Take as many open files as the system allows, up to what all places for connections need."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    wanted = MAX_APPLICATIONS + MAX_ADAPTERS + _OTHER_FILES
+    wanted = settings.most_applications + settings.most_adapters + _OTHER_FILES
     allowed = wanted if hard == resource.RLIM_INFINITY else min(hard, wanted)
     if soft != resource.RLIM_INFINITY and soft < allowed:
         resource.setrlimit(resource.RLIMIT_NOFILE, (allowed, hard))

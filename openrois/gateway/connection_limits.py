@@ -8,13 +8,16 @@ from typing import Final
 
 from aiohttp import web
 
-__all__ = ["ENTERING", "MAX_ADAPTERS", "MAX_APPLICATIONS", "MAX_PER_ADDRESS", "ConnectionLimits"]
+__all__ = ["ENTERING", "MAX_ADAPTERS", "MAX_APPLICATIONS", "MAX_PER_ADDRESS", "MOST", "ConnectionLimits"]
 
 MAX_APPLICATIONS: Final = 8192
-"""Applications at a time; one more is answered 503."""
+"""Applications at a time, unless configured otherwise; one more is answered 503."""
 
 MAX_ADAPTERS: Final = 1024
-"""Adapters at a time; one more is answered 503. Applications, however many, take no place of theirs."""
+"""Adapters at a time, unless configured otherwise; one more is answered 503. Applications take no place of theirs."""
+
+MOST: Final = 1_000_000
+"""Connections of one kind that can be configured: each takes an open file, and memory."""
 
 MAX_PER_ADDRESS: Final = 1024
 """Applications at a time from one address, unless configured otherwise; one more is answered 429."""
@@ -33,20 +36,28 @@ class ConnectionLimits:
 
     Args:
         turned_away: called with the reason whenever there is no place.
+        applications: at a time.
+        adapters: at a time.
         per_address: applications at a time from one address.
         opening: waited for before an application is let in.
 
     Attributes:
+        most_applications: that are let in.
+        most_adapters: that are let in.
         waiting: how many applications wait for `entering`.
     """
 
     def __init__(
         self,
         turned_away: Callable[[str], None],
+        applications: int = MAX_APPLICATIONS,
+        adapters: int = MAX_ADAPTERS,
         per_address: int = MAX_PER_ADDRESS,
         opening: Callable[[], Awaitable[None]] = _at_once,
     ) -> None:
         self._turned_away = turned_away
+        self.most_applications = applications
+        self.most_adapters = adapters
         self._per_address = per_address
         self._opening = opening
         self._applications: Counter[str] = Counter()
@@ -57,7 +68,7 @@ class ConnectionLimits:
     @property
     def is_full(self) -> bool:
         """Whether one more application, or one more adapter, would be turned away wherever it comes from."""
-        return self._applications.total() >= MAX_APPLICATIONS or self._adapters >= MAX_ADAPTERS
+        return self._applications.total() >= self.most_applications or self._adapters >= self.most_adapters
 
     @contextmanager
     def of_application(self, address: str) -> Iterator[None]:
@@ -67,7 +78,7 @@ class ConnectionLimits:
             HTTPServiceUnavailable: there is none.
             HTTPTooManyRequests: there is none for this address.
         """
-        if self._applications.total() >= MAX_APPLICATIONS:
+        if self._applications.total() >= self.most_applications:
             self._turned_away("full")
             raise web.HTTPServiceUnavailable(text="the gateway's limit of applications is reached\n")
         if self._applications[address] >= self._per_address:
@@ -107,7 +118,7 @@ class ConnectionLimits:
         Raises:
             HTTPServiceUnavailable: there is none.
         """
-        if self._adapters >= MAX_ADAPTERS:
+        if self._adapters >= self.most_adapters:
             self._turned_away("full")
             raise web.HTTPServiceUnavailable(text="the gateway's limit of adapters is reached\n")
         self._adapters += 1

@@ -12,7 +12,7 @@ from prometheus_client.core import HistogramMetricFamily, Metric
 from openrois.aio.loop_lag import LoopLag
 from openrois.auth.jwks import KeySetCache
 from openrois.auth.keys import KeySource
-from openrois.gateway.connection_limits import MAX_ADAPTERS, MAX_APPLICATIONS, ConnectionLimits
+from openrois.gateway.connection_limits import ConnectionLimits
 from openrois.gateway.encryption import Certificate
 from openrois.gateway.reloading import Reloader
 from openrois.http_limits.header_timeout import HeaderTimeouts
@@ -395,7 +395,8 @@ def _families(sources: Sources) -> Iterator[Metric]:
     yield from families(KEYS, (), [((), sources.keys)] if isinstance(sources.keys, KeySetCache) else [])
     yield from families(FILES, (), [((), sources.reloader)])
     yield from families(CERTIFICATE, (), [((), sources.certificate)] if sources.certificate is not None else [])
-    limits = [((kind,), limit) for kind, limit in zip(KINDS, (MAX_APPLICATIONS, MAX_ADAPTERS), strict=True)]
+    most = sources.connection_limits.most_applications, sources.connection_limits.most_adapters
+    limits = [((kind,), limit) for kind, limit in zip(KINDS, most, strict=True)]
     yield from families(LIMITS, ("kind",), limits)
     yield from families(
         TURNED_AWAY, ("reason",), [((why,), count) for why, count in connection_stats.turned_away.items()]

@@ -132,7 +132,11 @@ async def run_gateway(
         restart_barrier = RestartBarrier(host)
         readiness.require("adapters: those of before the restart", lambda: restart_barrier.is_over)
         connection_limits = ConnectionLimits(
-            host.connection_stats.turn_away, settings.per_address, restart_barrier.wait
+            host.connection_stats.turn_away,
+            settings.most_applications,
+            settings.most_adapters,
+            settings.per_address,
+            restart_barrier.wait,
         )
         readiness.require("room for connections", lambda: not connection_limits.is_full)
         server = _Server(

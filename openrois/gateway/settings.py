@@ -8,7 +8,7 @@ from pydantic import model_validator
 from openrois.auth.loopback import is_loopback
 from openrois.auth.subject_quotas import CONNECTIONS_OF_SUBJECT, SESSIONS_OF_SUBJECT, STREAMS_OF_SUBJECT
 from openrois.gateway.access_settings import Authentication, Encryption
-from openrois.gateway.connection_limits import MAX_PER_ADDRESS
+from openrois.gateway.connection_limits import MAX_ADAPTERS, MAX_APPLICATIONS, MAX_PER_ADDRESS, MOST
 from openrois.gateway.settings_group import SettingsGroup, require_between, setting
 from openrois.gateway.stalling import STALL_TIMEOUT
 from openrois.http_limits.header_timeout import MAX_SILENT, MAX_SILENT_PER_ADDRESS
@@ -35,6 +35,8 @@ class Listening(SettingsGroup):
     host: str = setting("127.0.0.1", "address to listen on; one that is not loopback needs authentication and TLS")
     port: int = setting(8765, "TCP port, 0 for any free one")
     engine_id: str = setting("gateway", "the gateway's own id in references and profiles", metavar="ID")
+    most_applications: int = setting(MAX_APPLICATIONS, "applications at a time", metavar="COUNT")
+    most_adapters: int = setting(MAX_ADAPTERS, "adapters at a time", metavar="COUNT")
     per_address: int = setting(MAX_PER_ADDRESS, "applications from one address at a time", metavar="COUNT")
 
     silent: int = setting(MAX_SILENT, "connections at a time that have sent no request yet", metavar="COUNT")
@@ -43,6 +45,8 @@ class Listening(SettingsGroup):
     @model_validator(mode="after")
     def _check_listening(self) -> Self:
         require_between("--port", self.port, 0, 65535)
+        require_between("--most-applications", self.most_applications, 1, MOST)
+        require_between("--most-adapters", self.most_adapters, 1, MOST)
         if self.per_address < 1:
             raise ValueError(f"--per-address must be at least 1, not {self.per_address}")
         if self.silent < 1:

@@ -121,9 +121,12 @@ class TestWhoIsLetIn:
                 ):
                     assert answer.status == status
 
-    async def test_only_so_many_at_a_time(self, gateway: Gateway, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("openrois.gateway.connection_limits.MAX_APPLICATIONS", 2)
-        async with deployment.application(gateway) as first, deployment.application(gateway):
+    async def test_only_so_many_at_a_time(self) -> None:
+        async with (
+            deployment.gateway(most_applications=2) as gateway,
+            deployment.application(gateway) as first,
+            deployment.application(gateway),
+        ):
             assert await upgraded(gateway, "") == 503
             assert await first.code("rois.system.connect") == "OK"
 

@@ -65,6 +65,21 @@ LEASE = {
     "position": int,
 }
 
+ENGINE_ENTRY = {
+    "engine_id": str,
+    "parent_id": str,
+    "version": str,
+    "extensions": [str],
+    "components": [
+        {
+            "component_ref": str,
+            "component_type": str,
+            "function": Optional(FUNCTIONS),
+            "profile_version": str,
+        }
+    ],
+}
+
 RESULTS: dict[str, dict[str, Any]] = {
     "rois.system.connect": {},
     "rois.system.disconnect": {},
@@ -93,6 +108,9 @@ RESULTS: dict[str, dict[str, Any]] = {
     "rois.stream.resume_stream": {},
     "rois.stream.query_stream_status": {"status": STREAM_STATUS},
     "rois.stream.report_playout": {},
+    "openrois.directory.list": {"engines": [ENGINE_ENTRY], "next": str, "count": int},
+    "openrois.directory.read": {"engines": [ENGINE_ENTRY], "left": [str]},
+    "openrois.directory.profiles": {"profiles": {"*": COMPONENT_PROFILE}, "left": [str]},
     "openrois.lease.query": {"lease": Optional(LEASE)},
     "openrois.lease.request": {"lease": Optional(LEASE), "request_id": str},
     "openrois.lease.leave": {},
@@ -136,6 +154,7 @@ NOTIFICATIONS: dict[str, dict[str, Any]] = {
         "status": STREAM_STATUS,
         "timestamp": str,
     },
+    "openrois.directory.changed": {"changed": [str], "gone": [str], "unnamed": int},
     "openrois.lease.changed": {**LEASE, "reason": str},
     "openrois.lease.requested": {"component_ref": str, "request_id": str, "subject": str, "answer_ms": int},
     "openrois.lease.declined": {"component_ref": str, "request_id": str, "reason": str},

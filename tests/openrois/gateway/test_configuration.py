@@ -106,6 +106,8 @@ def test_secrets_are_shown_nowhere(tmp_path: Path, secret: Path) -> None:
         ("[listen]\nport = true\nport", "is no TOML"),
         ("[listen]\nport = []", r"gateway.toml: \[listen\] port: "),
         ("[listen]\nport = 70000", "--port must be between 0 and 65535, not 70000"),
+        ("[listen]\nmost_adapters = 1000001", "--most-adapters must be between 1 and 1e"),
+        ("[listen]\nmost_applications = 0", "--most-applications must be between 1 and"),
         ("[adapters]\nadapter_timeout = nan", r"\[adapters\] adapter_timeout: "),
     ],
 )

@@ -9,7 +9,6 @@ import pytest
 from aiohttp import web
 from websockets.asyncio.client import connect
 
-from openrois.gateway import connection_limits as module
 from openrois.gateway import server
 from openrois.gateway.connection_limits import ENTERING, ConnectionLimits
 from openrois.gateway.server import run_gateway
@@ -23,10 +22,8 @@ def turned_away() -> Counter[str]:
 
 
 @pytest.fixture
-def limits(monkeypatch: pytest.MonkeyPatch, turned_away: Counter[str]) -> ConnectionLimits:
-    monkeypatch.setattr(module, "MAX_APPLICATIONS", 3)
-    monkeypatch.setattr(module, "MAX_ADAPTERS", 1)
-    return ConnectionLimits(lambda reason: turned_away.update((reason,)), per_address=2)
+def limits(turned_away: Counter[str]) -> ConnectionLimits:
+    return ConnectionLimits(lambda reason: turned_away.update((reason,)), applications=3, adapters=1, per_address=2)
 
 
 def test_adapters_have_places_of_their_own(limits: ConnectionLimits, turned_away: Counter[str]) -> None:

@@ -34,9 +34,8 @@ def test_what_is_lacking() -> None:
     assert readiness.lacking() == []
 
 
-async def test_a_gateway_that_is_full_is_not_ready(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("openrois.gateway.connection_limits.MAX_APPLICATIONS", 1)
-    async with deployment.gateway(metrics_token=TOKEN) as gateway:
+async def test_a_gateway_that_is_full_is_not_ready() -> None:
+    async with deployment.gateway(metrics_token=TOKEN, most_applications=1) as gateway:
         assert await asked(gateway, "readyz") == (200, {"status": "ready"})
         async with deployment.application(gateway) as app:
             await app.ask("rois.system.connect")
