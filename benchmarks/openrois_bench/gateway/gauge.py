@@ -31,5 +31,6 @@ class Gauge(Component, authority="OpenRoIS", function="sensing"):
 
 
 if __name__ == "__main__":
-    print(ENGINE, flush=True)
-    run(Gauge("gauge"), engine_id=ENGINE, gateway=sys.argv[1])
+    engine_id = sys.argv[2] if len(sys.argv) > 2 else ENGINE
+    print(engine_id, flush=True)
+    run(Gauge("gauge"), engine_id=engine_id, gateway=sys.argv[1])

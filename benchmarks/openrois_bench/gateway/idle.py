@@ -1,7 +1,6 @@
 """`openrois bench idle`: cost of idle connections at a gateway."""
 
 import asyncio
-import resource
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from openrois_bench.gateway.load import applications
 from openrois_bench.gateway.security import TLS, Security
 from openrois_bench.measuring.conditions import Conditions, conditions, load
 from openrois_bench.measuring.figures import Figures
+from openrois_bench.processes.files import allow_files
 
 __all__ = ["IdleReport", "IdleSettings", "run_idle"]
 
@@ -78,7 +78,7 @@ async def run_idle(settings: IdleSettings, progress: Progress) -> IdleReport:
     Raises:
         BenchFailed: the system allows too few open files, or something did not do what it should.
     """
-    _allow_files(settings.connections + SPARE_FILES)
+    allow_files(settings.connections + SPARE_FILES)
     before = load()
     async with deployed(settings.security, "--per-address", str(settings.connections + 1)) as deployment:
         gateway = deployment.gateway
@@ -102,10 +102,3 @@ async def run_idle(settings: IdleSettings, progress: Progress) -> IdleReport:
         opening_us=round((opened - cpu) / settings.connections * 1e6, 1),
         cpu=round(resting / settings.seconds, 4),
     )
-
-
-def _allow_files(wanted: int) -> None:
-    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    if hard != resource.RLIM_INFINITY and hard < wanted:
-        raise BenchFailed(f"the system allows {hard} open files, and {wanted} are needed: raise ulimit -n")
-    resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, wanted), hard))
