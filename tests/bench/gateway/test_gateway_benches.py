@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from openrois_bench import command
+from openrois_bench.gateway.fleet.__main__ import measured
 from openrois_bench.gateway.rpc import RpcSettings, run_rpc
 
 
@@ -35,3 +36,13 @@ def test_idle_connections_stay(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert command.main(["idle", "--connections", "5", "--seconds", "0.1", "--json", str(file)]) == 0
     assert "5 idle connections" in capsys.readouterr().out
     assert json.loads(file.read_text())["full"] > 10
+
+
+@pytest.mark.long
+async def test_a_fleet_is_attached_listed_and_searched() -> None:
+    (found,) = await measured((110,), 3)
+    assert found["bodies"] == 110
+    assert found["attach_ms"] > 0
+    assert found["attach_with_scopes_ms"] is not None
+    assert 0 < found["change_bytes"] < 50_000
+    assert found["search_hits"] == [17, 10, 1]

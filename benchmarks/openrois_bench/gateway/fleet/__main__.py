@@ -27,7 +27,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from openrois.auth.issuing import issue_token
 from openrois.auth.principal import Role
 from openrois_bench.errors import BenchFailed, within
-from openrois_bench.gateway.fleet.stubs import body_name, stub_bodies
+from openrois_bench.gateway.fleet.stubs import TOKEN_VARIABLE, body_name
 from openrois_bench.measuring.conditions import conditions, load
 from openrois_bench.measuring.result import write_result
 from openrois_bench.measuring.table import table
@@ -39,6 +39,8 @@ NEXT: Final = 100
 """Bodies whose attaching is measured at each size."""
 REAL: Final = 3
 _PATIENCE: Final = 600.0
+_TOGETHER: Final = 1_000
+"""Bodies of one process."""
 _ASKED: Final = 20
 """How often each search is asked."""
 
@@ -85,7 +87,9 @@ class Asker:
 @asynccontextmanager
 async def _asker(url: str, token: str) -> AsyncIterator[Asker]:
     headers = {"Authorization": f"Bearer {token}"}
-    async with connect(url, compression=None, max_size=None, proxy=None, additional_headers=headers) as socket:
+    async with connect(
+        url, compression=None, max_size=None, ping_interval=None, proxy=None, additional_headers=headers
+    ) as socket:
         asker = Asker(socket)
         await asker.ask("rois.system.connect")
         await asker.ask("openrois.hello", version="1", extensions=["openrois.directory"])
@@ -107,6 +111,7 @@ class Fleet:
         self._key = key
         self._stack = stack
         self._stubs = 0
+        self._adapter_token = self.token(Role.ADAPTER, "*")
         self.real = 0
 
     @property
@@ -120,10 +125,13 @@ class Fleet:
 
     async def attach(self, count: int) -> None:
         """Attach stubs, and wait until they are part of the tree."""
-        numbers = range(self._stubs, self._stubs + count)
-        self._stubs += count
-        adapters = f"{self.url}adapter"
-        await self._stack.enter_async_context(stub_bodies(adapters, numbers, self.token(Role.ADAPTER, "*")))
+        first, self._stubs = self._stubs, self._stubs + count
+        while first < self._stubs:
+            # Each process answers in time, and says so soon.
+            last = min(first + _TOGETHER, self._stubs)
+            stubs = ("-P", "-m", "openrois_bench.gateway.fleet.stubs", f"{self.url}adapter", str(first), str(last))
+            await self._stack.enter_async_context(child(*stubs, environment={TOKEN_VARIABLE: self._adapter_token}))
+            first = last
         await self.until_attached()
 
     async def until_attached(self) -> None:

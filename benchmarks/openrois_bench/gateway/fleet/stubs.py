@@ -1,7 +1,13 @@
-"""Adapters that say what a body offers and do nothing else: thousands of them in one process."""
+"""Adapters that say what a body offers and do nothing else: thousands of them in one process.
+
+`python -m openrois_bench.gateway.fleet.stubs URL FIRST LAST` holds the bodies until it is stopped, and prints a line
+once all are connected. Their token is in the environment.
+"""
 
 import asyncio
 import json
+import os
+import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from typing import Final
@@ -12,7 +18,9 @@ from websockets.exceptions import ConnectionClosed
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois_bench.errors import within
 
-__all__ = ["body_name", "stub_bodies"]
+__all__ = ["TOKEN_VARIABLE", "body_name", "stub_bodies"]
+
+TOKEN_VARIABLE: Final = "OPENROIS_BENCH_TOKEN"  # noqa: S105
 
 AT_ONCE: Final = 16
 """Connections that are opened at a time."""
@@ -87,3 +95,13 @@ async def stub_bodies(url: str, numbers: range, token: str = "") -> AsyncIterato
             socket.transport.abort()
         if serving:
             await asyncio.wait(serving)
+
+
+async def _main(url: str, first: str, last: str) -> None:
+    async with stub_bodies(url, range(int(first), int(last)), os.environ.get(TOKEN_VARIABLE, "")):
+        print("connected", flush=True)
+        await asyncio.Event().wait()
+
+
+if __name__ == "__main__":
+    asyncio.run(_main(*sys.argv[1:]))
