@@ -46,42 +46,49 @@ _ASKED: Final = 20
 
 
 class Asker:
-    """An application of the gateway.
+    """An application of the gateway; `run` has to run.
 
     Attributes:
-        received: bytes of all messages that were no answers, since it was set to 0.
+        received: bytes of all notifications, since it was set to 0.
         told: the methods of these.
     """
 
     def __init__(self, socket: ClientConnection) -> None:
         self._socket = socket
+        self._answers: dict[int, asyncio.Future[dict[str, Any]]] = {}
         self._number = 0
+        self._notified = asyncio.Event()
         self.received = 0
         self.told: list[str] = []
+
+    async def run(self) -> None:
+        """Read until the connection ends; a gateway cuts an application that does not."""
+        async for text in self._socket:
+            message = json.loads(text)
+            if "id" in message:
+                self._answers.pop(message["id"]).set_result(message["result"])
+            else:
+                self.received += len(text)
+                self.told.append(message["method"])
+                self._notified.set()
 
     async def ask(self, method: str, **params: Any) -> dict[str, Any]:
         """Ask, and return the result."""
         self._number += 1
-        await self._socket.send(json.dumps({"jsonrpc": "2.0", "id": self._number, "method": method, "params": params}))
+        answer: asyncio.Future[dict[str, Any]] = asyncio.get_running_loop().create_future()
+        self._answers[self._number] = answer
+        request = {"jsonrpc": "2.0", "id": self._number, "method": method, "params": params}
+        await self._socket.send(json.dumps(request))
+        async with within(_PATIENCE, f"the answer to {method}"):
+            return await answer
+
+    async def until_engines(self, count: int) -> None:
+        """Wait until there are so many engines."""
         while True:
-            text = await self._socket.recv()
-            message = json.loads(text)
-            if message.get("id") == self._number:
-                result: dict[str, Any] = message["result"]
-                return result
-            self._note(text)
-
-    async def hear(self) -> None:
-        """Wait for the next notification."""
-        self._note(await self._socket.recv())
-
-    def _note(self, text: str | bytes) -> None:
-        self.received += len(text)
-        self.told.append(json.loads(text)["method"])
-
-    async def count(self) -> int:
-        """Return how many engines there are."""
-        return int((await self.ask("openrois.directory.list", limit=1))["count"])
+            self._notified.clear()
+            if (await self.ask("openrois.directory.list", limit=1))["count"] >= count:
+                return
+            await self._notified.wait()
 
 
 @asynccontextmanager
@@ -91,9 +98,14 @@ async def _asker(url: str, token: str) -> AsyncIterator[Asker]:
         url, compression=None, max_size=None, ping_interval=None, proxy=None, additional_headers=headers
     ) as socket:
         asker = Asker(socket)
-        await asker.ask("rois.system.connect")
-        await asker.ask("openrois.hello", version="1", extensions=["openrois.directory"])
-        yield asker
+        reading = asyncio.ensure_future(asker.run())
+        try:
+            await asker.ask("rois.system.connect")
+            await asker.ask("openrois.hello", version="1", extensions=["openrois.directory"])
+            yield asker
+        finally:
+            reading.cancel()
+            await asyncio.wait((reading,))
 
 
 class Fleet:
@@ -137,8 +149,7 @@ class Fleet:
     async def until_attached(self) -> None:
         """Wait until all bodies are part of the tree; the main engine is one more."""
         async with within(_PATIENCE, f"attaching {self.size} bodies"):
-            while await self.asker.count() < self.size + 1:
-                await self.asker.hear()
+            await self.asker.until_engines(self.size + 1)
 
     async def milliseconds_each(self) -> float:
         """Attach the next bodies; return the milliseconds of the gateway's CPU for each."""
