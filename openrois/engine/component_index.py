@@ -54,7 +54,7 @@ class ComponentIndex:
         of_ref = [each for each in condition.comparisons if each.property == "component_ref"]
         of_type = [each for each in condition.comparisons if each.property == "component_type"]
         typed = self._typed(of_type)
-        groups = min((typed, *map(self._groups, of_ref)), key=lambda groups: sum(map(len, groups)))
+        groups = min((typed, *map(self._groups, of_ref)), key=_count)
         found = {ref for refs in groups for ref in refs if all(each.matches(ref) for each in of_ref)}
         if groups is not typed:
             found = {ref for ref in found if any(ref in refs for refs in typed)}
@@ -72,6 +72,14 @@ class ComponentIndex:
             return [(comparison.text,) if comparison.text in self._places else ()]
         if "/" in comparison.prefix:
             return [self.refs_of(engine_of(comparison.prefix))]
-        # A reference has one slash: what has none in it stands in the engine's id or in the name.
-        text, keyed = comparison.longest, (self._by_engine, self._by_name)
-        return [refs.keys() for groups in keyed for key, refs in groups.items() if text in key]
+        everything: _Groups = [self._places.keys()]
+        return min((everything, *map(self._containing, comparison.parts)), key=_count)
+
+    def _containing(self, part: str) -> _Groups:
+        """Return the components with a text in the engine's id or in the name: a reference has no other slash."""
+        keyed = self._by_engine, self._by_name
+        return [refs.keys() for groups in keyed for key, refs in groups.items() if part in key]
+
+
+def _count(groups: _Groups) -> int:
+    return sum(map(len, groups))

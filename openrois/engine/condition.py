@@ -23,6 +23,9 @@ KEPT: Final = 1024
 KEPT_LENGTH: Final = 256
 """Characters of a condition that is cached."""
 
+_PARTS: Final = 4
+"""Parts of a pattern by which few of many texts can be chosen."""
+
 # Every repetition is possessive (`*+`), so that nothing is ever read twice.
 _TOKEN: Final = re.compile(
     r"\s*+(?:(?P<name>[A-Za-z_:][A-Za-z0-9_.:]*+)"
@@ -42,21 +45,21 @@ class Comparison:
         pattern: whether `text` is a pattern.
         text: what is compared with.
         prefix: how every text begins that satisfies it.
-        longest: the longest text without a slash that stands in every text which satisfies it.
+        parts: texts without a slash that stand in every text which satisfies it, some of them.
     """
 
     property: str
     pattern: bool
     text: str
     prefix: str = field(init=False, repr=False, compare=False)
-    longest: str = field(init=False, repr=False, compare=False)
+    parts: tuple[str, ...] = field(init=False, repr=False, compare=False)
     _like: re.Pattern[str] | None = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         literals = _literals(self.text) if self.pattern else [self.text]
         object.__setattr__(self, "prefix", literals[0])
-        parts = (part for literal in literals for part in literal.split("/"))
-        object.__setattr__(self, "longest", max(parts, key=len))
+        parts = {part for literal in literals for part in literal.split("/")}
+        object.__setattr__(self, "parts", tuple(sorted(parts - {""}, key=len, reverse=True)[:_PARTS]))
         object.__setattr__(self, "_like", _compiled(self.text) if self.pattern else None)
 
     def matches(self, value: str) -> bool:

@@ -4,7 +4,7 @@
 process of its own, over loopback: most of them stubs of one process, three of them adapters of real components, each a
 process. At each size of the fleet it is measured
 
-* what CPU of the gateway the next hundred bodies take, one after another and without a pause, for each of them;
+* what CPU of the gateway the next hundred bodies take, for each of them, without what all others take while idle;
 * the same while so many applications are connected that each see another body (`--scopes`; their tokens say so);
 * how much memory the gateway has taken, for each body;
 * how many bytes an application gets of one change, if it speaks `openrois.directory`, and what it takes to list all;
@@ -39,6 +39,8 @@ NEXT: Final = 100
 """Bodies whose attaching is measured at each size."""
 REAL: Final = 3
 _PATIENCE: Final = 600.0
+_IDLE: Final = 8.0
+"""Seconds for which the gateway is left alone: connections are asked for signs of life less often."""
 _TOGETHER: Final = 1_000
 """Bodies of one process."""
 _ASKED: Final = 20
@@ -152,10 +154,18 @@ class Fleet:
             await self.asker.until_engines(self.size + 1)
 
     async def milliseconds_each(self) -> float:
-        """Attach the next bodies; return the milliseconds of the gateway's CPU for each."""
-        before = self.gateway.cpu()
+        """Attach the next bodies; return the milliseconds of the gateway's CPU for each, without what is idle."""
+        idle = await self.idle_share()
+        before, began = self.gateway.cpu(), time.perf_counter()
         await self.attach(NEXT)
-        return (self.gateway.cpu() - before) / NEXT * 1000
+        used, took = self.gateway.cpu() - before, time.perf_counter() - began
+        return (used - idle * took) / NEXT * 1000
+
+    async def idle_share(self) -> float:
+        """Return the share of a processor that the gateway takes while nothing but signs of life is exchanged."""
+        before, began = self.gateway.cpu(), time.perf_counter()
+        await asyncio.sleep(_IDLE)
+        return (self.gateway.cpu() - before) / (time.perf_counter() - began)
 
 
 def _written(file: Path, secret: str) -> Path:
@@ -244,6 +254,7 @@ async def measured(sizes: tuple[int, ...], scopes: int) -> list[dict[str, Any]]:
         empty = fleet.gateway.memory()
         for size in sizes:
             await fleet.attach(size - fleet.size - NEXT)
+            idle = await fleet.idle_share()
             attach_ms = await fleet.milliseconds_each()
             memory = fleet.gateway.memory()
             listed, seconds = await _listed(fleet.asker)
@@ -265,6 +276,7 @@ async def measured(sizes: tuple[int, ...], scopes: int) -> list[dict[str, Any]]:
                     "bodies": size,
                     "attach_ms": round(attach_ms, 2),
                     "attach_with_scopes_ms": None if scoped_ms is None else round(scoped_ms, 2),
+                    "idle_share": round(idle, 3),
                     "memory_kib_each": round((memory - empty) * 1024 / size, 1),
                     "change_bytes": change,
                     "list_seconds": round(seconds, 2),
@@ -290,6 +302,7 @@ def main() -> int:
         "bodies",
         "attach ms",
         f"with {chosen.scopes} scopes",
+        "idle CPU",
         "KiB each",
         "change B",
         "list s",
@@ -300,6 +313,7 @@ def main() -> int:
             str(each["bodies"]),
             str(each["attach_ms"]),
             str(each["attach_with_scopes_ms"]),
+            str(each["idle_share"]),
             str(each["memory_kib_each"]),
             str(each["change_bytes"]),
             str(each["list_seconds"]),
