@@ -66,19 +66,13 @@ class TreeChange:
         """The ids of the engines behind the bus now."""
         return frozenset(() if self.latter is None else self.latter.profile.engine_ids())
 
-    @cached_property
-    def changed_engines(self) -> frozenset[str]:
-        """The ids of the engines that came, have gone, or are not as they were."""
-        there = self.engines_before & self.engines_now
-        if not there or self.former is None or self.latter is None:
-            return self.engines_before | self.engines_now
-        before, now = dict(_places(self.former.profile, "")), dict(_places(self.latter.profile, ""))
-        same = {each for each in there if before[each] == now[each] and self._is_same(now[each].component_refs)}
-        return (self.engines_before | self.engines_now) - same
+    @property
+    def engine_ids(self) -> frozenset[str]:
+        """The ids of all engines that the change may be about.
 
-    def _is_same(self, refs: Iterable[str]) -> bool:
-        former, latter = self._former.component_profiles, self._latter.component_profiles
-        return all(former.get(ref) == latter[ref] for ref in refs)
+        What is as it was is among them: of engines behind another one, one may have left and come back meanwhile.
+        """
+        return self.engines_before | self.engines_now
 
     @property
     def _former(self) -> Directory:

@@ -109,13 +109,13 @@ class Views:
         for view in tuple(self._concerned(change)):
             if view.tree is self._engine.tree:
                 # Any change is one, also that of an engine which comes back as it was.
-                view.changes.notify_all(ViewChange(True, change.changed_engines, change.gone_refs))
+                view.changes.notify_all(ViewChange(True, change.engine_ids, change.gone_refs))
                 continue
             seen = view.show(change.bus, change.latter)
             if seen.former is not None or seen.latter is not None:
-                view.changes.notify_all(ViewChange(seen.former != seen.latter, seen.changed_engines, seen.gone_refs))
+                view.changes.notify_all(ViewChange(seen.former != seen.latter, seen.engine_ids, seen.gone_refs))
 
     def _concerned(self, change: TreeChange) -> Iterator[View]:
         yield from self._others
-        named = (self._naming.get(engine_id, {}) for engine_id in change.engines_before | change.engines_now)
+        named = (self._naming.get(engine_id, {}) for engine_id in change.engine_ids)
         yield from dict.fromkeys(view for views in named for view in views)

@@ -32,6 +32,7 @@ def test_a_bus_comes_changes_and_goes() -> None:
     assert tree.directory.profile.sub_profiles[0].component_ids == ("robot/arm", "hand/finger")
     changed = tree.replace("bus", offer(engine("robot", "robot/arm"), "urn:b"))
     assert (changed.gone_refs, changed.engines_before - changed.engines_now) == ({"hand/finger"}, {"hand"})
+    assert changed.engine_ids == {"robot", "hand"}
     assert tree.components == {"robot/arm": component("arm", "urn:b")}
     assert tree.search(Condition()) == ["robot/arm"]
     gone = tree.replace("bus", None)

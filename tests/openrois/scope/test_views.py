@@ -65,7 +65,7 @@ async def test_a_view_hears_of_what_can_be_seen_and_of_nothing_else() -> None:
     await engine.refresh(robot)
     engine.detach(robot)
     robots = frozenset({"robot"})
-    came, same = ViewChange(True, robots), ViewChange(visible=False)
+    came, same = ViewChange(True, robots), ViewChange(False, robots)
     gone = ViewChange(True, robots, frozenset({"robot/lamp"}))
     assert heard == {"robot/lamp": [came, same, gone], "*/lamp": [came, same, gone], "other/*": []}
 
