@@ -141,17 +141,17 @@ class Fleet:
         """Attach stubs, and wait until they are part of the tree."""
         first, self._stubs = self._stubs, self._stubs + count
         while first < self._stubs:
-            # Each process answers in time, and says so soon.
+            # One process of stubs after another: each has to answer in time.
             last = min(first + _TOGETHER, self._stubs)
             stubs = ("-P", "-m", "openrois_bench.gateway.fleet.stubs", f"{self.url}adapter", str(first), str(last))
             await self._stack.enter_async_context(child(*stubs, environment={TOKEN_VARIABLE: self._adapter_token}))
             first = last
-        await self.until_attached()
+            await self.until_attached(self.real + first)
 
-    async def until_attached(self) -> None:
-        """Wait until all bodies are part of the tree; the main engine is one more."""
-        async with within(_PATIENCE, f"attaching {self.size} bodies"):
-            await self.asker.until_engines(self.size + 1)
+    async def until_attached(self, count: int) -> None:
+        """Wait until so many bodies are part of the tree; the main engine is one more."""
+        async with within(_PATIENCE, f"attaching {count} bodies"):
+            await self.asker.until_engines(count + 1)
 
     async def milliseconds_each(self) -> float:
         """Attach the next bodies; return the milliseconds of the gateway's CPU for each, without what is idle."""
@@ -242,7 +242,7 @@ async def running_fleet(most: int, applications: int) -> AsyncIterator[Fleet]:
                 real = ("-P", "-m", "openrois_bench.gateway.gauge", url, f"real-{number}")
                 await stack.enter_async_context(child(*real, environment={"OPENROIS_TOKEN_FILE": str(adapter_token)}))
                 fleet.real += 1
-            await fleet.until_attached()
+            await fleet.until_attached(fleet.real)
             yield fleet
 
 

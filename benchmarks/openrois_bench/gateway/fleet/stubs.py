@@ -1,7 +1,7 @@
 """Adapters that say what a body offers and do nothing else: thousands of them in one process.
 
-`python -m openrois_bench.gateway.fleet.stubs URL FIRST LAST` holds the bodies until it is stopped, and prints a line
-once all are connected. Their token is in the environment.
+`python -m openrois_bench.gateway.fleet.stubs URL FIRST LAST` holds the bodies until it is stopped. Their token is
+in the environment.
 """
 
 import asyncio
@@ -98,8 +98,8 @@ async def stub_bodies(url: str, numbers: range, token: str = "") -> AsyncIterato
 
 
 async def _main(url: str, first: str, last: str) -> None:
+    print("connecting", flush=True)
     async with stub_bodies(url, range(int(first), int(last)), os.environ.get(TOKEN_VARIABLE, "")):
-        print("connected", flush=True)
         await asyncio.Event().wait()
 
 
