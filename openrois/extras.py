@@ -17,6 +17,7 @@ _AVATAR: Final = (*_BODY, "aiohttp", "prometheus_client")
 EXTRAS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
         "gateway": _GATEWAY,
+        "cluster": (*_GATEWAY, "asyncpg", "nats"),
         "streaming": _STREAMING,
         "body": _BODY,
         "avatar": _AVATAR,

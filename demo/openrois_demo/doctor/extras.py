@@ -10,6 +10,7 @@ __all__ = ["PURPOSES", "extras"]
 
 PURPOSES: Final = {
     "gateway": "no gateway and no tokens",
+    "cluster": "no gateway that is one of several",
     "streaming": "no streams",
     "body": "no senses, voice or motion",
     "avatar": "no avatar",

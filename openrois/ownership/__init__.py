@@ -1,0 +1,1 @@
+"""Which gateway owns which engine: claims, their epochs, and how long they hold."""
