@@ -11,7 +11,10 @@ from tests.support.imports import import_graph
 from tests.support.packages import ROOT, modules, packages
 
 IMPURE = frozenset(
-    {"asyncio", "socket", "threading", "subprocess", "time", "aiohttp", "websockets", "aiortc", "aioice", "av"}
+    {
+        *("asyncio", "socket", "threading", "subprocess", "time"),
+        *("aiohttp", "websockets", "aiortc", "aioice", "av", "nats"),
+    }
 )
 """What a pure module does not import, directly or by another module."""
 
@@ -25,6 +28,7 @@ TESTS = (
         )
     ),
     *(f"tests/openrois/gateway/test_{part}.py" for part in ("origins", "stalling")),
+    *(f"tests/openrois/cluster/test_{part}.py" for part in ("flow", "frames", "presence", "subjects", "wire")),
     "tests/openrois/http_limits/test_websocket_frames.py",
     "tests/openrois/transport/test_backoff.py",
     "tests/bench/measuring/test_figures.py",

@@ -136,7 +136,7 @@ class Exchange:
         except BaseException:
             stream.lose("given up")
             raise
-        if stream.closed is not None:
+        if stream.closed is not None and not stream.other_link:
             raise DialFailed(gateway_id, stream.closed.code, stream.closed.reason)
         return stream
 
@@ -177,6 +177,9 @@ class Exchange:
 
     def _handle_dial(self, _subject: bytes, _headers: bytes, payload: bytes) -> None:
         self._pulse.notice_pause()
+        if self._pulse.is_behind:
+            # The gateway that dialled has given up.
+            return
         try:
             said = parse_said(Dial, payload)
         except FrameFault as fault:

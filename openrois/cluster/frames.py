@@ -147,6 +147,7 @@ class Beat(_Said):
         instance: the token of its process.
         link: the token of its connection to NATS.
         version: of its program.
+        number: of this sign among those of the process.
         attributes: what it tells all others.
         leaving: that it will be gone at once.
     """
@@ -155,6 +156,7 @@ class Beat(_Said):
     instance: Token
     link: Token
     version: str = Field(max_length=64)
+    number: int = 0
     attributes: dict[str, Any] = Field(default_factory=dict)
     leaving: bool = False
 

@@ -33,6 +33,7 @@ class Pulse:
 
     Attributes:
         presence: which gateways are there.
+        is_behind: whether what comes was said while this process stood still.
         listeners: called with the gateways that are there when that changes.
         on_beat: called with the time whenever this gateway has beaten.
         on_gone: called when another gateway's connection has gone.
@@ -57,8 +58,11 @@ class Pulse:
         self._connection: NatsConnection | None = None
         self._link = _NO_LINK
         self._beaten = self._echoed = clock()
+        self._number = 0
+        self._caught_up_by = 0
         self._has_namesake = False
         self.presence = Presence(clock)
+        self.is_behind = False
         self.listeners: Listeners[Mapping[str, Present]] = Listeners()
         self.on_beat: Callable[[float], None] = lambda _now: None
         self.on_gone: Callable[[], None] = lambda: None
@@ -89,6 +93,7 @@ class Pulse:
     def lose_connection(self) -> None:
         """Note that there is no connection: no gateway is there."""
         self._connection, self._link = None, _NO_LINK
+        self.is_behind = False
         before = self.presence.present
         self.presence.clear()
         self._notify_if_changed(before)
@@ -105,6 +110,7 @@ class Pulse:
                 instance=self._instance,
                 link=self._link,
                 version=__version__,
+                number=self._number,
                 attributes=dict(self._attributes),
                 leaving=leaving,
             )
@@ -117,6 +123,7 @@ class Pulse:
 
     def _publish(self) -> None:
         if self._connection is not None:
+            self._number += 1
             self._connection.publish(self._subject, self._message())
 
     def _handle_beat(self, _subject: bytes, _headers: bytes, payload: bytes) -> None:
@@ -128,6 +135,7 @@ class Pulse:
             return
         if beat.link == self._link:
             self._echoed = self._clock()
+            self.is_behind = self.is_behind and beat.number < self._caught_up_by
         elif beat.gateway == self._gateway_id and beat.instance != self._instance and not self._has_namesake:
             self._has_namesake = True
             _log.error("another process is gateway %r too: give each an id of its own", self._gateway_id)
@@ -173,7 +181,9 @@ class Pulse:
             return
         if self._connection is not None:
             _log.warning("this process stood still for %.1f s: streams to other gateways end", now - self._beaten)
-        # It beats at once; and those that it did not hear may have beaten all the while.
-        self._beaten, self._echoed = now - BEAT_INTERVAL, now
+        # Those that it did not hear may have beaten all the while; what they said before this comes before it, too.
+        self._beaten, self._echoed = now, now
+        self._publish()
+        self._caught_up_by, self.is_behind = self._number, self._connection is not None
         self.presence.excuse()
         self.on_pause()

@@ -250,7 +250,7 @@ class NatsStream:
         self._is_marked = False
 
     def accept(self) -> None:
-        """Accept a stream that another gateway has dialled, as receiving and sending do; until then `close` refuses it."""
+        """Accept a stream that another gateway dialled, as receiving and sending do; before, `close` refuses it."""
         if not self._is_accepted and self.closed is None:
             self._is_accepted = True
             self._publish(Kind.ACCEPT, self.address.model_dump_json().encode())

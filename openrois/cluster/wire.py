@@ -75,11 +75,14 @@ class ServerParser:
     def _parsed(self, line: bytes) -> tuple[int, bytes, int, int]:
         """Return subscription, subject, bytes of headers and of all: `HMSG subject sid [reply] head all`, or `MSG`."""
         words = line.split()
+        has_headers = line.startswith(b"H")
+        if not 4 <= len(words) - has_headers <= 5:
+            raise WireFault("a line of a message has too few words, or too many")
         try:
             sid, size = int(words[2]), int(words[-1])
-            headers = int(words[-2]) if line[0] == 72 else 0
-        except (IndexError, ValueError):
-            raise WireFault("a line of a message cannot be read") from None
+            headers = int(words[-2]) if has_headers else 0
+        except ValueError:
+            raise WireFault("a number in the line of a message cannot be read") from None
         if not 0 <= headers <= size <= self._most:
             raise WireFault("the lengths of a message cannot be")
         return sid, words[1], headers, size

@@ -2,25 +2,46 @@
 
 import asyncio
 import itertools
+import json
+import os
 import signal
 import socket
 import subprocess
 import time
-from collections.abc import AsyncIterator, Callable, Iterator
-from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from openrois.cluster.connection import NatsConnection
+from openrois.cluster.frames import Accept, Frame, Kind, parse_frame, parse_said
 from openrois.cluster.link import NatsLink, NatsSettings, NatsStream
+from openrois.cluster.subjects import Subjects
 from tests.support.demo import free_port
 from tests.support.nats_program import nats_program
 
-__all__ = ["NatsServer", "dialled", "links", "nats_server", "settings"]
+__all__ = [
+    "NatsServer",
+    "Stranger",
+    "cluster_name",
+    "dialled",
+    "freeze",
+    "links",
+    "nats_server",
+    "settings",
+    "stand_in",
+]
 
 PATIENCE = 30.0
 """Seconds that a server may take on a busy machine to begin."""
 
 _clusters = itertools.count()
+
+
+def freeze(pid: int) -> None:
+    """Stop a child process, and wait until all its threads stand."""
+    os.kill(pid, signal.SIGSTOP)
+    os.waitid(os.P_PID, pid, os.WSTOPPED | os.WNOWAIT)
 
 
 class NatsServer:
@@ -59,14 +80,12 @@ class NatsServer:
             self._process = None
 
     def freeze(self) -> None:
-        self._send(signal.SIGSTOP)
+        assert self._process is not None
+        freeze(self._process.pid)
 
     def thaw(self) -> None:
-        self._send(signal.SIGCONT)
-
-    def _send(self, number: signal.Signals) -> None:
         assert self._process is not None
-        self._process.send_signal(number)
+        self._process.send_signal(signal.SIGCONT)
 
 
 @contextmanager
@@ -80,15 +99,42 @@ def nats_server(folder: Path, configuration: str = "", scheme: str = "nats") -> 
         server.kill()
 
 
+@asynccontextmanager
+async def stand_in(talk: Callable[[asyncio.StreamReader, asyncio.StreamWriter], Awaitable[None]]) -> AsyncIterator[str]:
+    """Serve connections as a test wants, on a port that is yielded as `127.0.0.1:port`; wait until they are closed."""
+    serving: set[asyncio.Task[None]] = set()
+
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        task = asyncio.current_task()
+        assert task is not None
+        serving.add(task)
+        try:
+            await talk(reader, writer)
+        finally:
+            writer.close()
+            with suppress(OSError):
+                await writer.wait_closed()
+
+    async with await asyncio.start_server(serve, "127.0.0.1", 0) as server:
+        yield f"127.0.0.1:{server.sockets[0].getsockname()[1]}"
+        if serving:
+            await asyncio.wait(serving)
+
+
+def cluster_name() -> str:
+    """Return a prefix that no other test has."""
+    return f"test-{next(_clusters)}"
+
+
 def settings(url: str, prefix: str = "", **more: Any) -> NatsSettings:
     """Return settings for a cluster of its own, or for that of `prefix`."""
-    return NatsSettings((url,), prefix=prefix or f"test-{next(_clusters)}", **more)
+    return NatsSettings((url,), prefix=prefix or cluster_name(), **more)
 
 
 @asynccontextmanager
-async def links(*urls: str, **more: Any) -> AsyncIterator[list[NatsLink]]:
+async def links(*urls: str, prefix: str = "", **more: Any) -> AsyncIterator[list[NatsLink]]:
     """Enter links `a`, `b`, ... of one cluster, each by its own way to NATS."""
-    prefix = f"test-{next(_clusters)}"
+    prefix = prefix or cluster_name()
     async with AsyncExitStack() as stack:
         yield [
             await stack.enter_async_context(NatsLink(settings(url, prefix), name, **more))
@@ -115,3 +161,53 @@ async def dialled(near: NatsLink, far: NatsLink) -> AsyncIterator[Callable[[], A
         yield pair
     finally:
         over.set()
+
+
+class Stranger:
+    """A program at NATS that says whatever a test wants where a gateway would speak.
+
+    Attributes:
+        came: what was published to its streams, newest last.
+    """
+
+    def __init__(self, connection: NatsConnection, subjects: Subjects) -> None:
+        self._connection = connection
+        self._subjects = subjects
+        self.came: asyncio.Queue[bytes] = asyncio.Queue()
+        connection.subscribe(subjects.streams(self.LINK), lambda _subject, _headers, data: self.came.put_nowait(data))
+
+    LINK = "0123456789abcdef"
+
+    @classmethod
+    @asynccontextmanager
+    async def entered(cls, url: str, prefix: str) -> "AsyncIterator[Stranger]":
+        """Connect one while the block runs."""
+        connection = await NatsConnection.open(settings(url, prefix), url, "stranger")
+        try:
+            stranger = cls(connection, Subjects(prefix))
+            await connection.flush()
+            yield stranger
+        finally:
+            connection.abort("over")
+
+    def say(self, subject: str, data: bytes) -> None:
+        self._connection.publish(subject, data)
+
+    def dial(self, gateway_id: str, **more: Any) -> None:
+        """Dial a gateway, with its own stream 0."""
+        said = {"link": self.LINK, "stream": 0, "window": 1 << 20, "gateway": "stranger", "hello": {}, **more}
+        self.say(self._subjects.dial(gateway_id), json.dumps(said).encode())
+
+    async def frame(self) -> Frame:
+        """Return the next frame that is no sign of life."""
+        while True:
+            frame = parse_frame(await asyncio.wait_for(self.came.get(), PATIENCE))
+            if frame.kind is not Kind.ALIVE:
+                return frame
+
+    async def accepted(self) -> str:
+        """Return where to send frames to, when the gateway has accepted."""
+        frame = await self.frame()
+        assert (frame.kind, frame.number) == (Kind.ACCEPT, 0)
+        accept = parse_said(Accept, frame.body)
+        return self._subjects.stream(accept.link, accept.stream)

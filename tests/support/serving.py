@@ -7,18 +7,20 @@ from functools import partial
 
 from aiohttp import web
 
-from openrois.gateway.socket import APPLICATION, ServerSocket
+from openrois.gateway.socket import APPLICATION, ServerSocket, SocketProfile
 from openrois.http_limits.header_timeout import HeaderTimeouts
 from openrois.http_limits.http_connection import HttpConnection
 from openrois.http_limits.tcp_server import serving_tcp
 
 
 @asynccontextmanager
-async def serving(serve: Callable[[ServerSocket], Awaitable[object]]) -> AsyncIterator[str]:
+async def serving(
+    serve: Callable[[ServerSocket], Awaitable[object]], profile: SocketProfile = APPLICATION
+) -> AsyncIterator[str]:
     """Serve all connections; yields the address."""
 
     async def accept(request: web.Request) -> web.StreamResponse:
-        socket = ServerSocket(request, APPLICATION)
+        socket = ServerSocket(request, profile)
         await socket.prepare()
         await serve(socket)
         return socket.response

@@ -1,4 +1,4 @@
-"""What every message stream keeps: a pair in memory, a WebSocket between client and gateway, and NATS between gateways."""
+"""What every message stream keeps: in memory, over a WebSocket of client and gateway, over NATS between gateways."""
 
 import asyncio
 from collections.abc import AsyncIterator, Callable
@@ -6,12 +6,12 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from typing import TYPE_CHECKING
 
 import pytest
-from aiohttp import web
 
 from openrois.gateway.socket import APPLICATION, ServerSocket, SocketProfile
 from openrois.transport.memory import memory_pair
 from openrois.transport.stream import BatchStream, MessageStream, StreamClosed
 from openrois.transport.websocket import dial
+from tests.support.serving import serving
 
 if TYPE_CHECKING:
     from tests.support.nats import NatsServer
@@ -33,28 +33,15 @@ async def over_websocket() -> AsyncIterator[Ends]:
     accepted: asyncio.Queue[ServerSocket] = asyncio.Queue()
     over = asyncio.Event()
 
-    async def accept(request: web.Request) -> web.StreamResponse:
-        end = ServerSocket(request, LARGE)
-        await end.prepare()
+    async def hold(end: ServerSocket) -> None:
         await accepted.put(end)
         await over.wait()
-        end.abort()
-        return end.response
 
-    application = web.Application()
-    application.router.add_get("/", accept)
-    runner = web.AppRunner(application)
-    await runner.setup()
-    try:
-        site = web.TCPSite(runner, "127.0.0.1", 0)
-        await site.start()
-        port = runner.addresses[0][1]
-        async with dial(f"ws://127.0.0.1:{port}/") as near:
+    async with serving(hold, LARGE) as url, dial(url) as near:
+        try:
             yield near, await accepted.get()
+        finally:
             over.set()
-    finally:
-        over.set()
-        await runner.cleanup()
 
 
 @pytest.fixture(params=["memory", "websocket", "nats"])
@@ -105,8 +92,9 @@ async def test_a_sender_waits_for_a_receiver_that_does_not_read(connect: Connect
 
     async def send_much() -> None:
         nonlocal sent
-        for sent in range(1000):
+        while sent < 1000:
             await near.send(text)
+            sent += 1
 
     async with connect() as (near, far):
         sending = asyncio.ensure_future(send_much())
