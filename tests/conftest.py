@@ -18,8 +18,8 @@ from hypothesis import HealthCheck, settings
 from tests.support.canary import leak
 from tests.support.kachaka_api import IS_THERE
 from tests.support.mono import Mono
-from tests.support.nats_program import nats_program
 from tests.support.namespaces import hide_cables_of_others, missing
+from tests.support.nats_program import nats_program
 from tests.support.vendor_daemon import PROGRAM, VendorDaemon
 
 pytest_plugins = ["openrois_streaming.testing.plugin"]
