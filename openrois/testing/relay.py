@@ -206,7 +206,8 @@ class FaultRelay:
                 self.swallowed += len(piece)
                 continue
             if not piece:
-                with suppress(OSError):
+                # uvloop raises a RuntimeError where the transport has closed.
+                with suppress(OSError, RuntimeError):
                     sink.write_eof()
                 return
             sink.write(piece)

@@ -60,6 +60,9 @@ with atheris.instrument_imports(include=INSTRUMENTED):
     from openrois_streaming.send.sender import Negotiated, RtpSender
 
     from openrois.catalog.streaming import VIDEO_STREAMING
+    from openrois.cluster.flow import Receiving, Sending
+    from openrois.cluster.frames import Dial, FrameFault, Kind, pack_frame, pack_texts, parse_frame, parse_said
+    from openrois.cluster.wire import ServerParser, WireFault
     from openrois.engine.condition import parse_condition
     from openrois.errors import BadParameter
     from openrois.jsonrpc.protocol import Notification, Peer, Request, Violation
@@ -87,6 +90,29 @@ def protocol(data: bytes) -> None:
             assert len(reason) < 300
             if answer is not None:
                 answer.encode()
+
+
+def nats(data: bytes) -> None:
+    """What a NATS server sends, cut in two: frames of a stream, and gateways that dial."""
+    receiving = Receiving(window=4096, max_message=8192)
+
+    def read(sid: int, _subject: bytes, _headers: bytes, payload: bytes) -> None:
+        with suppress(FrameFault, OverflowError):
+            if sid == 1:
+                parse_said(Dial, payload)
+            frame = parse_frame(payload)
+            receiving.count(frame.number)
+            receiving.put(frame)
+        assert receiving.held <= 4096 + 8192
+        if len(receiving):
+            receiving.pop()
+            receiving.next_grant()
+
+    at = data[0] if data else 0
+    parser = ServerParser(read, lambda _line: None, 65536)
+    with suppress(WireFault):
+        parser.feed(data[1:at])
+        parser.feed(data[max(1, at) :])
 
 
 def condition(data: bytes) -> None:
@@ -290,6 +316,14 @@ class Target:
     words: tuple[str, ...]
 
 
+SENT = Sending(4096, 1000)
+FRAMES = (
+    SENT.frame(Kind.TEXT, b"hello"),
+    SENT.frame(Kind.TEXTS, pack_texts([b"a", b"bc"])),
+    SENT.frame(Kind.PART, b"be"),
+    SENT.frame(Kind.LAST, b"gun"),
+    pack_frame(Kind.CREDIT, 4, bytes(8)),
+)
 TARGETS = {
     "protocol": Target(
         protocol,
@@ -302,6 +336,14 @@ TARGETS = {
             '{"jsonrpc":"2.0","id":1e999,"method":"\\ud800","params":[NaN,-0,1.5]}',
         ),
         ('"jsonrpc"', '"2.0"', '"id"', '"method"', '"params"', '"result"', '"error"', '"code"', '"message"', "null"),
+    ),
+    "nats": Target(
+        nats,
+        (
+            b"\x20" + b"".join(b"MSG a 2 %d\r\n%s\r\n" % (len(each), each) for each in FRAMES),
+            b"\x00" + b'PING\r\nHMSG a 1 r 12 30\r\nNATS/1.0\r\n\r\n{"link":"0123456789"}\r\n-ERR \'no\'\r\n',
+        ),
+        ("MSG ", "HMSG ", "PING", "\\x0d\\x0a", '"link":', '"stream":', '"window":', '"gateway":', '"hello":', "{}"),
     ),
     "condition": Target(
         condition,

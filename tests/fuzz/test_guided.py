@@ -12,7 +12,14 @@ GUIDED = Path(__file__).with_name("guided.py")
 TIMES = int(os.environ.get("OPENROIS_FUZZ_TIMES", "1"))
 """How many times as long they search; ten times takes minutes, and is for changes of a parser."""
 
-CASES = {"protocol": 25_000, "condition": 25_000, "values": 25_000, "profile_xml": 10_000, "datagram": 10_000}
+CASES = {
+    "protocol": 25_000,
+    "nats": 25_000,
+    "condition": 25_000,
+    "values": 25_000,
+    "profile_xml": 10_000,
+    "datagram": 10_000,
+}
 CASES |= dict.fromkeys(("link", "answer", "candidate", "pictures", "reports"), 5_000)
 
 

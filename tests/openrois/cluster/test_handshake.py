@@ -5,6 +5,7 @@ import socket
 from pathlib import Path
 
 import pytest
+import uvloop
 
 from openrois.cluster.connection import NatsConnection
 from openrois.cluster.handshake import Unreachable
@@ -191,6 +192,12 @@ class TestEncryption:
     ) -> None:
         with nats_server(tmp_path, self.configuration(authority), scheme) as server:
             assert await works(settings(server.url, ca_file=authority.file))
+
+    def test_under_uvloop_as_well(self, nats: None, tmp_path: Path, authority: Authority) -> None:
+        with nats_server(tmp_path, self.configuration(authority), "tls") as server:
+            named = settings(server.url, ca_file=authority.file)
+            with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
+                assert runner.run(works(named))
 
     async def test_an_unknown_authority_is_not_trusted(self, nats: None, tmp_path: Path, authority: Authority) -> None:
         with nats_server(tmp_path, self.configuration(authority), "tls") as server:

@@ -410,6 +410,22 @@ class TestStrangers:
             alive = await asyncio.wait_for(stranger.came.get(), 30)
             assert alive == pack_frame(Kind.ALIVE, 2, alive[9:])
 
+    async def test_an_idle_stream_shows_now_and_then_that_it_is_there(
+        self, shared_nats: NatsServer, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr(exchange, "MARK_INTERVAL", 0.0)
+        prefix = cluster_name()
+        async with (
+            links(shared_nats.url, prefix=prefix) as (near,),
+            Stranger.entered(shared_nats.url, prefix) as stranger,
+        ):
+            await near.listen(echo)
+            stranger.dial("a")
+            await stranger.accepted()
+            for number in (1, 2):
+                alive = await asyncio.wait_for(stranger.came.get(), 30)
+                assert alive == pack_frame(Kind.ALIVE, number, alive[9:])
+
     async def test_a_cut_ends_a_stream(self, shared_nats: NatsServer) -> None:
         prefix = cluster_name()
         async with (

@@ -136,8 +136,7 @@ class TestNats:
                 await here.send("old")
                 dialling = asyncio.ensure_future(near.dial("b", {}))
                 for end in (here, there):
-                    closed = await ended(end)
-                    assert (closed.code, closed.reason) == (1006, "NATS is silent")
+                    assert (await ended(end)).code == 1006
                 with pytest.raises(DialFailed):
                     await dialling
                 with pytest.raises(DialFailed, match="NATS"):
@@ -260,10 +259,9 @@ class TestWay:
             relay.half_open()
             closed = await ended(here)
             assert (closed.code, closed.reason) == (1006, "the other gateway is silent or has gone")
-            closed = await ended(there)
-            assert (closed.code, closed.reason) == (1006, "NATS is silent")
+            assert (await ended(there)).code == 1006
             assert set(near.present) == {"a"}
-            assert far.present == {}
+            await until_present(far)
             with pytest.raises(DialFailed):
                 await far.dial("a", {})
             relay.mend()
