@@ -26,6 +26,9 @@ MEDIA = ("admission", "guard", "interfaces", "turns")
 """Modules of `openrois_streaming.network` that bound what comes in."""
 
 NO_LIMITS = {
+    "openrois.cluster.frames.FRAME_HEAD": "a length of the format",
+    "openrois.cluster.frames.PROTOCOL": "a version",
+    "openrois.cluster.stream.LOST": "a code",
     "openrois.gateway.applications.RESUMED": "a code",
     "openrois.gateway.draining.SERVICE_RESTART": "a code",
     "openrois.gateway.token_expiry.TOKEN_ENDED": "a code",

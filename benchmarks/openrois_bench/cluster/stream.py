@@ -28,7 +28,6 @@ from openrois_bench.measuring.conditions import conditions, load
 from openrois_bench.measuring.figures import MICROSECONDS, MILLISECONDS, Percentiles, median
 from openrois_bench.measuring.result import write_result
 from openrois_bench.measuring.table import table
-from openrois_bench.options import count, report_progress
 from openrois_bench.processes.child import child, cpu_of, own_cpu
 
 __all__ = ["StreamSettings", "measure"]
@@ -219,10 +218,14 @@ def printed(figures: Mapping[str, Any]) -> str:
     return f"{table(head, rows)}\n\nNATS / WebSocket, p50 of 350 bytes, median of the rounds: {figures['ratio']}"
 
 
+def _report_progress(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
 def main() -> None:
     """Measure, or be the other gateway."""
     parser = argparse.ArgumentParser(prog="python -m openrois_bench.cluster.stream", description=__doc__)
-    parser.add_argument("--rounds", type=count, default=StreamSettings().rounds, help="of everything (%(default)s)")
+    parser.add_argument("--rounds", type=int, default=StreamSettings().rounds, help="of everything (%(default)s)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures to FILE")
     parser.add_argument("--far", metavar="URL", help=argparse.SUPPRESS)
     chosen = parser.parse_args()
@@ -230,7 +233,7 @@ def main() -> None:
         uvloop.run(be_far(chosen.far))
         return
     before = load()
-    figures = summary(uvloop.run(measure(StreamSettings(rounds=chosen.rounds), report_progress)))
+    figures = summary(uvloop.run(measure(StreamSettings(rounds=chosen.rounds), _report_progress)))
     met = conditions(before, {})
     print(f"{met}\n\n{printed(figures)}")
     write_result(chosen.json, "openrois_bench.cluster.stream", met, summary=figures)

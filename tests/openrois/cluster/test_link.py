@@ -138,7 +138,7 @@ class TestDialling:
             await ended(streams[0])
             assert (await near.dial("b", {})).closed is None
 
-    async def test_what_cannot_be_dialled(self, shared_nats: NatsServer) -> None:
+    async def test_an_id_and_what_is_asserted_have_bounds(self, shared_nats: NatsServer) -> None:
         async with links(shared_nats.url) as (near,):
             with pytest.raises(ValueError, match="1 to 128 bytes"):
                 await near.dial("", {})
