@@ -17,8 +17,11 @@ __all__ = ["NatsConnection"]
 
 _log = logging.getLogger(__name__)
 
-WRITE_BUFFER: Final = 1 << 20
-"""Bytes that may wait in front of the kernel before senders wait, too."""
+WRITE_BUFFER: Final = 256 << 10
+"""Bytes that may wait in front of the kernel before senders wait, too: signs of life wait behind them."""
+
+_UNSENT: Final = 128 << 10
+"""Bytes that may wait in the kernel for their turn on the network, where the system lets that be chosen."""
 
 _MOST: Final = 64 << 20
 """Bytes of a message from the server; it takes at most as many as it is set to."""
@@ -75,6 +78,8 @@ class NatsConnection(asyncio.Protocol):
         opened = await open_connection(settings, server, name, made)
         made._opened, made.server, made.max_payload = opened, opened.server, opened.max_payload
         opened.transport.set_write_buffer_limits(high=WRITE_BUFFER)
+        if hasattr(socket, "TCP_NOTSENT_LOWAT"):
+            made._set_option(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, _UNSENT)
         made.data_received(opened.rest)
         return made
 
@@ -157,11 +162,14 @@ class NatsConnection(asyncio.Protocol):
     def abort(self, reason: str) -> None:
         """End at once: what has not left never leaves."""
         if self._opened is not None and self.is_open:
-            transport = self._opened.transport
-            with suppress(OSError):
-                transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _RESET)
-            transport.abort()
+            self._set_option(socket.SOL_SOCKET, socket.SO_LINGER, _RESET)
+            self._opened.transport.abort()
         self._lose(reason)
+
+    def _set_option(self, level: int, name: int, value: int | bytes) -> None:
+        assert self._opened is not None
+        with suppress(OSError):
+            self._opened.transport.get_extra_info("socket").setsockopt(level, name, value)
 
     def _lose(self, reason: str) -> None:
         if self.lost.is_set():

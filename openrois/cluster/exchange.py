@@ -40,6 +40,7 @@ _GOING_AWAY: Final = 1001
 _WRONG_VERSION: Final = 1002
 _FAILED: Final = 1011
 _TRY_LATER: Final = 1013
+_LEAVING: Final = "the gateway is leaving"
 
 Handler = Callable[[NatsStream, Mapping[str, Any]], Awaitable[None]]
 
@@ -185,29 +186,30 @@ class Exchange:
         except FrameFault as fault:
             _log.warning("a gateway that dials is not understood: %s", fault)
             return
-        if said.version != PROTOCOL:
+        if self._handler is None:
+            self._refuse(said, _GOING_AWAY, _LEAVING)
+        elif said.version != PROTOCOL:
             self._refuse(said, _WRONG_VERSION, f"streams of version {said.version} are not spoken here, but {PROTOCOL}")
         elif len(self._streams) >= self._max_streams:
             self._refuse(said, _TRY_LATER, f"this gateway has {self._max_streams} streams already")
         else:
             stream = self._new_stream(said.gateway, said)
             self._watch(stream)
-            self._tasks.start(self._serve(stream))
+            self._tasks.start(self._serve(stream, self._handler))
 
     def _refuse(self, said: Dial, code: int, reason: str) -> None:
         frame = pack_frame(Kind.CLOSE, 0, pack_close(code, reason))
         self._connection.publish(self._subjects.stream(said.link, said.stream), frame)
 
-    async def _serve(self, stream: NatsStream) -> None:
-        assert self._handler is not None
+    async def _serve(self, stream: NatsStream, handler: Handler) -> None:
         code, reason = _FAILED, "internal error"
         try:
-            await self._handler(stream, stream.hello)
+            await handler(stream, stream.hello)
             code, reason = 1000, ""
         except StreamClosed:
             code, reason = 1000, ""
         except asyncio.CancelledError:
-            code, reason = _GOING_AWAY, "the gateway is leaving"
+            code, reason = _GOING_AWAY, _LEAVING
             raise
         finally:
             await stream.close(code, reason)
@@ -231,6 +233,7 @@ class Exchange:
             stream.lose(reason, discard=True)
 
     async def close(self) -> None:
-        """Close all streams politely."""
+        """Close all streams politely; there are no more."""
+        self._handler = None
         for stream in tuple(self._streams.values()):
-            await stream.close(_GOING_AWAY, "the gateway is leaving")
+            await stream.close(_GOING_AWAY, _LEAVING)

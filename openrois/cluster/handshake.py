@@ -130,12 +130,14 @@ async def open_connection(settings: NatsSettings, server: str, name: str, protoc
         async with asyncio.timeout(OPEN_TIMEOUT), _dialler(settings, server, name) as client:
             max_payload = client.max_payload
             transport, rest = await client.hand_over(protocol)
-    except (ValueError, OSError, Error) as error:
+    except Exception as error:
+        # Whatever answers there may say anything, and nats-py trips over some of it.
         raise Unreachable(f"NATS at {server} is not reached: {_explained(error)}") from None
     return Opened(server, transport, rest, max_payload, client)
 
 
 def _explained(error: Exception) -> str:
+    """Return in words why there is no connection; nothing that was shown to the server is repeated."""
     match error:
         case ssl.SSLCertVerificationError():
             return f"its certificate is not trusted: {error.verify_message} (name the authority's file)"
@@ -145,4 +147,6 @@ def _explained(error: Exception) -> str:
             return error.strerror or str(error)
         case Error() if "authorization" in str(error).lower():
             return "it does not admit this gateway (name the file with its credentials)"
-    return str(error).removeprefix("nats: ")
+        case Error() | ValueError():
+            return str(error).removeprefix("nats: ")
+    return f"what answers there is no NATS server ({type(error).__name__})"

@@ -237,7 +237,9 @@ class NatsStream:
         while True:
             if self.closed is not None:
                 raise self._closed(self.closed)
-            if not self._sending.allows(cost):
+            if not self._connection.is_open:
+                self.lose(self._connection.reason)
+            elif not self._sending.allows(cost):
                 self._credited.clear()
                 await self._credited.wait()
             elif not self._connection.is_writable:

@@ -123,6 +123,14 @@ class TestRefusals:
             said = await refusal(settings(f"nats://{place}"))
         assert "expecting INFO" in said
 
+    async def test_something_answers_what_trips_nats_py(self) -> None:
+        async def talk(_reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            writer.write(b"INFO 7\r\n")
+
+        async with stand_in(talk) as place:
+            said = await refusal(settings(f"nats://{place}"))
+        assert said.endswith("what answers there is no NATS server (AttributeError)")
+
 
 class TestCredentials:
     @pytest.mark.parametrize(

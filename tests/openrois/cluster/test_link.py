@@ -10,6 +10,7 @@ from openrois.cluster import exchange
 from openrois.cluster.flow import MAX_MESSAGE, WINDOW
 from openrois.cluster.frames import CUT_FRAME, Address, Dial, Kind, pack_frame, pack_grant, pack_texts, parse_close
 from openrois.cluster.link import DialFailed, NatsLink, NatsStream
+from openrois.jsonrpc.session import RpcSession
 from openrois.transport.stream import BatchStream, StreamClosed
 from tests.support.nats import NatsServer, Stranger, cluster_name, dialled, links, settings
 
@@ -248,6 +249,19 @@ class TestMessages:
             assert answers == [[f"{number} {turn} " for turn in range(10)] for number in range(200)]
             assert len(far) == 200
 
+    async def test_a_session_of_json_rpc_runs_over_it(self, shared_nats: NatsServer) -> None:
+        async def double(params: Any) -> int:
+            return int(params["number"]) * 2
+
+        async with links(shared_nats.url, shared_nats.url) as (near, far), dialled(near, far) as pair:
+            here, there = await pair()
+            asking, serving = RpcSession(here), RpcSession(there, {"double": double})
+            running = [asyncio.ensure_future(session.run()) for session in (asking, serving)]
+            answers = await asyncio.gather(*(asking.call("double", {"number": number}) for number in range(500)))
+            assert answers == [2 * number for number in range(500)]
+            await asking.close(1000, "done")
+            assert [(await each).code for each in running] == [1000, 1000]
+
     async def test_a_message_that_is_given_up_half_way_ends_the_stream(self, shared_nats: NatsServer) -> None:
         async with links(shared_nats.url, shared_nats.url) as (near, far), dialled(near, far) as pair:
             here, there = await pair()
@@ -343,6 +357,19 @@ class TestStrangers:
             stranger.say(subject, pack_frame(Kind.TEXT, 0, b"\xff"))
             frame = await stranger.frame()
             assert (frame.kind, parse_close(frame.body)) == (Kind.CLOSE, (1007, "text messages only"))
+
+    async def test_a_gateway_that_leaves_accepts_no_stream(self, shared_nats: NatsServer) -> None:
+        prefix = cluster_name()
+        async with (
+            links(shared_nats.url, prefix=prefix) as (near,),
+            Stranger.entered(shared_nats.url, prefix) as stranger,
+        ):
+            await near.listen(echo)
+            assert near._exchange is not None
+            await near._exchange.close()
+            stranger.dial("a")
+            frame = await stranger.frame()
+            assert parse_close(frame.body) == (1001, "the gateway is leaving")
 
     async def test_another_version_is_refused_by_name(self, shared_nats: NatsServer) -> None:
         prefix = cluster_name()

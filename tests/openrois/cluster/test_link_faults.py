@@ -283,6 +283,20 @@ class TestWay:
             assert [await there.receive() for _ in texts] == texts
             await sending
 
+    async def test_signs_of_life_pass_long_messages_on_a_way_of_16_Mbit_a_second(  # noqa: N802
+        self, shared_nats: NatsServer
+    ) -> None:
+        text = "x" * 2_000_000
+        async with (
+            FaultRelay(shared_nats.url, weather=Weather(rate=2_000_000)) as relay,
+            links(shared_nats.url, relay.url) as (near, far),
+            dialled(near, far) as pair,
+        ):
+            for sender, receiver in ((ends := await pair()), ends[::-1]):
+                sending = asyncio.ensure_future(sender.send(text))
+                assert await receiver.receive() == text
+                await sending
+
     async def test_what_is_no_NATS_server_is_left(self, shared_nats: NatsServer) -> None:  # noqa: N802
         async def talk(_reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
             writer.write(b"220 mail.example ESMTP\r\n")
