@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from openrois.cluster import exchange
-from openrois.cluster.flow import MAX_MESSAGE, WINDOW
+from openrois.cluster.flow import MESSAGE_COST, WINDOW
 from openrois.cluster.frames import CUT_FRAME, Address, Dial, Kind, pack_frame, pack_grant, pack_texts, parse_close
 from openrois.cluster.link import DialFailed, NatsLink, NatsStream
 from openrois.jsonrpc.session import RpcSession
@@ -217,17 +217,16 @@ class TestMessages:
     ) -> None:
         async with links(shared_nats.url, shared_nats.url) as (near, far), dialled(near, far) as pair:
             here, there = await pair()
-            sending = asyncio.ensure_future(fill(here, "x" * size))
-            held = -1
-            while there.held != held or not held:
-                held = there.held
-                await asyncio.wait({sending}, timeout=0.2)
-                assert held <= WINDOW + MAX_MESSAGE
-                if size == 0:
-                    break
+            sent: list[int] = []
+            sending = asyncio.ensure_future(fill(here, "x" * size, sent))
+            before = -1
+            while before != len(sent):
+                before = len(sent)
+                await asyncio.wait({sending}, timeout=0.5)
             assert not sending.done()
-            assert not here.send_now("x" * 100_000)
-            assert held <= WINDOW + size
+            assert not here.send_now("x" * 500_000)
+            assert there.held <= WINDOW + size
+            assert len(sent) <= (WINDOW + size) // (MESSAGE_COST + size) + 1
             # Others are not kept waiting.
             one, other = await pair()
             await one.send("a")
@@ -288,9 +287,10 @@ class TestMessages:
             assert await there.receive() == "a"
 
 
-async def fill(stream: NatsStream, text: str) -> None:
+async def fill(stream: NatsStream, text: str, sent: list[int]) -> None:
     while True:
         await stream.send(text)
+        sent.append(len(text))
 
 
 class TestStrangers:
