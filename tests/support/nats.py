@@ -8,7 +8,7 @@ import signal
 import socket
 import subprocess
 import time
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from openrois.cluster.connection import NatsConnection
 from openrois.cluster.frames import Accept, Frame, Kind, parse_frame, parse_said
 from openrois.cluster.link import NatsLink, NatsSettings, NatsStream
 from openrois.cluster.subjects import Subjects
+from openrois.transport.stream import StreamClosed
 from tests.support.demo import free_port
 from tests.support.nats_program import nats_program
 
@@ -25,6 +26,8 @@ __all__ = [
     "Stranger",
     "cluster_name",
     "dialled",
+    "echo",
+    "ended",
     "freeze",
     "links",
     "nats_server",
@@ -163,16 +166,33 @@ async def dialled(near: NatsLink, far: NatsLink) -> AsyncIterator[Callable[[], A
         over.set()
 
 
+async def echo(stream: NatsStream, _hello: Mapping[str, Any]) -> None:
+    """Send each message back, as a gateway's handler."""
+    while True:
+        await stream.send(await stream.receive())
+
+
+async def ended(stream: NatsStream) -> StreamClosed:
+    """Return the end of a stream, behind all that comes before it."""
+    try:
+        while True:
+            await asyncio.wait_for(stream.receive(), PATIENCE)
+    except StreamClosed as closed:
+        return closed
+
+
 class Stranger:
     """A program at NATS that says whatever a test wants where a gateway would speak.
 
     Attributes:
+        prefix: of the cluster's subjects.
         came: what was published to its streams, newest last.
     """
 
-    def __init__(self, connection: NatsConnection, subjects: Subjects) -> None:
+    def __init__(self, connection: NatsConnection, prefix: str) -> None:
+        self.prefix = prefix
         self._connection = connection
-        self._subjects = subjects
+        self._subjects = subjects = Subjects(prefix)
         self.came: asyncio.Queue[bytes] = asyncio.Queue()
         connection.subscribe(subjects.streams(self.LINK), lambda _subject, _headers, data: self.came.put_nowait(data))
 
@@ -184,7 +204,7 @@ class Stranger:
         """Connect one while the block runs."""
         connection = await NatsConnection.open(settings(url, prefix), url, "stranger")
         try:
-            stranger = cls(connection, Subjects(prefix))
+            stranger = cls(connection, prefix)
             await connection.flush()
             yield stranger
         finally:

@@ -1,7 +1,7 @@
 """Streams between gateways over a real NATS server that does nothing wrong."""
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import AsyncIterator, Mapping
 from typing import Any
 
 import pytest
@@ -12,23 +12,23 @@ from openrois.cluster.frames import CUT_FRAME, Address, Dial, Kind, pack_frame, 
 from openrois.cluster.link import DialFailed, NatsLink, NatsStream
 from openrois.jsonrpc.session import RpcSession
 from openrois.transport.stream import BatchStream, StreamClosed
-from tests.support.nats import NatsServer, Stranger, cluster_name, dialled, links, settings
+from tests.support.nats import NatsServer, Stranger, cluster_name, dialled, echo, ended, links, settings
 
 pytestmark = pytest.mark.extra(name="cluster")
 
 
-async def echo(stream: NatsStream, _hello: Mapping[str, Any]) -> None:
-    while True:
-        await stream.send(await stream.receive())
+Strange = tuple[NatsLink, Stranger]
 
 
-async def ended(stream: NatsStream) -> StreamClosed:
-    """Return the end of a stream, behind all that comes before it."""
-    try:
-        while True:
-            await stream.receive()
-    except StreamClosed as closed:
-        return closed
+@pytest.fixture
+async def strange(shared_nats: NatsServer) -> AsyncIterator[Strange]:
+    """A gateway, and a program in its cluster that is none."""
+    prefix = cluster_name()
+    async with (
+        links(shared_nats.url, prefix=prefix) as (near,),
+        Stranger.entered(shared_nats.url, prefix) as stranger,
+    ):
+        yield near, stranger
 
 
 class TestDialling:
@@ -318,162 +318,122 @@ class TestStrangers:
         ],
     )
     async def test_a_stream_is_lost_on_both_sides_when_something_wrong_comes(
-        self, shared_nats: NatsServer, frames: list[bytes]
+        self, strange: Strange, frames: list[bytes]
     ) -> None:
-        prefix = cluster_name()
-        async with (
-            links(shared_nats.url, prefix=prefix) as (near,),
-            Stranger.entered(shared_nats.url, prefix) as stranger,
-        ):
-            came: asyncio.Queue[NatsStream] = asyncio.Queue()
+        near, stranger = strange
+        came: asyncio.Queue[NatsStream] = asyncio.Queue()
 
-            async def hold(stream: NatsStream, _hello: Mapping[str, Any]) -> None:
-                stream.accept()
-                await came.put(stream)
-                await asyncio.Event().wait()
+        async def hold(stream: NatsStream, _hello: Mapping[str, Any]) -> None:
+            stream.accept()
+            await came.put(stream)
+            await asyncio.Event().wait()
 
-            await near.listen(hold)
-            stranger.dial("a")
-            subject, stream = await stranger.accepted(), await came.get()
-            for frame in frames:
-                stranger.say(subject, frame)
-            while (kind := (await stranger.frame()).kind) is Kind.CREDIT:
-                pass
-            assert kind is Kind.CUT
-            closed = await ended(stream)
-            assert closed.code == 1006
-            assert closed.reason
-            assert len(near) == 0
+        await near.listen(hold)
+        stranger.dial("a")
+        subject, stream = await stranger.accepted(), await came.get()
+        for frame in frames:
+            stranger.say(subject, frame)
+        while (kind := (await stranger.frame()).kind) is Kind.CREDIT:
+            pass
+        assert kind is Kind.CUT
+        closed = await ended(stream)
+        assert closed.code == 1006
+        assert closed.reason
+        assert len(near) == 0
 
-    async def test_what_is_no_text_ends_with_its_code(self, shared_nats: NatsServer) -> None:
-        prefix = cluster_name()
-        async with (
-            links(shared_nats.url, prefix=prefix) as (near,),
-            Stranger.entered(shared_nats.url, prefix) as stranger,
-        ):
-            await near.listen(echo)
-            stranger.dial("a")
-            subject = await stranger.accepted()
-            stranger.say(subject, pack_frame(Kind.TEXT, 0, b"\xff"))
-            frame = await stranger.frame()
-            assert (frame.kind, parse_close(frame.body)) == (Kind.CLOSE, (1007, "text messages only"))
+    async def test_what_is_no_text_ends_with_its_code(self, strange: Strange) -> None:
+        near, stranger = strange
+        await near.listen(echo)
+        stranger.dial("a")
+        subject = await stranger.accepted()
+        stranger.say(subject, pack_frame(Kind.TEXT, 0, b"\xff"))
+        frame = await stranger.frame()
+        assert (frame.kind, parse_close(frame.body)) == (Kind.CLOSE, (1007, "text messages only"))
 
-    async def test_a_gateway_that_leaves_accepts_no_stream(self, shared_nats: NatsServer) -> None:
-        prefix = cluster_name()
-        async with (
-            links(shared_nats.url, prefix=prefix) as (near,),
-            Stranger.entered(shared_nats.url, prefix) as stranger,
-        ):
-            await near.listen(echo)
-            assert near._exchange is not None
-            await near._exchange.close()
-            stranger.dial("a")
-            frame = await stranger.frame()
-            assert parse_close(frame.body) == (1001, "the gateway is leaving")
+    async def test_a_gateway_that_leaves_accepts_no_stream(self, strange: Strange) -> None:
+        near, stranger = strange
+        await near.listen(echo)
+        assert near._exchange is not None
+        await near._exchange.close()
+        stranger.dial("a")
+        frame = await stranger.frame()
+        assert parse_close(frame.body) == (1001, "the gateway is leaving")
 
-    async def test_another_version_is_refused_by_name(self, shared_nats: NatsServer) -> None:
-        prefix = cluster_name()
-        async with (
-            links(shared_nats.url, prefix=prefix) as (near,),
-            Stranger.entered(shared_nats.url, prefix) as stranger,
-        ):
-            await near.listen(echo)
-            stranger.dial("a", version=2)
-            frame = await stranger.frame()
-            code, reason = parse_close(frame.body)
-            assert (frame.kind, frame.number, code) == (Kind.CLOSE, 0, 1002)
-            assert reason == "streams of version 2 are not spoken here, but 1"
+    async def test_another_version_is_refused_by_name(self, strange: Strange) -> None:
+        near, stranger = strange
+        await near.listen(echo)
+        stranger.dial("a", version=2)
+        frame = await stranger.frame()
+        code, reason = parse_close(frame.body)
+        assert (frame.kind, frame.number, code) == (Kind.CLOSE, 0, 1002)
+        assert reason == "streams of version 2 are not spoken here, but 1"
 
     async def test_what_is_no_dial_is_dropped_and_noted(
-        self, shared_nats: NatsServer, caplog: pytest.LogCaptureFixture
+        self, strange: Strange, caplog: pytest.LogCaptureFixture
     ) -> None:
-        prefix = cluster_name()
-        async with (
-            links(shared_nats.url, prefix=prefix) as (near,),
-            Stranger.entered(shared_nats.url, prefix) as stranger,
-        ):
-            await near.listen(echo)
-            for data in (b"", b"{}", b"\xff" * 100):
-                stranger.say(f"{prefix}.dial.a", data)
-                stranger.say(f"{prefix}.beat.a", data)
-            stranger.dial("a", link="*")
-            stranger.dial("a")
-            await stranger.accepted()
-            assert caplog.text.count("a gateway that dials is not understood") == 4
-            assert caplog.text.count("a gateway is not understood") == 3
+        near, stranger = strange
+        await near.listen(echo)
+        for data in (b"", b"{}", b"\xff" * 100):
+            stranger.say(f"{stranger.prefix}.dial.a", data)
+            stranger.say(f"{stranger.prefix}.beat.a", data)
+        stranger.dial("a", link="*")
+        stranger.dial("a")
+        await stranger.accepted()
+        assert caplog.text.count("a gateway that dials is not understood") == 4
+        assert caplog.text.count("a gateway is not understood") == 3
 
-    async def test_an_end_whose_other_end_is_not_there_learns_that(self, shared_nats: NatsServer) -> None:
-        prefix = cluster_name()
-        async with (
-            links(shared_nats.url, prefix=prefix) as (near,),
-            Stranger.entered(shared_nats.url, prefix) as stranger,
-        ):
-            await near.listen(echo)
-            stranger.dial("a")
-            subject = await stranger.accepted()
-            missing = subject.rpartition(".")[0]
-            address = Address(link=Stranger.LINK, stream=0).model_dump_json().encode()
-            for number in ("77", "x", "-1"):
-                stranger.say(f"{missing}.{number}", pack_frame(Kind.TEXT, 0, b"x"))
-                stranger.say(f"{missing}.{number}", pack_frame(Kind.ALIVE, 1, address))
-                assert (await stranger.frame()).kind is Kind.CUT
-            assert len(near) == 1
+    async def test_an_end_whose_other_end_is_not_there_learns_that(self, strange: Strange) -> None:
+        near, stranger = strange
+        await near.listen(echo)
+        stranger.dial("a")
+        subject = await stranger.accepted()
+        missing = subject.rpartition(".")[0]
+        address = Address(link=Stranger.LINK, stream=0).model_dump_json().encode()
+        for number in ("77", "x", "-1"):
+            stranger.say(f"{missing}.{number}", pack_frame(Kind.TEXT, 0, b"x"))
+            stranger.say(f"{missing}.{number}", pack_frame(Kind.ALIVE, 1, address))
+            assert (await stranger.frame()).kind is Kind.CUT
+        assert len(near) == 1
 
-    async def test_a_stream_shows_behind_its_last_message_how_much_it_sent(self, shared_nats: NatsServer) -> None:
-        prefix = cluster_name()
-        async with (
-            links(shared_nats.url, prefix=prefix) as (near,),
-            Stranger.entered(shared_nats.url, prefix) as stranger,
-        ):
+    async def test_a_stream_shows_behind_its_last_message_how_much_it_sent(self, strange: Strange) -> None:
+        near, stranger = strange
 
-            async def greet(stream: NatsStream, _hello: Mapping[str, Any]) -> None:
-                await stream.send("a")
-                await asyncio.Event().wait()
+        async def greet(stream: NatsStream, _hello: Mapping[str, Any]) -> None:
+            await stream.send("a")
+            await asyncio.Event().wait()
 
-            await near.listen(greet)
-            stranger.dial("a")
-            await stranger.accepted()
-            assert (await stranger.frame()).kind is Kind.TEXT
-            alive = await asyncio.wait_for(stranger.came.get(), 30)
-            assert alive == pack_frame(Kind.ALIVE, 2, alive[9:])
+        await near.listen(greet)
+        stranger.dial("a")
+        await stranger.accepted()
+        assert (await stranger.frame()).kind is Kind.TEXT
+        alive = await asyncio.wait_for(stranger.came.get(), 30)
+        assert alive == pack_frame(Kind.ALIVE, 2, alive[9:])
 
     async def test_an_idle_stream_shows_now_and_then_that_it_is_there(
-        self, shared_nats: NatsServer, monkeypatch: pytest.MonkeyPatch
+        self, strange: Strange, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setattr(exchange, "MARK_INTERVAL", 0.0)
-        prefix = cluster_name()
-        async with (
-            links(shared_nats.url, prefix=prefix) as (near,),
-            Stranger.entered(shared_nats.url, prefix) as stranger,
-        ):
-            await near.listen(echo)
-            stranger.dial("a")
-            await stranger.accepted()
-            for number in (1, 2):
-                alive = await asyncio.wait_for(stranger.came.get(), 30)
-                assert alive == pack_frame(Kind.ALIVE, number, alive[9:])
+        near, stranger = strange
+        await near.listen(echo)
+        stranger.dial("a")
+        await stranger.accepted()
+        for number in (1, 2):
+            alive = await asyncio.wait_for(stranger.came.get(), 30)
+            assert alive == pack_frame(Kind.ALIVE, number, alive[9:])
 
-    async def test_a_cut_ends_a_stream(self, shared_nats: NatsServer) -> None:
-        prefix = cluster_name()
-        async with (
-            links(shared_nats.url, prefix=prefix) as (near,),
-            Stranger.entered(shared_nats.url, prefix) as stranger,
-        ):
-            await near.listen(echo)
-            stranger.dial("a")
-            stranger.say(await stranger.accepted(), CUT_FRAME)
-            stranger.dial("a", stream=1)
-            await stranger.accepted()
-            assert len(near) == 1
+    async def test_a_cut_ends_a_stream(self, strange: Strange) -> None:
+        near, stranger = strange
+        await near.listen(echo)
+        stranger.dial("a")
+        stranger.say(await stranger.accepted(), CUT_FRAME)
+        stranger.dial("a", stream=1)
+        await stranger.accepted()
+        assert len(near) == 1
 
-    async def test_a_gateway_that_never_gives_a_sign_of_life_is_silent(self, shared_nats: NatsServer) -> None:
-        prefix = cluster_name()
-        async with (
-            links(shared_nats.url, prefix=prefix) as (near,),
-            Stranger.entered(shared_nats.url, prefix) as stranger,
-        ):
-            await near.listen(echo)
-            stranger.dial("a")
-            await stranger.accepted()
-            assert (await stranger.frame()).kind is Kind.CUT
-            assert Dial.model_fields["version"].default == 1
+    async def test_a_gateway_that_never_gives_a_sign_of_life_is_silent(self, strange: Strange) -> None:
+        near, stranger = strange
+        await near.listen(echo)
+        stranger.dial("a")
+        await stranger.accepted()
+        assert (await stranger.frame()).kind is Kind.CUT
+        assert Dial.model_fields["version"].default == 1

@@ -2,7 +2,6 @@
 
 import asyncio
 import signal
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,25 +11,22 @@ from openrois.cluster.connection import NatsConnection
 from openrois.cluster.link import DialFailed, NatsLink, NatsStream
 from openrois.testing.relay import FaultRelay, Weather
 from openrois.transport.stream import StreamClosed
-from tests.support.nats import NatsServer, cluster_name, dialled, freeze, links, nats_server, settings, stand_in
+from tests.support.nats import (
+    NatsServer,
+    cluster_name,
+    dialled,
+    echo,
+    ended,
+    freeze,
+    links,
+    nats_server,
+    settings,
+    stand_in,
+)
 from tests.support.nats_child import gateway_process
 
 pytestmark = pytest.mark.extra(name="cluster")
 PATIENCE = 30.0
-
-
-async def echo(stream: NatsStream, _hello: Mapping[str, Any]) -> None:
-    while True:
-        await stream.send(await stream.receive())
-
-
-async def ended(stream: NatsStream) -> StreamClosed:
-    """Return the end of a stream, behind all that comes before it."""
-    try:
-        while True:
-            await asyncio.wait_for(stream.receive(), PATIENCE)
-    except StreamClosed as closed:
-        return closed
 
 
 async def back(near: NatsLink, gateway_id: str) -> NatsStream:
