@@ -15,6 +15,7 @@ from typing import NoReturn
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.support import postgres
 from tests.support.canary import leak
 from tests.support.kachaka_api import IS_THERE
 from tests.support.mono import Mono
@@ -108,6 +109,24 @@ def haproxy() -> None:
     """A proxy is installed."""
     if shutil.which("haproxy") is None:
         _lack("no haproxy is found; install it to run the tests with a proxy (Debian: apt install haproxy)")
+
+
+@pytest.fixture(scope="session")
+def postgres_programs() -> Path:
+    """The folder with the programs of PostgreSQL."""
+    found = postgres.programs()
+    if found is None:
+        _lack(
+            "no PostgreSQL is found; install it to run the tests with several gateways (Debian: apt install postgresql)"
+        )
+    return found
+
+
+@pytest.fixture(scope="session")
+def postgres_server(postgres_programs: Path) -> Iterator[postgres.Server]:
+    """A PostgreSQL server, which runs for all tests of a worker that want it; each empties what it needs empty."""
+    with postgres.Server.running(postgres_programs) as server:
+        yield server
 
 
 @pytest.fixture(scope="session")

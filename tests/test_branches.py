@@ -23,12 +23,13 @@ TESTS = (
     *(
         f"tests/openrois/{part}"
         for part in (
-            *("aio", "catalog", "commands", "component", "engine", "jsonrpc", "leases"),
+            *("aio", "catalog", "commands", "component", "engine", "jsonrpc", "leases", "ownership"),
             *("observability", "profiles/xml", "scope", "session", "types"),
         )
     ),
     *(f"tests/openrois/gateway/test_{part}.py" for part in ("origins", "stalling")),
     *(f"tests/openrois/cluster/test_{part}.py" for part in ("flow", "frames", "presence", "subjects", "wire")),
+    "tests/openrois/cluster/postgres/test_address.py",
     "tests/openrois/http_limits/test_websocket_frames.py",
     "tests/openrois/transport/test_backoff.py",
     "tests/bench/measuring/test_figures.py",

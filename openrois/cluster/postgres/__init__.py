@@ -1,0 +1,1 @@
+"""PostgreSQL as what gateways share: connections that come back, a schema with versions, and ownership in it."""

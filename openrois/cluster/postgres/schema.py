@@ -1,0 +1,112 @@
+"""The schema of the store by version: made and migrated forward when a gateway starts, and back by one version.
+
+Gateways of two versions share a store while they are upgraded one by one: a version adds to what the one before it
+reads and writes, and changes none of that.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from asyncpg import Connection
+
+__all__ = ["STEPS", "VERSION", "Step", "StoreUnusable", "migrate", "migrate_back"]
+
+_LOCK: Final = 0x526F4953
+"""Of gateways that start at once, the one with this advisory lock migrates."""
+
+_PATIENCE: Final = 60.0
+"""Seconds that a migration may take, with the wait for another gateway's."""
+
+
+class StoreUnusable(Exception):
+    """The database cannot be the store of these gateways; the text says why, in one line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Statements between two versions of the schema.
+
+    Attributes:
+        forward: make of the version before it this one.
+        back: undo that; what the older version does not know is lost.
+    """
+
+    forward: str
+    back: str
+
+
+STEPS: Final = (
+    Step(
+        forward="""
+            CREATE TABLE openrois.gateway (
+                gateway_id text PRIMARY KEY, run bigint NOT NULL, expires_ms bigint NOT NULL, ttl_ms bigint NOT NULL
+            ) WITH (fillfactor = 50);
+            CREATE TABLE openrois.claim (
+                engine_id text PRIMARY KEY, gateway_id text NOT NULL, instance text NOT NULL,
+                first_epoch bigint NOT NULL
+            ) WITH (fillfactor = 80);
+            CREATE FUNCTION openrois.notify_owner() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN
+                PERFORM pg_notify('openrois', 'owner ' || coalesce(NEW.engine_id, OLD.engine_id));
+                RETURN NULL;
+            END $$;
+            CREATE TRIGGER notify_owner AFTER INSERT OR UPDATE OR DELETE ON openrois.claim
+                FOR EACH ROW EXECUTE FUNCTION openrois.notify_owner();
+        """,
+        back="DROP TABLE openrois.claim; DROP FUNCTION openrois.notify_owner; DROP TABLE openrois.gateway;",
+    ),
+)
+"""What leads from each version to the next; version 0 is an empty schema."""
+
+VERSION: Final = len(STEPS)
+"""The version of the schema that this program reads and writes."""
+
+
+async def migrate(connection: "Connection", steps: Sequence[Step] = STEPS) -> int:
+    """Make the schema, or carry it over to the present version, all or nothing; return the version that it had.
+
+    Raises:
+        StoreUnusable: the schema is newer than this program knows.
+    """
+    return await _go(connection, steps, len(steps))
+
+
+async def migrate_back(connection: "Connection", steps: Sequence[Step] = STEPS) -> int:
+    """Carry the schema back to the version before the present one, for gateways of that version to start with.
+
+    No gateway of the present version may run.
+
+    Raises:
+        StoreUnusable: the schema is newer than this program knows.
+    """
+    return await _go(connection, steps, len(steps) - 1)
+
+
+async def _go(connection: "Connection", steps: Sequence[Step], version: int) -> int:
+    async with connection.transaction():
+        await connection.execute(f"SET LOCAL lock_timeout = {_PATIENCE * 1000:.0f}; SET LOCAL statement_timeout = 0")
+        await connection.execute("SELECT pg_advisory_xact_lock($1)", _LOCK, timeout=_PATIENCE)
+        found = await _version(connection)
+        if found > len(steps):
+            raise StoreUnusable(
+                f"the store has version {found} of the schema, and this program knows versions up to {len(steps)}: "
+                "install a newer one, or have the newer one migrate the store back"
+            )
+        for number in range(found, version):
+            await connection.execute(steps[number].forward, timeout=_PATIENCE)
+        for number in range(found, version, -1):
+            await connection.execute(steps[number - 1].back, timeout=_PATIENCE)
+        if found != version:
+            await connection.execute("UPDATE openrois.version SET version = $1", version)
+    return found
+
+
+async def _version(connection: "Connection") -> int:
+    """Return the version of the schema; one that is missing is made."""
+    if await connection.fetchval("SELECT to_regclass('openrois.version') IS NULL"):
+        await connection.execute(
+            "CREATE SCHEMA IF NOT EXISTS openrois; CREATE TABLE openrois.version (version integer NOT NULL); "
+            "INSERT INTO openrois.version VALUES (0)"
+        )
+    return int(await connection.fetchval("SELECT version FROM openrois.version"))
