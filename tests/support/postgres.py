@@ -72,9 +72,8 @@ class Server:
     def _make(self) -> None:
         self.password_file.write_text(f"{PASSWORD}\n")
         self.password_file.chmod(0o600)
-        if os.geteuid() == 0:
-            for path in (self._folder, self.password_file):
-                shutil.chown(path, *_user())
+        self.own(self._folder)
+        self.own(self.password_file)
         self._run("initdb", "-D", self.data, "-U", "openrois", f"--pwfile={self.password_file}", *_PLAIN)
 
     def start(self) -> None:
@@ -104,6 +103,25 @@ class Server:
             yield connection
         finally:
             await connection.close(timeout=5)
+
+    @contextmanager
+    def configured(self, **settings: str) -> Iterator[None]:
+        """Restart the server with other settings for the block."""
+        former = dict(self.settings)
+        self.kill()
+        self.settings.update(settings)
+        self.start()
+        try:
+            yield
+        finally:
+            self.kill()
+            self.settings = former
+            self.start()
+
+    def own(self, path: Path) -> None:
+        """Give a file to the user that the server runs as."""
+        if os.geteuid() == 0:
+            shutil.chown(path, *_user())
 
     def log(self) -> str:
         """Return what the server has said."""

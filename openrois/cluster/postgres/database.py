@@ -178,6 +178,9 @@ class Database(AbstractAsyncContextManager["Database"]):
     async def _open(self) -> "Connection":
         try:
             return await self._connect()
+        except ssl.SSLError:
+            # Some of them are a ValueError as well.
+            raise
         except (ValueError, asyncpg.ClientConfigurationError) as error:
             # A wrong URL, or a password file that is gone.
             raise StoreUnreachable(f"{self.name}: {error}") from None

@@ -63,6 +63,7 @@ _WRITE: Final = """
     SELECT $1::text, $2::text, $3::text, $4::bigint
     WHERE EXISTS (SELECT FROM openrois.gateway WHERE gateway_id = $2 AND run = $5)
         AND ($8::bigint IS NULL OR EXISTS (SELECT FROM expired))
+        AND ($6::bigint < 0 OR EXISTS (SELECT FROM openrois.claim WHERE engine_id = $1))
     ON CONFLICT (engine_id) DO UPDATE
     SET gateway_id = excluded.gateway_id, instance = excluded.instance, first_epoch = excluded.first_epoch
     WHERE known.first_epoch = $6 AND known.gateway_id = $7

@@ -2,13 +2,14 @@
 
 import asyncio
 from collections.abc import AsyncIterator
+from dataclasses import replace
 
 import pytest
 
 from openrois.errors import BadParameter
 from openrois.ownership.claims import Owner
 from openrois.ownership.errors import ClaimRefused, GatewayReplaced
-from openrois.ownership.rules import BLOCK, MAX_EPOCH
+from openrois.ownership.rules import BLOCK, MAX_EPOCH, Record
 from tests.support.ownership import NOW_MS, PATIENT, World, blocks_overlap, in_memory, in_postgres, until_owned
 
 
@@ -341,3 +342,58 @@ class TestWatching:
             await gateway.__aexit__(None, None, None)
             async with asyncio.timeout(PATIENT):
                 assert [engine_id async for engine_id, _ in changes] == ["kachaka"]
+
+
+class TestStore:
+    """What the directorate relies on in every store."""
+
+    async def test_a_claim_is_written_where_nothing_has_changed_since_it_was_read(self, world: World) -> None:
+        store = await world.stored.connect("a")
+        runs = {name: (await store.register(name, 10_000)).run for name in "ab"}
+        first, second = Record("kachaka", "a", "one", 7), Record("kachaka", "b", "two", 8)
+        assert not await store.write(first, runs["a"], second, None)
+        assert await store.write(first, runs["a"], None, None)
+        for stale in (None, replace(first, first_epoch=6), replace(first, gateway_id="b")):
+            assert not await store.write(second, runs["b"], stale, None)
+        assert (await store.read("kachaka", "b")).record == first
+        assert await store.write(second, runs["b"], first, None)
+        assert (await store.read("kachaka", "a")).record == second
+
+    async def test_a_time_out_is_void_where_the_owner_has_renewed(self, world: World) -> None:
+        store = await world.stored.connect("a")
+        runs = {name: (await store.register(name, 10_000)).run for name in "ab"}
+        first, second = Record("kachaka", "a", "one", 7), Record("kachaka", "b", "two", 8)
+        await store.write(first, runs["a"], None, None)
+        read = await store.read("kachaka", "b")
+        assert (read.expires_ms, read.ttl_ms, read.run, read.now_ms) == (NOW_MS + 10_000, 10_000, runs["b"], NOW_MS)
+        await world.step_clock(1)
+        await store.renew("a", runs["a"], 10_000)
+        assert not await store.write(second, runs["b"], first, read.expires_ms)
+        assert await store.write(second, runs["b"], first, read.expires_ms + 1000)
+
+    async def test_a_process_that_was_replaced_writes_and_releases_nothing(self, world: World) -> None:
+        store = await world.stored.connect("a")
+        former = (await store.register("a", 10_000)).run
+        present = (await store.register("a", 10_000)).run
+        assert present > former
+        record = Record("kachaka", "a", "one", 7)
+        assert not await store.write(record, former, None, None)
+        assert await store.write(record, present, None, None)
+        await store.release(record, former)
+        await store.leave("a", former)
+        assert await store.renew("a", former, 10_000) is None
+        assert await store.owners(None) == await store.owners(["kachaka", "unknown"]) == [record.owner]
+        assert await store.owners(["unknown"]) == []
+
+    async def test_only_the_claim_that_is_meant_is_released(self, world: World) -> None:
+        store = await world.stored.connect("a")
+        run = (await store.register("a", 10_000)).run
+        record = Record("kachaka", "a", "one", 7)
+        await store.write(record, run, None, None)
+        await store.release(replace(record, first_epoch=6), run)
+        assert await store.owners(None) == [record.owner]
+        await store.release(record, run)
+        assert await store.owners(None) == []
+        released = (await store.read("kachaka", "a")).record
+        assert released is not None
+        assert (released.owner, released.first_epoch) == (None, 7)

@@ -25,10 +25,15 @@ class Network:
     """Two gateways, `a` and `b`, each with its own way to one store."""
 
     def __init__(self) -> None:
-        self.store = MemoryStore(Clock(1_900_000_000.0))
+        self.wall = Clock(1_900_000_000.0)
+        self.store = MemoryStore(self.wall)
         self.clock = Clock(1000.0)
         self.a = LossyStore(self.store)
         self.b = LossyStore(self.store)
+
+    def advance(self, seconds: float) -> None:
+        self.wall.now += seconds
+        self.clock.now += seconds
 
     def gateway(self, name: str) -> Directorate:
         way = {"a": self.a, "b": self.b}[name]
@@ -154,6 +159,20 @@ class TestStoreAway:
         network.a.is_cut = False
         await a.renew()
         assert network.store.records == {}
+
+    async def test_a_gateway_that_missed_an_answer_lets_no_claim_time_out(
+        self, network: Network, a: Directorate, b: Directorate
+    ) -> None:
+        await a.claim("kachaka", "one")
+        for second in range(12):
+            network.advance(1)
+            network.b.fates = [Fate.LOST] if second == 5 else []
+            with suppress(StoreUnreachable):
+                await b.renew()
+        with pytest.raises(ClaimRefused) as refused:
+            await b.claim("kachaka", "two")
+        # Its contact began with the answer after the one that it missed.
+        assert refused.value.wait == 5
 
     async def test_why_it_is_away_is_said_once_and_that_it_is_back(
         self, network: Network, a: Directorate, caplog: pytest.LogCaptureFixture
