@@ -35,6 +35,9 @@ PATIENCE: Final = 1.0
 _STEP: Final = 0.45
 """Share of the patience for one step at the store, so that an unknown write is read again within it."""
 
+_AT_ONCE: Final = 4
+"""Claims and releases that are under way at once; others wait for their turn."""
+
 _ATTEMPTS: Final = 8
 """Times that a claim is judged anew because another gateway was faster."""
 
@@ -99,6 +102,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
         self._ttl_ms = round(ttl * 1000)
         self._run = 0
         self._renewed = 0.0
+        self._expires_ms = 0
         self._contact = Contact(ttl)
         self._claims: dict[str, Claim] = {}
         self._claiming: Counter[str] = Counter()
@@ -108,7 +112,9 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
         self._doubtful: set[str] = set()
         self._hinted: set[str] = set()
         self._has_hints = asyncio.Event()
-        self._renewing = asyncio.Lock()
+        self._settling = asyncio.Lock()
+        # Renewals do not wait behind claims.
+        self._places, self._renewals = asyncio.Semaphore(_AT_ONCE), asyncio.Semaphore()
         self._reading = asyncio.Lock()
         self._stack = AsyncExitStack()
         self.claims: Mapping[str, Claim] = MappingProxyType(self._claims)
@@ -160,7 +166,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
             return replace(held, until=self._renewed + self._ttl)
         self._claiming[engine_id] += 1
         try:
-            async with self._bounded():
+            async with self._bounded(self._places):
                 return await self._claim(engine_id, instance, above)
         finally:
             self._claiming[engine_id] -= 1
@@ -176,7 +182,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
         claim = self._claims.pop(engine_id, None)
         if claim is None:
             return
-        async with self._bounded():
+        async with self._bounded(self._places):
             await self._release(Record(engine_id, self.gateway_id, claim.instance, claim.first_epoch))
 
     async def renew(self) -> None:
@@ -186,15 +192,15 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
             StoreUnreachable: the store did not answer in time.
             GatewayReplaced: another process runs as this gateway.
         """
-        async with self._renewing:
-            async with self._bounded():
+        async with self._settling:
+            async with self._bounded(self._renewals):
                 digest = await self._renew()
                 if digest != self._owners.digest:
                     self._is_stale = True
                 if self._is_stale:
                     await self._read_owners()
             for engine_id in [each for each in self._doubtful if not self._claiming[each]]:
-                async with self._bounded():
+                async with self._bounded(self._places):
                     await self._settle_doubt(engine_id)
 
     def holds(self, engine_id: str) -> bool:
@@ -232,7 +238,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
 
     async def _read(self, engine_id: str) -> Reading:
         reading = await self._ask(self._store.read(engine_id, self.gateway_id))
-        self._contact.note_answer(self._clock(), reading.now_ms)
+        self._note_answer(reading.own_expires_ms, reading.now_ms)
         return reading
 
     async def _write(self, record: Record, seen: Record | None, expired_ms: int | None) -> bool:
@@ -287,7 +293,14 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
     def _note_renewed(self, started: float, renewed: Renewed) -> None:
         # Counted from before the question: the store's own count begins later, and so does not end sooner.
         self._renewed = started
-        self._contact.note_answer(self._clock(), renewed.now_ms)
+        self._note_answer(renewed.former_expires_ms, renewed.now_ms)
+        self._expires_ms = renewed.now_ms + self._ttl_ms
+
+    def _note_answer(self, expires_ms: int, now_ms: int) -> None:
+        if expires_ms < self._expires_ms:
+            # The store has lost this gateway's last renewal, and maybe those of owners.
+            self._contact.break_off()
+        self._contact.note_answer(self._clock(), now_ms)
 
     def _note_replaced(self) -> GatewayReplaced:
         error = GatewayReplaced(self.gateway_id)
@@ -307,7 +320,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
             # A claim whose fate was not known when it failed, or a release likewise.
             if record is not None and is_ours:
                 await self._release(record)
-        elif record is not None and record.first_epoch > claim.first_epoch:
+        elif record is not None and (record.first_epoch, not is_ours) > (claim.first_epoch, False):
             if is_ours and record.instance == claim.instance:
                 self._note_claim(record)
             else:
@@ -373,13 +386,17 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
     # Asking the store.
 
     @asynccontextmanager
-    async def _bounded(self) -> AsyncIterator[None]:
-        """End what runs in the block when the patience is over."""
+    async def _bounded(self, places: asyncio.Semaphore) -> AsyncIterator[None]:
+        """End what runs in the block when the patience is over; at most so many blocks run at once."""
+        is_asking = False
         try:
-            async with asyncio.timeout(self._patience):
+            async with asyncio.timeout(self._patience), places:
+                is_asking = True
                 yield
         except TimeoutError:
-            raise self._fail(self._patience) from None
+            if is_asking:
+                raise self._fail(self._patience) from None
+            raise StoreUnreachable(f"{self._store.name} is busy with other engines: dial again") from None
 
     async def _ask(self, step: Awaitable[T]) -> T:
         """Return the result of one step at the store."""
@@ -413,5 +430,5 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
 
     async def _leave(self) -> None:
         with suppress(StoreUnreachable):
-            async with self._bounded():
+            async with self._bounded(self._places):
                 await self._ask(self._store.leave(self.gateway_id, self._run))

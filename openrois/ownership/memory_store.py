@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from openrois.aio.listeners import Listeners
 from openrois.ownership.claims import Owner
 from openrois.ownership.rules import Reading, Record
-from openrois.ownership.store import Digest, Hint, Renewed
+from openrois.ownership.store import Digest, Hint, Renewed, digest_of
 
 __all__ = ["Gateway", "MemoryStore"]
 
@@ -51,7 +51,7 @@ class MemoryStore:
         run = now if former is None else max(now, former.run + 1)
         self.gateways[gateway_id] = Gateway(run, now + ttl_ms, ttl_ms)
         await self.leave(gateway_id, run)
-        return Renewed(run, now, self._digest())
+        return Renewed(run, 0, now, self._digest())
 
     async def renew(self, gateway_id: str, run: int, ttl_ms: int) -> Renewed | None:
         """Prolong all claims of a gateway."""
@@ -63,7 +63,7 @@ class MemoryStore:
         for other, row in self.gateways.items():
             # The clock was stepped back: what has expired would hold for as long as that.
             self.gateways[other] = replace(row, expires_ms=min(row.expires_ms, now + row.ttl_ms))
-        return Renewed(run, now, self._digest())
+        return Renewed(run, known.expires_ms if known is not None else 0, now, self._digest())
 
     async def read(self, engine_id: str, gateway_id: str) -> Reading:
         """Return what a gateway has to know to claim an engine."""
@@ -75,6 +75,7 @@ class MemoryStore:
             expires_ms=owner.expires_ms if owner is not None else 0,
             ttl_ms=owner.ttl_ms if owner is not None else 0,
             run=asking.run if asking is not None else 0,
+            own_expires_ms=asking.expires_ms if asking is not None else 0,
             now_ms=self._now(),
         )
 
@@ -120,8 +121,7 @@ class MemoryStore:
         return known is not None and known.run == run
 
     def _digest(self) -> Digest:
-        owned = [record.first_epoch for record in self.records.values() if record.gateway_id]
-        return Digest(len(owned), sum(owned))
+        return digest_of(owner for record in self.records.values() if (owner := record.owner) is not None)
 
     def _now(self) -> int:
         return round(self._clock() * 1000)

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from types import MappingProxyType
 
 from openrois.ownership.claims import Owner
-from openrois.ownership.store import Digest
+from openrois.ownership.store import Digest, digest_of
 
 __all__ = ["OwnerChanges", "Owners"]
 
@@ -52,21 +52,22 @@ class Owners:
 
     def __init__(self) -> None:
         self._owners: dict[str, Owner] = {}
-        self._total = 0
+        self._digest: Digest | None = None
         self._watchers: set[OwnerChanges] = set()
         self.by_engine: Mapping[str, Owner] = MappingProxyType(self._owners)
 
     @property
     def digest(self) -> Digest:
         """What a store says that has the same owners."""
-        return Digest(len(self._owners), self._total)
+        if self._digest is None:
+            self._digest = digest_of(self._owners.values())
+        return self._digest
 
     def note(self, engine_id: str, owner: Owner | None) -> None:
         """Note the owner of an engine; what watches is notified where it is another."""
-        former = self._owners.get(engine_id)
-        if former == owner:
+        if self._owners.get(engine_id) == owner:
             return
-        self._total += (owner.epoch if owner is not None else 0) - (former.epoch if former is not None else 0)
+        self._digest = None
         if owner is None:
             del self._owners[engine_id]
         else:

@@ -54,6 +54,7 @@ class Reading:
         expires_ms: when the claims of its owner expire; 0 where it has none.
         ttl_ms: how long those hold after a renewal.
         run: the number of the process that runs as the gateway which asks, as the store has it.
+        own_expires_ms: when the claims of that gateway expire, as the store has it; 0 where it does not know it.
         now_ms: when this was read.
     """
 
@@ -61,6 +62,7 @@ class Reading:
     expires_ms: int
     ttl_ms: int
     run: int
+    own_expires_ms: int
     now_ms: int
 
 

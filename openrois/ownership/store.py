@@ -1,20 +1,17 @@
 """Where ownership is kept: the contract of a store, which gateways share. Pure."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 from openrois.ownership.claims import Owner
 from openrois.ownership.rules import Reading, Record
 
-__all__ = ["Digest", "Hint", "OwnershipStore", "Renewed"]
+__all__ = ["Digest", "Hint", "OwnershipStore", "Renewed", "digest_of"]
 
 
-class Digest(NamedTuple):
-    """What tells two states of a store apart: how many engines have an owner, and the sum of their first epochs."""
-
-    engines: int
-    epochs: int
+Digest = Mapping[str, tuple[int, int]]
+"""What tells two states of a store apart: of each gateway how many engines it owns, and the sum of their epochs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,11 +20,13 @@ class Renewed:
 
     Attributes:
         run: the number of the process that runs as this gateway.
+        former_expires_ms: when they would have expired without that; 0 where the store did not know the gateway.
         now_ms: the store's clock.
         digest: of all owners.
     """
 
     run: int
+    former_expires_ms: int
     now_ms: int
     digest: Digest
 
@@ -88,3 +87,12 @@ class OwnershipStore(Protocol):
     def listen(self, hint: Hint) -> Callable[[], None]:
         """Call `hint` when owners may have changed; return a function that ends that. Hints may be lost."""
         ...
+
+
+def digest_of(owners: Iterable[Owner]) -> Digest:
+    """Return the digest of these owners."""
+    found: dict[str, tuple[int, int]] = {}
+    for owner in owners:
+        engines, epochs = found.get(owner.gateway_id, (0, 0))
+        found[owner.gateway_id] = engines + 1, epochs + owner.epoch
+    return found

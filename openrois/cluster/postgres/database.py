@@ -31,7 +31,7 @@ __all__ = ["CONNECTIONS", "Database"]
 
 _log = logging.getLogger(__name__)
 
-CONNECTIONS: Final = 4
+CONNECTIONS: Final = 6
 """Connections for calls of one gateway; one more stays open beside them."""
 
 _OPENING: Final = 2.0
@@ -200,6 +200,10 @@ class Database(AbstractAsyncContextManager["Database"]):
     # The connection that stays.
 
     async def _linked(self) -> "Connection":
+        if self._link is not None and self._link.is_closed():
+            # What watches over it was not told yet.
+            self._link = None
+            self._is_linked.clear()
         if self._link is None:
             with suppress(TimeoutError):
                 async with asyncio.timeout(_RELINKING):
@@ -238,6 +242,10 @@ class Database(AbstractAsyncContextManager["Database"]):
         finally:
             self._link = None
             self._is_linked.clear()
+            # Where the server went away, the others are dead as well.
+            for each in self._idle:
+                each.terminate()
+            self._idle.clear()
             await _close(connection)
 
     def _pass_on(self, _connection: object, _process: int, _channel: str, payload: object) -> None:

@@ -30,12 +30,13 @@ _REGISTER: Final = """
     RETURNING run, expires_ms - ttl_ms AS now
 """
 _RENEW: Final = """
-    WITH clock AS MATERIALIZED (SELECT {now} AS now)
+    WITH clock AS MATERIALIZED (SELECT {now} AS now),
+    former AS MATERIALIZED (SELECT expires_ms FROM openrois.gateway WHERE gateway_id = $1)
     INSERT INTO openrois.gateway AS known (gateway_id, run, expires_ms, ttl_ms)
     SELECT $1::text, $2::bigint, now + $3::bigint, $3::bigint FROM clock
     ON CONFLICT (gateway_id) DO UPDATE
     SET run = excluded.run, expires_ms = excluded.expires_ms, ttl_ms = excluded.ttl_ms WHERE known.run <= excluded.run
-    RETURNING run, expires_ms - ttl_ms AS now
+    RETURNING run, coalesce((SELECT expires_ms FROM former), 0) AS former, expires_ms - ttl_ms AS now
 """
 # The clock was stepped back: what has expired would hold for as long as that.
 _SHORTEN: Final = """
@@ -44,15 +45,16 @@ _SHORTEN: Final = """
     )
 """
 _DIGEST: Final = """
-    SELECT count(*), coalesce(sum(first_epoch), 0)::bigint FROM openrois.claim WHERE gateway_id <> ''
+    SELECT gateway_id, count(*), sum(first_epoch)::bigint FROM openrois.claim WHERE gateway_id <> '' GROUP BY gateway_id
 """
 _READ: Final = """
     SELECT claim.gateway_id, claim.instance, claim.first_epoch,
         coalesce(owner.expires_ms, 0) AS expires_ms, coalesce(owner.ttl_ms, 0) AS ttl_ms,
-        coalesce((SELECT run FROM openrois.gateway WHERE gateway_id = $2), 0) AS run, {now} AS now
+        coalesce(own.run, 0) AS run, coalesce(own.expires_ms, 0) AS own_expires_ms, {now} AS now
     FROM (VALUES ($1::text)) AS asked (engine_id)
     LEFT JOIN openrois.claim USING (engine_id)
     LEFT JOIN openrois.gateway AS owner ON owner.gateway_id = claim.gateway_id
+    LEFT JOIN openrois.gateway AS own ON own.gateway_id = $2
 """
 # The row of an owner that has expired is locked until this is written: it renews before that, or loses.
 _WRITE: Final = """
@@ -107,7 +109,7 @@ class PostgresStore:
         async with self._database.link() as link:
             row = await link.fetchrow(self._register, gateway_id, ttl_ms)
             await link.execute(_FORGET, row["now"] - _FORGOTTEN, gateway_id)
-            return Renewed(row["run"], row["now"], await _digest(link))
+            return Renewed(row["run"], 0, row["now"], await _digest(link))
 
     async def renew(self, gateway_id: str, run: int, ttl_ms: int) -> Renewed | None:
         """Prolong all claims of a gateway."""
@@ -116,7 +118,7 @@ class PostgresStore:
             if row is None:
                 return None
             await link.execute(_SHORTEN, row["now"])
-            return Renewed(row["run"], row["now"], await _digest(link))
+            return Renewed(row["run"], row["former"], row["now"], await _digest(link))
 
     async def read(self, engine_id: str, gateway_id: str) -> Reading:
         """Return what a gateway has to know to claim an engine."""
@@ -124,7 +126,7 @@ class PostgresStore:
             row = await connection.fetchrow(self._read, engine_id, gateway_id)
         known = row["first_epoch"] is not None
         record = Record(engine_id, row["gateway_id"], row["instance"], row["first_epoch"]) if known else None
-        return Reading(record, row["expires_ms"], row["ttl_ms"], row["run"], row["now"])
+        return Reading(record, *row[3:])
 
     async def write(self, record: Record, run: int, seen: Record | None, expired_ms: int | None) -> bool:
         """Write a claim if nothing has changed since it was read."""
@@ -156,4 +158,4 @@ class PostgresStore:
 
 
 async def _digest(link: "Connection") -> Digest:
-    return Digest(*await link.fetchrow(_DIGEST))
+    return {gateway_id: (engines, epochs) for gateway_id, engines, epochs in await link.fetch(_DIGEST)}

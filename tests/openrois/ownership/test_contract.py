@@ -9,7 +9,8 @@ import pytest
 from openrois.errors import BadParameter
 from openrois.ownership.claims import Owner
 from openrois.ownership.errors import ClaimRefused, GatewayReplaced
-from openrois.ownership.rules import BLOCK, MAX_EPOCH, Record
+from openrois.ownership.rules import BLOCK, MAX_EPOCH, Reading, Record
+from openrois.ownership.store import Renewed
 from tests.support.ownership import NOW_MS, PATIENT, World, blocks_overlap, in_memory, in_postgres, until_owned
 
 
@@ -296,6 +297,18 @@ class TestLostCommits:
         with pytest.raises(ClaimRefused):
             await a.claim("kachaka", "two")
 
+    async def test_a_gateway_whose_renewal_the_store_has_lost_lets_no_claim_time_out(self, world: World) -> None:
+        a, b = await world.gateway("a"), await world.gateway("b")
+        await a.claim("kachaka", "one")
+        await world.stored.keep_copy()
+        await world.advance(15, a, b)
+        await world.stored.lose_commits()
+        with pytest.raises(ClaimRefused) as refused:
+            await b.claim("kachaka", "two")
+        assert refused.value.wait == 10
+        await a.renew()
+        assert a.holds("kachaka")
+
     @pytest.mark.parametrize("used", [0, 400_000, BLOCK - 1])
     async def test_no_block_overlaps_one_that_the_adapter_has_seen(self, world: World, used: int) -> None:
         a, b, c = [await world.gateway(each) for each in "abc"]
@@ -365,9 +378,10 @@ class TestStore:
         first, second = Record("kachaka", "a", "one", 7), Record("kachaka", "b", "two", 8)
         await store.write(first, runs["a"], None, None)
         read = await store.read("kachaka", "b")
-        assert (read.expires_ms, read.ttl_ms, read.run, read.now_ms) == (NOW_MS + 10_000, 10_000, runs["b"], NOW_MS)
+        assert read == Reading(first, NOW_MS + 10_000, 10_000, runs["b"], NOW_MS + 10_000, NOW_MS)
         await world.step_clock(1)
-        await store.renew("a", runs["a"], 10_000)
+        renewed = await store.renew("a", runs["a"], 10_000)
+        assert renewed == Renewed(runs["a"], NOW_MS + 10_000, NOW_MS + 1000, {"a": (1, 7)})
         assert not await store.write(second, runs["b"], first, read.expires_ms)
         assert await store.write(second, runs["b"], first, read.expires_ms + 1000)
 

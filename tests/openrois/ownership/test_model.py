@@ -17,8 +17,9 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 from openrois.ownership.claims import Claim
 from openrois.ownership.directorate import Directorate
 from openrois.ownership.errors import ClaimRefused, StoreUnreachable
+from openrois.ownership.memory_store import Gateway as StoredGateway
 from openrois.ownership.memory_store import MemoryStore
-from openrois.ownership.rules import BLOCK
+from openrois.ownership.rules import BLOCK, Record
 from tests.support.clock import Clock
 from tests.support.lossy_store import Fate, LossyStore
 from tests.support.ownership import blocks_overlap, never
@@ -245,7 +246,7 @@ class LosingMachine(OwnershipMachine):
     def __init__(self) -> None:
         super().__init__()
         self.loses_commits = True
-        self.copy = {}, {}
+        self.copy: tuple[dict[str, Record], dict[str, StoredGateway]] = {}, {}
 
     @rule()
     def keep_copy(self) -> None:
@@ -259,9 +260,7 @@ class LosingMachine(OwnershipMachine):
 
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("machine", [OwnershipMachine, LosingMachine])
-def test_no_two_owners_have_the_same_epochs(
-    machine: type[OwnershipMachine], caplog: pytest.LogCaptureFixture
-) -> None:
+def test_no_two_owners_have_the_same_epochs(machine: type[OwnershipMachine], caplog: pytest.LogCaptureFixture) -> None:
     """`OPENROIS_CLAIM_RUNS=5000` tries many more; that takes some minutes."""
     caplog.set_level(logging.CRITICAL)
     runs = int(os.environ.get("OPENROIS_CLAIM_RUNS", "100"))

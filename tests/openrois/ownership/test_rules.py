@@ -13,7 +13,7 @@ TTL = 10_000
 
 
 def reading(record: Record | None, *, left: int = 5_000) -> Reading:
-    return Reading(record, NOW + left if record is not None else 0, TTL if record is not None else 0, 1, NOW)
+    return Reading(record, NOW + left if record is not None else 0, TTL if record is not None else 0, 1, NOW, NOW)
 
 
 def owned(first_epoch: int = NOW - 1000, gateway_id: str = "a") -> Record:
@@ -41,7 +41,7 @@ def test_an_expired_claim_is_granted_as_long_as_its_owner_does_not_renew() -> No
 
 
 def test_an_owner_that_the_store_does_not_know_is_not_waited_for() -> None:
-    unknown = Reading(owned(), 0, 0, 1, NOW)
+    unknown = Reading(owned(), 0, 0, 1, NOW, NOW)
     assert judge_claim(unknown, "two", 0, 0.0) == Granted(NOW - 1000 + BLOCK, None)
 
 
