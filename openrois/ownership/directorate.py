@@ -233,6 +233,10 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
                 raise ClaimRefused(engine_id, ruling.gateway_id, ruling.seconds)
             record = Record(engine_id, self.gateway_id, instance, ruling.first_epoch)
             if await self._write(record, reading.record, ruling.expired_ms):
+                latest = self._owners.by_engine.get(engine_id)
+                if latest is not None and latest.epoch > record.first_epoch:
+                    # The adapter has gone on to another gateway before this one was told that its claim was written.
+                    raise ClaimRefused(engine_id, latest.gateway_id, self._ttl)
                 return self._note_claim(record)
         raise StoreUnreachable(f"{engine_id} has changed hands {_ATTEMPTS} times while it was claimed: dial again")
 
@@ -259,10 +263,6 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
 
     def _note_claim(self, record: Record) -> Claim:
         first, until = record.first_epoch, self._renewed + self._ttl
-        latest = self._owners.by_engine.get(record.engine_id)
-        if latest is not None and latest.epoch > first:
-            # The adapter has gone on to another gateway before this one was told that its claim was written.
-            raise ClaimRefused(latest.engine_id, latest.gateway_id, self._ttl)
         claim = Claim(record.engine_id, self.gateway_id, record.instance, first, first + BLOCK - 1, until)
         self._claims[claim.engine_id] = claim
         self._doubtful.discard(claim.engine_id)
@@ -320,17 +320,17 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
             # A claim whose fate was not known when it failed, or a release likewise.
             if record is not None and is_ours:
                 await self._release(record)
-        elif record is not None and (record.first_epoch, not is_ours) > (claim.first_epoch, False):
-            if is_ours and record.instance == claim.instance:
-                self._note_claim(record)
-            else:
-                self._lose(engine_id, None if is_ours else record.owner)
-                return
-        elif not is_ours:
+        elif record is None or record.first_epoch < claim.first_epoch:
             # The store has lost its last commits: this claim is later than all that it knows.
             ours = Record(engine_id, self.gateway_id, claim.instance, claim.first_epoch)
             if not await self._write(ours, record, None):
                 return
+        elif is_ours and record.instance == claim.instance:
+            self._note_claim(record)
+        else:
+            # It is later; or the same epochs were granted again by a store that had lost this claim.
+            self._lose(engine_id, None if is_ours else record.owner)
+            return
         self._doubtful.discard(engine_id)
 
     # Reading.

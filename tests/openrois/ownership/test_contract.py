@@ -285,6 +285,18 @@ class TestLostCommits:
         assert a.claims == {}
         assert {each.gateway_id for each in a.owners.values()} == {"b"}
 
+    async def test_a_block_that_the_store_has_lost_is_written_again(self, world: World) -> None:
+        a = await world.gateway("a")
+        former = await a.claim("kachaka", "one")
+        await world.stored.keep_copy()
+        claim = await a.claim("kachaka", "one", above=former.last_epoch)
+        await world.stored.lose_commits()
+        await a.renew()
+        await a.renew()
+        b = await world.gateway("b")
+        assert b.owners["kachaka"].epoch == claim.first_epoch
+        assert (await b.claim("kachaka", "one")).first_epoch > claim.last_epoch
+
     async def test_a_gateway_that_the_store_has_lost_goes_on(self, world: World) -> None:
         a = await world.gateway("a")
         await world.stored.keep_copy()

@@ -141,7 +141,8 @@ class OwnershipMachine(RuleBasedStateMachine):
             gateway.store.fates = []
         assert claim.first_epoch + BLOCK - 1 == claim.last_epoch > adapter.seen
         former = self.granted[adapter.engine_id]
-        if claim.first_epoch not in former:
+        known = former.get(claim.first_epoch)
+        if known is None or (known.gateway_id, known.instance) != (name, adapter.instance):
             # Another adapter process comes in when the former owner has released, or sees itself that its time is over.
             assert not is_kept
             assert self.loses_commits or all(each.last_epoch < claim.first_epoch for each in former.values())
@@ -155,7 +156,7 @@ class OwnershipMachine(RuleBasedStateMachine):
         claim = gateway.directorate.claims.get(adapter.engine_id) if gateway is not None else None
         if gateway is None or claim is None or claim.instance != adapter.instance or not holders:
             return
-        epoch = min(max(gateway.counted[adapter.engine_id], claim.first_epoch) + holders - 1, claim.last_epoch)
+        epoch = min(max(gateway.counted.get(adapter.engine_id, 0), claim.first_epoch) + holders - 1, claim.last_epoch)
         gateway.counted[adapter.engine_id] = epoch
         assert epoch >= adapter.seen
         adapter.seen = epoch
