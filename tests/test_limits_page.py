@@ -29,6 +29,7 @@ NO_LIMITS = {
     "openrois.cluster.frames.FRAME_HEAD": "a length of the format",
     "openrois.cluster.frames.PROTOCOL": "a version",
     "openrois.cluster.stream.LOST": "a code",
+    "openrois.cluster.postgres.schema.VERSION": "a version",
     "openrois.gateway.applications.RESUMED": "a code",
     "openrois.gateway.draining.SERVICE_RESTART": "a code",
     "openrois.gateway.token_expiry.TOKEN_ENDED": "a code",

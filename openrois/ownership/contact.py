@@ -4,7 +4,7 @@ from typing import Final
 
 __all__ = ["Contact"]
 
-STEP: Final = 1.0
+_STEP: Final = 1.0
 """Seconds by which the clocks of store and gateway may differ between two answers; more is a step of one of them."""
 
 
@@ -32,7 +32,7 @@ class Contact:
             store_ms: the store's clock in its answer.
         """
         passed, passed_there = now - self._last, (store_ms - self._last_ms) / 1000
-        if self._since is None or passed > self._gap or abs(passed - passed_there) > STEP:
+        if self._since is None or passed > self._gap or abs(passed - passed_there) > _STEP:
             self._since = now
         self._last, self._last_ms = now, store_ms
 

@@ -1,25 +1,23 @@
 """The ownership of engines as one gateway uses it: claim, renew, release, watch, over any store."""
 
 import asyncio
-import logging
 import random
 import time
 from collections import Counter
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Mapping
 from contextlib import (
     AbstractAsyncContextManager,
     AbstractContextManager,
     AsyncExitStack,
-    asynccontextmanager,
     suppress,
 )
 from dataclasses import replace
 from types import MappingProxyType, TracebackType
-from typing import Final, Self, TypeVar
+from typing import Final, Self
 
 from openrois.aio.tasks import TaskScope
+from openrois.ownership.access import StoreAccess
 from openrois.ownership.claims import Claim, Owner
-from openrois.ownership.contact import Contact
 from openrois.ownership.errors import ClaimRefused, GatewayReplaced, StoreUnreachable
 from openrois.ownership.owners import OwnerChanges, Owners
 from openrois.ownership.rules import BLOCK, TTL, Reading, Record, Waiting, judge_claim
@@ -27,24 +25,14 @@ from openrois.ownership.store import Digest, OwnershipStore, Renewed
 
 __all__ = ["PATIENCE", "Directorate"]
 
-_log = logging.getLogger(__name__)
-
 PATIENCE: Final = 1.0
 """Seconds in which every call has its result or its error."""
-
-_STEP: Final = 0.45
-"""Share of the patience for one step at the store, so that an unknown write is read again within it."""
-
-_AT_ONCE: Final = 4
-"""Claims and releases that are under way at once; others wait for their turn."""
 
 _ATTEMPTS: Final = 8
 """Times that a claim is judged anew because another gateway was faster."""
 
 _MOST_HINTS: Final = 1024
 """Engines that are read again one by one; of more, all are read."""
-
-T = TypeVar("T")
 
 
 class Directorate(AbstractAsyncContextManager["Directorate"]):
@@ -74,7 +62,6 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
         gateway_id: of this gateway.
         claims: the claims of this gateway by engine; a claim leaves when another gateway has the engine.
         owners: the owner of each engine that has one, for routing. The gateway of an owner may be dead.
-        problem: why the store cannot be reached; empty where it can.
 
     Raises:
         StoreUnreachable: on entering: the store is not there.
@@ -92,10 +79,8 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
         chance: Callable[[], float] = random.random,
     ) -> None:
         self.gateway_id = gateway_id
-        self.problem = ""
         self._store = store
         self._ttl = ttl
-        self._patience = patience
         self._clock = clock
         self._sleep = sleep
         self._chance = chance
@@ -103,18 +88,15 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
         self._run = 0
         self._renewed = 0.0
         self._expires_ms = 0
-        self._contact = Contact(ttl)
+        self._access = StoreAccess(store.name, ttl, patience, clock)
         self._claims: dict[str, Claim] = {}
         self._claiming: Counter[str] = Counter()
         self._owners = Owners()
         self._is_stale = True
-        self._is_replaced = False
         self._doubtful: set[str] = set()
         self._hinted: set[str] = set()
         self._has_hints = asyncio.Event()
         self._settling = asyncio.Lock()
-        # Renewals do not wait behind claims.
-        self._places, self._renewals = asyncio.Semaphore(_AT_ONCE), asyncio.Semaphore()
         self._reading = asyncio.Lock()
         self._stack = AsyncExitStack()
         self.claims: Mapping[str, Claim] = MappingProxyType(self._claims)
@@ -123,7 +105,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
     async def __aenter__(self) -> Self:
         async with AsyncExitStack() as stack:
             started = self._clock()
-            registered = await self._ask(self._store.register(self.gateway_id, self._ttl_ms))
+            registered = await self._access.ask(self._store.register(self.gateway_id, self._ttl_ms))
             self._run = registered.run
             self._note_renewed(started, registered)
             stack.callback(self._owners.close)
@@ -166,7 +148,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
             return replace(held, until=self._renewed + self._ttl)
         self._claiming[engine_id] += 1
         try:
-            async with self._bounded(self._places):
+            async with self._access.bounded():
                 return await self._claim(engine_id, instance, above)
         finally:
             self._claiming[engine_id] -= 1
@@ -182,7 +164,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
         claim = self._claims.pop(engine_id, None)
         if claim is None:
             return
-        async with self._bounded(self._places):
+        async with self._access.bounded():
             await self._release(Record(engine_id, self.gateway_id, claim.instance, claim.first_epoch))
 
     async def renew(self) -> None:
@@ -193,15 +175,20 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
             GatewayReplaced: another process runs as this gateway.
         """
         async with self._settling:
-            async with self._bounded(self._renewals):
+            async with self._access.bounded(is_urgent=True):
                 digest = await self._renew()
                 if digest != self._owners.digest:
                     self._is_stale = True
                 if self._is_stale:
                     await self._read_owners()
             for engine_id in [each for each in self._doubtful if not self._claiming[each]]:
-                async with self._bounded(self._places):
+                async with self._access.bounded():
                     await self._settle_doubt(engine_id)
+
+    @property
+    def problem(self) -> str:
+        """Why nothing can be claimed now; empty where it can."""
+        return self._access.problem
 
     def holds(self, engine_id: str) -> bool:
         """Tell whether a claim of this gateway holds, by its own clock: it was renewed less than a time-out ago."""
@@ -228,7 +215,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
             if reading.run != self._run:
                 await self._renew()
                 continue
-            ruling = judge_claim(reading, instance, above, self._contact.lasting(self._clock()))
+            ruling = judge_claim(reading, instance, above, self._access.contact)
             if isinstance(ruling, Waiting):
                 raise ClaimRefused(engine_id, ruling.gateway_id, ruling.seconds)
             record = Record(engine_id, self.gateway_id, instance, ruling.first_epoch)
@@ -241,14 +228,14 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
         raise StoreUnreachable(f"{engine_id} has changed hands {_ATTEMPTS} times while it was claimed: dial again")
 
     async def _read(self, engine_id: str) -> Reading:
-        reading = await self._ask(self._store.read(engine_id, self.gateway_id))
-        self._note_answer(reading.own_expires_ms, reading.now_ms)
+        reading = await self._access.ask(self._store.read(engine_id, self.gateway_id))
+        self._access.note_answer(reading.now_ms, has_lost_renewal=reading.own_expires_ms < self._expires_ms)
         return reading
 
     async def _write(self, record: Record, seen: Record | None, expired_ms: int | None) -> bool:
         """Write a claim, and tell whether that was done; where that is not known, it is read."""
         try:
-            return await self._ask(self._store.write(record, self._run, seen, expired_ms))
+            return await self._access.ask(self._store.write(record, self._run, seen, expired_ms))
         except StoreUnreachable:
             # It may be written yet: then the next renewal finds a claim that this gateway does not have.
             if (await self._read(record.engine_id)).record != record:
@@ -258,7 +245,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
     async def _release(self, record: Record) -> None:
         self._owners.note(record.engine_id, None)
         self._doubtful.add(record.engine_id)
-        await self._ask(self._store.release(record, self._run))
+        await self._access.ask(self._store.release(record, self._run))
         self._doubtful.discard(record.engine_id)
 
     def _note_claim(self, record: Record) -> Claim:
@@ -284,7 +271,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
 
     async def _renew(self) -> Digest:
         started = self._clock()
-        renewed = await self._ask(self._store.renew(self.gateway_id, self._run, self._ttl_ms))
+        renewed = await self._access.ask(self._store.renew(self.gateway_id, self._run, self._ttl_ms))
         if renewed is None:
             raise self._note_replaced()
         self._note_renewed(started, renewed)
@@ -293,22 +280,14 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
     def _note_renewed(self, started: float, renewed: Renewed) -> None:
         # Counted from before the question: the store's own count begins later, and so does not end sooner.
         self._renewed = started
-        self._note_answer(renewed.former_expires_ms, renewed.now_ms)
+        self._access.note_answer(renewed.now_ms, has_lost_renewal=renewed.former_expires_ms < self._expires_ms)
         self._expires_ms = renewed.now_ms + self._ttl_ms
-
-    def _note_answer(self, expires_ms: int, now_ms: int) -> None:
-        if expires_ms < self._expires_ms:
-            # The store has lost this gateway's last renewal, and maybe those of owners.
-            self._contact.break_off()
-        self._contact.note_answer(self._clock(), now_ms)
 
     def _note_replaced(self) -> GatewayReplaced:
         error = GatewayReplaced(self.gateway_id)
         for engine_id in tuple(self._claims):
             self._lose(engine_id, None)
-        if not self._is_replaced:
-            _log.error("%s", error)
-        self._is_replaced, self.problem = True, str(error)
+        self._access.note_replaced(error)
         return error
 
     async def _settle_doubt(self, engine_id: str) -> None:
@@ -356,7 +335,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
             self._hinted.clear()
             self._is_stale = False
             try:
-                found = {each.engine_id: each for each in await self._ask(self._store.owners(engine_ids))}
+                found = {each.engine_id: each for each in await self._access.ask(self._store.owners(engine_ids))}
             except BaseException:
                 self._is_stale = True
                 raise
@@ -383,52 +362,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
         self._doubtful.discard(engine_id)
         self._owners.note(engine_id, owner)
 
-    # Asking the store.
-
-    @asynccontextmanager
-    async def _bounded(self, places: asyncio.Semaphore) -> AsyncIterator[None]:
-        """End what runs in the block when the patience is over; at most so many blocks run at once."""
-        is_asking = False
-        try:
-            async with asyncio.timeout(self._patience), places:
-                is_asking = True
-                yield
-        except TimeoutError:
-            if is_asking:
-                raise self._fail(self._patience) from None
-            raise StoreUnreachable(f"{self._store.name} is busy with other engines: dial again") from None
-
-    async def _ask(self, step: Awaitable[T]) -> T:
-        """Return the result of one step at the store."""
-        seconds = self._patience * _STEP
-        try:
-            async with asyncio.timeout(seconds):
-                result = await step
-        except TimeoutError:
-            raise self._fail(seconds) from None
-        except StoreUnreachable as error:
-            self._contact.break_off()
-            self._note_problem(str(error))
-            raise
-        self._note_problem("")
-        return result
-
-    def _fail(self, seconds: float) -> StoreUnreachable:
-        error = StoreUnreachable(f"{self._store.name} did not answer within {seconds:.2g} s")
-        self._contact.break_off()
-        self._note_problem(str(error))
-        return error
-
-    def _note_problem(self, problem: str) -> None:
-        if self._is_replaced:
-            return
-        if problem and not self.problem:
-            _log.warning("%s; engines that are owned go on, and no other is claimed", problem)
-        elif self.problem and not problem:
-            _log.info("%s answers again", self._store.name)
-        self.problem = problem
-
     async def _leave(self) -> None:
         with suppress(StoreUnreachable):
-            async with self._bounded(self._places):
-                await self._ask(self._store.leave(self.gateway_id, self._run))
+            async with self._access.bounded():
+                await self._access.ask(self._store.leave(self.gateway_id, self._run))
