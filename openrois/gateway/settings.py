@@ -35,8 +35,8 @@ class Listening(SettingsGroup):
     host: str = setting("127.0.0.1", "address to listen on; one that is not loopback needs authentication and TLS")
     port: int = setting(8765, "TCP port, 0 for any free one")
     engine_id: str = setting("gateway", "the gateway's own id in references and profiles", metavar="ID")
-    most_applications: int = setting(MAX_APPLICATIONS, "applications at a time", metavar="COUNT")
-    most_adapters: int = setting(MAX_ADAPTERS, "adapters at a time", metavar="COUNT")
+    most_applications: int = setting(MAX_APPLICATIONS, "applications at a time, of about 90 KiB each", metavar="COUNT")
+    most_adapters: int = setting(MAX_ADAPTERS, "adapters at a time, of about 70 KiB each", metavar="COUNT")
     per_address: int = setting(MAX_PER_ADDRESS, "applications from one address at a time", metavar="COUNT")
 
     silent: int = setting(MAX_SILENT, "connections at a time that have sent no request yet", metavar="COUNT")

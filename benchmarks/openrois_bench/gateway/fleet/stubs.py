@@ -20,7 +20,7 @@ from openrois_bench.errors import within
 
 __all__ = ["TOKEN_VARIABLE", "body_name", "stub_bodies"]
 
-TOKEN_VARIABLE: Final = "OPENROIS_BENCH_TOKEN"  # noqa: S105
+TOKEN_VARIABLE: Final = "BENCH_TOKEN"  # noqa: S105
 
 AT_ONCE: Final = 16
 """Connections that are opened at a time."""
