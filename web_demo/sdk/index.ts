@@ -6,8 +6,8 @@
 export type { BackoffOptions } from "./rois/backoff.ts";
 export { Body } from "./rois/body.ts";
 export type { AnyComponentClass } from "./rois/body.ts";
-export { bodiesIn } from "./rois/body_directory.ts";
-export type { BodyComponent, BodyInfo, BodyProfile } from "./rois/body_directory.ts";
+export { bodiesIn, bodiesOf } from "./rois/body_directory.ts";
+export type { BodyComponent, BodyInfo, BodyPart, BodyProfile } from "./rois/body_directory.ts";
 export type { BodyLoss, BodyOptions } from "./rois/reserving.ts";
 export type { BindingClaim, Claim, LostClaim, SubscriptionClaim } from "./rois/claims.ts";
 export { Client } from "./rois/client.ts";
@@ -18,7 +18,7 @@ export { Control } from "./rois/control.ts";
 export type { ControlEvents } from "./rois/control.ts";
 export { and, escapeLike, like, onlyComponent, quote, where } from "./rois/conditions.ts";
 export type { ConnectionOptions, ConnectionState } from "./rois/connection.ts";
-export { componentType, componentUrn, componentsByEngine, engineOf } from "./rois/discovery.ts";
+export { codeOf, componentType, componentUrn, componentsByEngine, engineOf } from "./rois/discovery.ts";
 export { CommandFailed, InvalidMessage, RoISError, ValueError } from "./rois/errors.ts";
 export type {
   Call,
@@ -31,6 +31,7 @@ export type {
   RoISEvent,
 } from "./rois/link.ts";
 export { decode, encode, resultValue } from "./rois/payload.ts";
+export type { ProfileChange } from "./rois/profile_change.ts";
 export type { Types } from "./rois/payload.ts";
 export type { Subscription } from "./rois/subscriptions.ts";
 export { decodeValue, encodeValue } from "./rois/values.ts";

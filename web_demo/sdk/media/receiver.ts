@@ -8,6 +8,7 @@ import { RoISError } from "../rois/errors.ts";
 import type {
   Bye,
   CaptureClocks,
+  DirectoryChangedNotification,
   MediaKind,
   Offer,
   StreamStatusNotification,
@@ -221,9 +222,18 @@ export class MediaReceiver {
         return this.#closeEmptyPeers();
       }
       case "rois.system.profile_changed":
-        // The engine may be back, and with it what could not be connected.
-        for (const stream of this.#streams.values()) if (stream.streamId === null) stream.retryNow();
+        return this.#retryMissing(() => true);
+      case "openrois.directory.changed": {
+        const { changed = [], unnamed = 0 } = params as unknown as DirectoryChangedNotification;
+        return this.#retryMissing((engineId) => unnamed > 0 || changed.includes(engineId));
+      }
     }
+  }
+
+  /** Connects what could not be connected: its engine may be back. */
+  #retryMissing(mayBeBack: (engineId: string) => boolean): void {
+    for (const stream of this.#streams.values())
+      if (stream.streamId === null && mayBeBack(engineOf(stream.componentRef))) stream.retryNow();
   }
 
   #byId(streamId: string): ControlledStream | undefined {

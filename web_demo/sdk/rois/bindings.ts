@@ -113,9 +113,11 @@ export class Bindings {
     return [...this.#states.values()].some((state) => state !== "held");
   }
 
-  /** Binds again, all or only what is missing. Never rejects. */
-  async renew(call: Call, renewal: Renewal, all: boolean): Promise<void> {
-    const refs = [...this.#states].filter(([, state]) => all || state !== "held").map(([ref]) => ref);
+  /** Binds again what is missing, and what may be. Never rejects. */
+  async renew(call: Call, renewal: Renewal, isDoubtful: (componentRef: string) => boolean): Promise<void> {
+    const refs = [...this.#states.keys()].filter(
+      (ref) => this.#states.get(ref) !== "held" || isDoubtful(ref),
+    );
     await Promise.all(refs.map((ref) => this.#renew(call, ref, renewal)));
   }
 

@@ -9,10 +9,13 @@ import { Control } from "./control.ts";
 import type { ComponentClass } from "./component.ts";
 import { and, where } from "./conditions.ts";
 import { componentUrn } from "./discovery.ts";
+import { DIRECTORY, EngineDirectory } from "./engine_directory.ts";
 import { RoISError } from "./errors.ts";
 import type {
   CommandUnit,
   ConcurrentCommands,
+  DirectoryChangedNotification,
+  EngineEntry,
   HRIComponentProfile,
   HRIEngineProfile,
   Parameter,
@@ -20,6 +23,7 @@ import type {
 } from "./generated/types.ts";
 import { Link } from "./link.ts";
 import type { Call, ClientOptions, Ended, RoISEvent } from "./link.ts";
+import type { ProfileChange } from "./profile_change.ts";
 import { Bodies } from "./reserving.ts";
 import type { BodyLoss, BodyOptions } from "./reserving.ts";
 import { Resumption } from "./resumption.ts";
@@ -57,6 +61,7 @@ export class Client extends Link {
   readonly #bindings = new Bindings();
   readonly #restoration: Restoration;
   readonly #resumption: Resumption;
+  readonly #directory = new EngineDirectory(this.call);
   readonly #bodies: Bodies;
   /** Asks for components that others hold, hands them over, and stops everything. */
   readonly control: Control;
@@ -76,7 +81,7 @@ export class Client extends Link {
     this.control = new Control(this, this.#bindings);
     this.#resumption = new Resumption(this.#completions);
     const lost = (loss: BodyLoss): void => this.emitter.emit("body_lost", loss);
-    this.#bodies = new Bodies(this, this.#bindings, lost, options?.backoff);
+    this.#bodies = new Bodies(this, this.#directory, this.#bindings, lost, options?.backoff);
     this.on("completed", (completed) => this.#completions.completed(completed));
     this.on("event", (event) => this.#subscriptions.deliver(event));
   }
@@ -87,6 +92,27 @@ export class Client extends Link {
       condition,
     });
     return { profile, component_profiles };
+  }
+
+  /**
+   * Returns the engines behind a gateway that speaks `openrois.directory` in short, by their ids. They are listed once,
+   * in pages; from then on only those are read that have changed.
+   *
+   * @throws RpcError where the gateway does not speak it; `getProfile` knows them then
+   */
+  engines(): Promise<ReadonlyMap<string, EngineEntry>> {
+    return this.#directory.read();
+  }
+
+  /**
+   * Returns the profiles of components that `engines` has listed, by their references. Components with equal profiles
+   * have the same `profile_version`: each version is loaded once, and kept. Those that have gone, or have changed
+   * meanwhile, are absent.
+   *
+   * @throws RpcError where the gateway does not speak `openrois.directory`
+   */
+  profiles(componentRefs: Iterable<string>): Promise<ReadonlyMap<string, HRIComponentProfile>> {
+    return this.#directory.profiles(componentRefs);
   }
 
   /** Returns what is known of a fault; its id came with `on("fault")`. */
@@ -146,7 +172,7 @@ export class Client extends Link {
 
   async #refsOf(type: ComponentClass<unknown>, condition: string): Promise<readonly string[]> {
     let refs = await this.search(and(where({ component_type: type.componentType }), condition));
-    if (refs.length === 0) {
+    if (refs.length === 0 && !this.extensions?.includes(DIRECTORY)) {
       // Some gateways compare the code of the identifier alone with the URN.
       const profiles = Object.entries((await this.getProfile(condition)).component_profiles);
       refs = profiles.flatMap(([ref, profile]) =>
@@ -269,6 +295,7 @@ export class Client extends Link {
   }
 
   protected override async sessionBegan(call: Call): Promise<void> {
+    this.#directory.reset();
     this.#bindings.resumed(call, await this.#resumption.begin(call, this.extensions));
     await this.#restoration.begin(call);
   }
@@ -281,8 +308,10 @@ export class Client extends Link {
     this.#bindings.clear();
   }
 
-  protected override profileChanged(): void {
-    this.#restoration.changed(this.call);
+  protected override profileChanged(change: ProfileChange, notice?: DirectoryChangedNotification): void {
+    if (notice) this.#directory.noteChanges(notice);
+    else this.#directory.reset();
+    this.#restoration.changed(this.call, change);
   }
 }
 

@@ -11,6 +11,7 @@ import type {
   LeaseWithdrawnNotification,
 } from "./generated/types.ts";
 import type { Link } from "./link.ts";
+import { mayConcern } from "./profile_change.ts";
 
 /** Notifications of leases. */
 export interface ControlEvents {
@@ -82,7 +83,9 @@ export class Control {
       const ends = [
         () => this.#checks.delete(check),
         // It may be gone, also for a moment, or not be shown to this application any more.
-        client.on("profile_changed", check),
+        client.on("profile_changed", (change) => {
+          if (mayConcern(change, componentRef)) check();
+        }),
         this.on("openrois.lease.changed", (lease) => {
           if (lease.component_ref === componentRef && lease.state === "MINE") resolve();
         }),

@@ -5,7 +5,12 @@ import type { HRIComponentProfile } from "./generated/types.ts";
 
 /** Returns the code of a component's type without authority: `VideoStreaming`. */
 export function componentType(profile: HRIComponentProfile): string {
-  return profile.identifier.code.split(":").at(-1) ?? "";
+  return codeOf(profile.identifier.code);
+}
+
+/** Returns the code in the URN of a component's type: `VideoStreaming`. */
+export function codeOf(urn: string): string {
+  return urn.split(":").at(-1) ?? "";
 }
 
 /** Returns the URN of a component's type, formed of authority and code unless the code is a URN itself. */

@@ -9,12 +9,15 @@ import { wrongInNotification, wrongInResult } from "./checks.ts";
 import type { Claim, LostClaim } from "./claims.ts";
 import { Connection } from "./connection.ts";
 import type { ConnectionOptions, ConnectionState } from "./connection.ts";
+import { DIRECTORY } from "./engine_directory.ts";
 import { InvalidMessage, RoISError } from "./errors.ts";
 import type { ExtensionMethods } from "./extension_methods.ts";
+import type { ProfileChange } from "./profile_change.ts";
 import type { BodyLoss } from "./reserving.ts";
 import type { MethodName, Methods } from "./generated/methods.ts";
 import type {
   Completed,
+  DirectoryChangedNotification,
   ErrorNotification,
   EventNotification,
   EventsDroppedNotification,
@@ -24,7 +27,7 @@ import type {
 
 /** The version of the extensions this client speaks, as `openrois.hello` carries it. */
 const EXTENSION_VERSION = "1";
-const EXTENSIONS: readonly string[] = ["rois.stream", "signaling"];
+const EXTENSIONS: readonly string[] = ["rois.stream", "signaling", DIRECTORY];
 
 /** Milliseconds that a gateway has for a sign of life when the network may be another one. */
 const SIGN_WITHIN = 3000;
@@ -86,7 +89,7 @@ export interface ClientEvents {
   /** So many events and faults were dropped here, because this application reads too slowly. */
   dropped: number;
   /** The engines or components behind the gateway have changed. */
-  profile_changed: undefined;
+  profile_changed: ProfileChange;
   /** A binding or subscription is gone and could not be made again. */
   lost: LostClaim;
   /** A binding or subscription was gone and is made again; what happened in between is not known. */
@@ -232,8 +235,8 @@ export abstract class Link {
   /** Is called when the session is gone; `closed`: for good; `code`: the close code, where there was one. */
   protected abstract sessionEnded(closed: boolean, code?: number): void;
 
-  /** Is called when engines or components have changed. */
-  protected abstract profileChanged(): void;
+  /** Is called when engines or components have changed; without a notice any may have. */
+  protected abstract profileChanged(change: ProfileChange, notice?: DirectoryChangedNotification): void;
 
   async #handshake(session: JsonRpcSession): Promise<void> {
     const call: Call = (method, ...[params, late]) => ask(session, method, params, late);
@@ -287,11 +290,20 @@ export abstract class Link {
         this.emitter.emit("dropped", (params as unknown as EventsDroppedNotification).count);
         break;
       case "rois.system.profile_changed":
-        this.profileChanged();
-        this.emitter.emit("profile_changed", undefined);
+        this.#changed();
+        break;
+      case "openrois.directory.changed":
+        this.#changed(params as unknown as DirectoryChangedNotification);
         break;
     }
     this.emitter.emit("notification", notification);
+  }
+
+  #changed(notice?: DirectoryChangedNotification): void {
+    const { changed = [], gone = [], unnamed = 0 } = notice ?? {};
+    const change: ProfileChange = { engineIds: new Set(unnamed > 0 ? [] : [...changed, ...gone]) };
+    this.profileChanged(change, notice);
+    this.emitter.emit("profile_changed", change);
   }
 
   /** The gateway ends the connection with its token: a newer one, if there is one, is shown on this connection. */

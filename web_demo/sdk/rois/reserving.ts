@@ -11,10 +11,12 @@ import type { BackoffOptions } from "./backoff.ts";
 import type { Bindings } from "./bindings.ts";
 import { Body } from "./body.ts";
 import type { AnyComponentClass, Reservation } from "./body.ts";
-import { abilities, bodiesIn, refsOf } from "./body_directory.ts";
+import { abilities, bodiesIn, bodiesOf, refsOf } from "./body_directory.ts";
 import type { BodyInfo, BodyProfile } from "./body_directory.ts";
 import type { Client } from "./client.ts";
-import { componentUrn } from "./discovery.ts";
+import { codeOf } from "./discovery.ts";
+import { DIRECTORY } from "./engine_directory.ts";
+import type { EngineDirectory } from "./engine_directory.ts";
 import { RoISError } from "./errors.ts";
 
 /** How a body is reserved. */
@@ -40,6 +42,9 @@ const WAIT = 10_000;
 const FIRST = 100;
 const LONGEST = 1000;
 
+/** Most unanswered questions whether a component is free. */
+const AT_ONCE = 64;
+
 /** The wanted component types, by their URNs. */
 interface Wanted {
   readonly required: ReadonlyMap<string, AnyComponentClass>;
@@ -49,6 +54,7 @@ interface Wanted {
 /** Lists and reserves the bodies of one client, and gives a body back when a part of it is lost. */
 export class Bodies {
   readonly #client: Client;
+  readonly #directory: EngineDirectory;
   readonly #bindings: Bindings;
   readonly #tell: (loss: BodyLoss) => void;
   readonly #random: () => number;
@@ -58,11 +64,13 @@ export class Bodies {
 
   constructor(
     client: Client,
+    directory: EngineDirectory,
     bindings: Bindings,
     tell: (loss: BodyLoss) => void,
     { random = Math.random }: BackoffOptions = {},
   ) {
     this.#client = client;
+    this.#directory = directory;
     this.#bindings = bindings;
     this.#tell = tell;
     this.#random = random;
@@ -83,33 +91,47 @@ export class Bodies {
   }
 
   async all(): Promise<BodyInfo[]> {
-    const profile = await this.#client.getProfile();
-    const tells = this.#client.extensions?.includes("openrois.lease") ?? false;
-    const read = async (ref: string): Promise<boolean | null> => {
-      if (profile.component_profiles[ref]?.function !== "actuation") return true;
-      return this.#client.control.status(ref).then(
-        (lease) => (lease?.state ?? "FREE") === "FREE",
-        // It is gone meanwhile, or this application may not know.
-        () => null,
-      );
-    };
-    const infos: BodyInfo[] = [];
-    for (const { engineId, components } of bodiesIn(profile)) {
-      const parts = await Promise.all(
-        [...components].map(async ([ref, component]) => ({
-          componentRef: ref,
-          componentType: componentUrn(component),
-          free: tells ? await read(ref) : null,
-        })),
-      );
-      const told = parts.map(({ free }) => free);
-      infos.push({
+    const bodies = await this.#read();
+    const free = await this.#free(bodies);
+    return bodies.map(({ engineId, components }) => {
+      const parts = [...components].map(([componentRef, { componentType }]) => ({
+        componentRef,
+        componentType,
+        free: free.get(componentRef) ?? null,
+      }));
+      const told = parts.map((part) => part.free);
+      return {
         engineId,
         components: parts,
         free: told.includes(false) ? false : told.includes(null) ? null : true,
-      });
-    }
-    return infos;
+      };
+    });
+  }
+
+  /** Returns all bodies, or those with components that meet a condition. */
+  async #read(condition = ""): Promise<BodyProfile[]> {
+    const isListed = condition === "" && this.#client.extensions?.includes(DIRECTORY);
+    return isListed
+      ? bodiesOf(await this.#directory.read())
+      : bodiesIn(await this.#client.getProfile(condition));
+  }
+
+  /** Tells of each component whether no application holds it; of none where the gateway knows no leases. */
+  async #free(bodies: readonly BodyProfile[]): Promise<ReadonlyMap<string, boolean | null>> {
+    const free = new Map<string, boolean | null>();
+    if (!this.#client.extensions?.includes("openrois.lease")) return free;
+    for (const { components } of bodies)
+      for (const [ref, part] of components) free.set(ref, part.function === "actuation" ? null : true);
+    const leased = [...free].flatMap(([ref, told]) => (told === null ? [ref] : []));
+    const ask = async (): Promise<void> => {
+      for (let ref = leased.shift(); ref !== undefined; ref = leased.shift()) {
+        // Where that fails it is gone meanwhile, or this application may not know.
+        const lease = await this.#client.control.status(ref).catch(() => undefined);
+        if (lease !== undefined) free.set(ref, (lease?.state ?? "FREE") === "FREE");
+      }
+    };
+    await Promise.all(Array.from({ length: AT_ONCE }, ask));
+    return free;
   }
 
   async reserve(
@@ -124,7 +146,7 @@ export class Bodies {
     for (;;) {
       if (readIn !== this.#generation) {
         readIn = this.#generation;
-        bodies = bodiesIn(await this.#client.getProfile(condition));
+        bodies = await this.#read(condition);
       }
       const refusals: RoISError[] = [];
       const said: string[] = [];
@@ -260,10 +282,6 @@ function readWanted(types: readonly AnyComponentClass[], optional: readonly AnyC
   const byUrn = (kinds: readonly AnyComponentClass[]): Map<string, AnyComponentClass> =>
     new Map(kinds.map((kind) => [kind.componentType, kind]));
   return { required: byUrn(types), optional: byUrn(optional) };
-}
-
-function codeOf(urn: string): string {
-  return urn.split(":").at(-1) ?? urn;
 }
 
 function requireHeld({ error, engineId }: Reservation): void {

@@ -5,18 +5,26 @@ import type { BackoffOptions } from "./backoff.ts";
 import type { Bindings } from "./bindings.ts";
 import type { Renewal } from "./claims.ts";
 import type { Call } from "./link.ts";
+import { mayConcern } from "./profile_change.ts";
+import type { ProfileChange } from "./profile_change.ts";
 import type { Subscriptions } from "./subscriptions.ts";
 
 /**
- * All are renewed when the profile has changed: an engine that left and came back has forgotten them. What is missing
- * is tried again after a while: no notification reports a component that was released, or that works again.
+ * What an engine that has changed was asked for is renewed: it may have left and come back, and have forgotten it. What
+ * is missing is tried again after a while: no notification reports a component that was released, or that works again.
  */
+interface Wanted {
+  readonly call: Call;
+  /** What has changed; null where only what is missing is restored. */
+  readonly change: ProfileChange | null;
+}
+
 export class Restoration {
   readonly #bindings: Bindings;
   readonly #subscriptions: Subscriptions;
   readonly #renewal: Renewal;
   readonly #backoff: Backoff;
-  #wanted: { readonly call: Call; readonly all: boolean } | null = null;
+  #wanted: Wanted | null = null;
   #running = false;
   /** Whether there is a session. */
   #live = false;
@@ -35,15 +43,15 @@ export class Restoration {
    */
   async begin(call: Call): Promise<void> {
     this.#live = true;
-    await this.#bindings.renew(call, this.#renewal, true);
-    this.changed(call, false);
+    await this.#bindings.renew(call, this.#renewal, () => true);
+    this.changed(call, null);
   }
 
-  /** Restores after a change of the profile: all claims, or only the missing ones. */
-  changed(call: Call, all = true): void {
+  /** Restores what is missing, and what engines that have changed may have forgotten. */
+  changed(call: Call, change: ProfileChange | null): void {
     clearTimeout(this.#timer);
-    if (all) this.#backoff.reset();
-    this.#wanted = { call, all: all || this.#wanted?.all === true };
+    if (change) this.#backoff.reset();
+    this.#wanted = { call, change: both(this.#wanted?.change ?? null, change) };
     if (!this.#running) void this.#run();
   }
 
@@ -60,21 +68,28 @@ export class Restoration {
   async #run(): Promise<void> {
     this.#running = true;
     for (let wanted = this.#nextRenewal(); wanted; wanted = this.#nextRenewal()) {
-      const { call, all } = wanted;
+      const { call, change } = wanted;
+      const isDoubtful = (id: string): boolean => change !== null && mayConcern(change, id);
       await Promise.all([
-        this.#bindings.renew(call, this.#renewal, all),
-        this.#subscriptions.renew(call, this.#renewal, all),
+        this.#bindings.renew(call, this.#renewal, isDoubtful),
+        this.#subscriptions.renew(call, this.#renewal, isDoubtful),
       ]);
       if (this.#live && !this.#wanted && (this.#bindings.incomplete || this.#subscriptions.incomplete)) {
-        this.#timer = setTimeout(() => this.changed(call, false), this.#backoff.next());
+        this.#timer = setTimeout(() => this.changed(call, null), this.#backoff.next());
       }
     }
     this.#running = false;
   }
 
-  #nextRenewal(): { readonly call: Call; readonly all: boolean } | null {
+  #nextRenewal(): Wanted | null {
     const wanted = this.#wanted;
     this.#wanted = null;
     return wanted;
   }
+}
+
+function both(one: ProfileChange | null, other: ProfileChange | null): ProfileChange | null {
+  if (one === null || other === null) return one ?? other;
+  const named = one.engineIds.size > 0 && other.engineIds.size > 0;
+  return { engineIds: new Set(named ? [...one.engineIds, ...other.engineIds] : []) };
 }

@@ -32,8 +32,9 @@ interface Entry {
 /**
  * Routes events to listeners and makes every subscription anew when asked to.
  *
- * A lost engine takes its subscriptions with it, and the only sign is `profile_changed`; so they are renewed on each.
- * The old id counts until the new one is there: no event is lost and none is delivered twice.
+ * A lost engine takes its subscriptions with it, and the only sign is that the profile has changed; so they are renewed
+ * then, all of them where the gateway does not say which engines have changed. The id of a subscription begins with that
+ * of its engine. The old id counts until the new one is there: no event is lost and none is delivered twice.
  */
 export class Subscriptions {
   readonly #entries = new Set<Entry>();
@@ -86,9 +87,11 @@ export class Subscriptions {
     return [...this.#entries].some(({ subscribeId }) => subscribeId === null);
   }
 
-  /** Subscribes again, to all events or only the missing ones. Never rejects. */
-  async renew(call: Call, renewal: Renewal, all: boolean): Promise<void> {
-    const entries = [...this.#entries].filter(({ subscribeId }) => all || subscribeId === null);
+  /** Subscribes again to what is missing, and to what may be. Never rejects. */
+  async renew(call: Call, renewal: Renewal, isDoubtful: (subscribeId: string) => boolean): Promise<void> {
+    const entries = [...this.#entries].filter(
+      ({ subscribeId }) => subscribeId === null || isDoubtful(subscribeId),
+    );
     await Promise.all(entries.map((entry) => this.#renew(call, entry, renewal)));
   }
 

@@ -63,7 +63,7 @@ beforeEach(async () => {
   vi.useFakeTimers();
   engines = {
     robot: ["SpeechSynthesis", "Navigation", "Ear"],
-    avatar: ["Navigation", "SpeechSynthesis", "Reaction"],
+    walker: ["Navigation", "SpeechSynthesis", "Reaction"],
   };
   taken = new Set();
   held = new Set();
@@ -97,13 +97,13 @@ describe("a body", () => {
   it("is another one where a part of the first is taken, and nothing of that is held", async () => {
     taken.add("robot/speechsynthesis");
     const body = await client.body([Navigation, SpeechSynthesis], { waitMs: 0 });
-    expect(body.engineId).toBe("avatar");
-    expect(held).toEqual(new Set(["avatar/navigation", "avatar/speechsynthesis"]));
+    expect(body.engineId).toBe("walker");
+    expect(held).toEqual(new Set(["walker/navigation", "walker/speechsynthesis"]));
   });
 
   it("is not the same as another one of this client", async () => {
     const both = [await client.body([Navigation]), await client.body([Navigation])];
-    expect(both.map(({ engineId }) => engineId)).toEqual(["robot", "avatar"]);
+    expect(both.map(({ engineId }) => engineId)).toEqual(["robot", "walker"]);
     await expect(client.body([Navigation], { waitMs: 0 })).rejects.toThrow(
       "another body of this application",
     );
@@ -111,20 +111,20 @@ describe("a body", () => {
 
   it("may be without what is optional, and one that has it comes first", async () => {
     const body = await client.body([Navigation], { optional: [Reaction, Move] });
-    expect(body.engineId).toBe("avatar");
-    expect(body.get(Reaction)?.componentRef).toBe("avatar/reaction");
+    expect(body.engineId).toBe("walker");
+    expect(body.get(Reaction)?.componentRef).toBe("walker/reaction");
     expect(body.get(Move)).toBeUndefined();
     expect(() => body.component(Move)).toThrow(
-      "avatar was reserved without urn:x-rois:def:component:OMG::Move",
+      "walker was reserved without urn:x-rois:def:component:OMG::Move",
     );
     await body.release();
-    taken.add("avatar/reaction");
+    taken.add("walker/reaction");
     const without = await client.body([Navigation], { optional: [Reaction] });
-    expect([without.engineId, without.get(Reaction)]).toEqual(["avatar", undefined]);
+    expect([without.engineId, without.get(Reaction)]).toEqual(["walker", undefined]);
   });
 
   it("is tried again until the wait is over, and says what refused", async () => {
-    taken = new Set(["robot/navigation", "avatar/navigation"]);
+    taken = new Set(["robot/navigation", "walker/navigation"]);
     const waiting = client
       .body([Navigation, SpeechSynthesis], { waitMs: 1000 })
       .catch((error: unknown) => error);
@@ -133,7 +133,7 @@ describe("a body", () => {
     expect(error).toBeInstanceOf(RoISError);
     expect((error as RoISError).returnCode).toBe("OUT_OF_RESOURCES");
     expect((error as RoISError).reason).toMatch(
-      /^no body with Navigation and SpeechSynthesis is free: robot: rois.command.bind.*; avatar: rois.command.bind/,
+      /^no body with Navigation and SpeechSynthesis is free: robot: rois.command.bind.*; walker: rois.command.bind/,
     );
     // At 0, 100, 250, 475, 813 (rounded) and 1000 ms, of two bodies each.
     expect(gateway.called("rois.command.bind")).toHaveLength(12);
@@ -142,12 +142,12 @@ describe("a body", () => {
   });
 
   it("is had as soon as one is given back, or comes", async () => {
-    taken = new Set(["robot/navigation", "avatar/navigation"]);
+    taken = new Set(["robot/navigation", "walker/navigation"]);
     const first = client.body([Navigation]);
     await vi.advanceTimersByTimeAsync(500);
-    taken.delete("avatar/navigation");
+    taken.delete("walker/navigation");
     await vi.advanceTimersByTimeAsync(1000);
-    expect((await first).engineId).toBe("avatar");
+    expect((await first).engineId).toBe("walker");
     const second = client.body([Move]);
     await vi.advanceTimersByTimeAsync(500);
     engines["cart"] = ["Move"];
@@ -159,7 +159,7 @@ describe("a body", () => {
     await expect(client.body([Move], { waitMs: 0 })).rejects.toMatchObject({
       returnCode: "UNSUPPORTED",
       reason:
-        "there is no body with Move; there are: robot (Ear, Navigation, SpeechSynthesis); avatar (Navigation, Reaction, SpeechSynthesis)",
+        "there is no body with Move; there are: robot (Ear, Navigation, SpeechSynthesis); walker (Navigation, Reaction, SpeechSynthesis)",
     });
     await expect(client.body([])).rejects.toThrow(RangeError);
     await expect(client.body([Move], { optional: [Move] })).rejects.toThrow("Move: named twice");
@@ -186,9 +186,9 @@ describe("a body that is lost", () => {
   };
 
   it("is released whole when another application has a part of it", async () => {
-    take("avatar/navigation");
+    take("walker/navigation");
     await settled();
-    expect(losses).toMatchObject([{ engineId: "avatar", componentRef: "avatar/navigation" }]);
+    expect(losses).toMatchObject([{ engineId: "walker", componentRef: "walker/navigation" }]);
     expect(body.error?.message).toContain("an administrator has taken it");
     expect(held).toEqual(new Set());
     await body.release();
@@ -196,10 +196,10 @@ describe("a body that is lost", () => {
   });
 
   it("loses an optional part alone", async () => {
-    take("avatar/reaction");
+    take("walker/reaction");
     await settled();
     expect([losses, body.error, body.get(Reaction)]).toEqual([[], null, undefined]);
-    expect(held).toEqual(new Set(["avatar/navigation", "avatar/speechsynthesis"]));
+    expect(held).toEqual(new Set(["walker/navigation", "walker/speechsynthesis"]));
   });
 
   it("survives a lost connection, unless another application has a part of it then", async () => {
@@ -211,9 +211,9 @@ describe("a body that is lost", () => {
     expect(held.size).toBe(3);
     gateway.socket.endSocket(1006);
     held.clear();
-    taken.add("avatar/speechsynthesis");
+    taken.add("walker/speechsynthesis");
     await vi.advanceTimersByTimeAsync(2000);
-    expect(losses).toMatchObject([{ componentRef: "avatar/speechsynthesis" }]);
+    expect(losses).toMatchObject([{ componentRef: "walker/speechsynthesis" }]);
     expect(held).toEqual(new Set());
   });
 
@@ -225,15 +225,15 @@ describe("a body that is lost", () => {
 
 describe("bodies", () => {
   it("are listed with what they can do and whether they are free", async () => {
-    taken.add("avatar/reaction");
-    const [robot, avatar] = await client.bodies();
+    taken.add("walker/reaction");
+    const [robot, walker] = await client.bodies();
     expect(robot).toMatchObject({ engineId: "robot", free: true });
     expect(robot?.components.map(({ componentRef, free }) => [componentRef, free])).toEqual([
       ["robot/ear", true],
       ["robot/navigation", true],
       ["robot/speechsynthesis", true],
     ]);
-    expect(avatar?.free).toBe(false);
+    expect(walker?.free).toBe(false);
     // What needs no reservation has no lease.
     expect(gateway.called("openrois.lease.query")).not.toContainEqual({ component_ref: "robot/ear" });
   });

@@ -38,7 +38,7 @@ describe("connecting", () => {
     await client.connect();
     expect(gateway.calls.map((call) => call.method)).toEqual(["rois.system.connect", "openrois.hello"]);
     expect(gateway.called("openrois.hello")).toEqual([
-      { version: "1", extensions: ["rois.stream", "signaling"] },
+      { version: "1", extensions: ["rois.stream", "signaling", "openrois.directory"] },
     ]);
     expect(client.state).toEqual({ name: "connected" });
     expect(client.extensions).toEqual(["rois.stream", "signaling"]);

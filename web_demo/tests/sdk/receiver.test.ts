@@ -191,6 +191,22 @@ describe("connecting", () => {
     expect(video).toMatchObject({ streamId: "avatar/s9", problem: null });
   });
 
+  it("tries again when its own engine has changed, of those that are named", async () => {
+    gateway.on("rois.stream.connect_stream", () => ({ return_code: "UNSUPPORTED" }));
+    await video.connect();
+    const count = (): number => gateway.called("rois.stream.connect_stream").length;
+    const before = count();
+    gateway.notify("openrois.directory.changed", { changed: ["robot"], gone: ["avatar"] });
+    await pass(0);
+    expect(count()).toBe(before);
+    gateway.notify("openrois.directory.changed", { changed: ["avatar"] });
+    await pass(0);
+    expect(count()).toBe(before + 1);
+    gateway.notify("openrois.directory.changed", { changed: ["robot"], unnamed: 1 });
+    await pass(0);
+    expect(count()).toBe(before + 2);
+  });
+
   it("passes on the engine's reason for a refusal", async () => {
     gateway.on("rois.stream.connect_stream", (_, id) => {
       gateway.notify("openrois.reason", { request_id: id, reason: "too many" });
