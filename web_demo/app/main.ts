@@ -62,7 +62,7 @@ const client = new Client("./", { token: () => token.value });
 const receiver = new MediaReceiver(client, { input: true });
 let before = recall(sessionStorage, Date.now());
 const directory = new BodyDirectory(client, bodyChanged, before?.engineId);
-const header = new Header(directory);
+const header = new Header(directory, () => others.offered);
 const banner = new Banner(() => client.retryNow(), takeToken);
 const scene = byRole("scene", HTMLElement);
 const stage = new Stage(scene);
@@ -154,15 +154,13 @@ function bodyChanged(): void {
   body.setComponents(moving);
   const all = client.state.name === "connected" ? (directory.bodies ?? []) : [];
   others.update(all, chosen?.engineId ?? "", token.mayOperate ? "" : WATCHING);
-  stopButton.setBodies(
-    [...(present ? [present] : []), ...all.filter((each) => each !== present)].map(actingBody),
-  );
+  stopButton.setBodies([...(present ? [present] : []), ...others.carded].map(actingBody));
   controlChanged();
   if (present) {
     void readClock(present);
     void operator.watch(present).then((streams) => Object.assign(window.openrois, streams));
   }
-  views.update(directory.profile, client.state.name === "connected");
+  views.update(directory.listing, client.state.name === "connected");
   render();
 }
 
@@ -203,7 +201,7 @@ function show(chosen: PageBody): void {
   const { video: oldVideo, audio: oldAudio } = window.openrois;
   // The picture of a body that is still there goes on in a card.
   const isThere = directory.bodies?.some(({ video }) => video === oldVideo?.componentRef) ?? false;
-  if (!isThere) void oldVideo?.disconnect();
+  if (!isThere || !others.hasCards) void oldVideo?.disconnect();
   void oldAudio?.disconnect();
   const video = chosen.video === null ? null : receiver.stream(chosen.video, "video");
   const audio = chosen.audio === null ? null : receiver.stream(chosen.audio, "audio");

@@ -95,13 +95,17 @@ export class ComponentPanel {
     return [...this.#cards.values()].some((card) => card instanceof EventCard && card.listening);
   }
 
-  /** Shows a profile; cards of messages that are as they were stay, with all that is in them. */
-  update(profile: HRIComponentProfile, absence: Absence): void {
+  /**
+   * Shows a profile; cards of messages that are as they were stay, with all that is in them.
+   *
+   * @param profile null while it is not loaded: the former one stays
+   */
+  update(profile: HRIComponentProfile | null, absence: Absence): void {
     const back = this.#absence !== null && absence === null;
     this.#absence = absence;
-    this.#profile = profile;
-    const shown = JSON.stringify(profile);
-    if (shown !== this.#shown) this.#render(profile);
+    this.#profile = profile ?? this.#profile;
+    const shown = JSON.stringify(this.#profile);
+    if (shown !== this.#shown) this.#render(this.#profile);
     this.#shown = shown;
     this.element.classList.toggle("away", absence !== null);
     this.#absent.hidden = absence === null;

@@ -1,8 +1,9 @@
 /** An engine: what is in it, what it says of itself, and the errors that it notified. */
 
 import { componentType } from "../../sdk/index.ts";
-import { make } from "../dom/elements.ts";
-import { disclosure, jsonBlock } from "./controls.ts";
+import type { ParameterProfile } from "../../sdk/index.ts";
+import { make, setText } from "../dom/elements.ts";
+import { button, disclosure, jsonBlock } from "./controls.ts";
 import type { Fault } from "./fault_log.ts";
 import { drawing } from "./icons.ts";
 import { FaultGroup, Group, copyable } from "./panel_parts.ts";
@@ -10,30 +11,27 @@ import type { ComponentNode, EngineNode } from "./profile_tree.ts";
 import { componentsOf, enginesOf } from "./profile_tree.ts";
 import { addressOf } from "./routes.ts";
 
+/** Rows of a list that are shown at once. */
+const PAGE = 50;
+
 export class EnginePanel {
   readonly element: HTMLElement;
   readonly #faults = new FaultGroup();
+  /** How many rows of each list are shown. */
+  readonly #shown: Map<string, number>;
 
-  constructor(engine: EngineNode, absent: string) {
+  /** @param former what showed the engine until now; its lists are as long as they were there */
+  constructor(engine: EngineNode, absent: string, former: EnginePanel | null) {
+    this.#shown = new Map(former ? former.#shown : []);
     const { profile, components, engines, id } = engine;
     const parts = [engineHead(engine)];
     if (absent !== "") parts.push(make("p", { class: "absent", role: "status" }, absent));
-    if (engines.length > 0) parts.push(listGroup("engines", "Engines", engines.map(engineLink)));
-    if (components.length > 0)
-      parts.push(listGroup("components", "Components", components.map(componentLink)));
+    if (engines.length > 0) parts.push(this.#list("engines", "Engines", engines, engineLink));
+    if (components.length > 0) parts.push(this.#list("components", "Components", components, componentLink));
     if (engines.length + components.length === 0 && absent === "") parts.push(emptyEngine());
     const parameters = profile?.parameter_profiles ?? [];
     if (parameters.length > 0) {
-      const rows = parameters.map(({ name, data_type_ref, default_value = "" }) =>
-        make(
-          "div",
-          { class: "link-row" },
-          make("span", { class: "row-name" }, name),
-          make("span", { class: "type" }, data_type_ref.code),
-          make("span", { class: "hint" }, default_value),
-        ),
-      );
-      parts.push(listGroup("engine-parameters", "Parameters", rows));
+      parts.push(this.#list("engine-parameters", "Parameters", parameters, parameterRow));
     }
     parts.push(this.#faults.element);
     if (profile)
@@ -49,6 +47,24 @@ export class EnginePanel {
 
   setFaults(faults: readonly Fault[]): void {
     this.#faults.show(faults);
+  }
+
+  /** Makes a list of which a page is shown, and one more each time that it is wanted. */
+  #list<T>(kind: string, title: string, items: readonly T[], row: (item: T) => HTMLElement): HTMLElement {
+    const group = new Group(kind, title, kind === "engine-parameters" ? "parameter" : "engine");
+    const more = button("", () => show(group.body.childElementCount - 1 + PAGE)?.focus());
+    const show = (count: number): HTMLElement | undefined => {
+      const rows = items.slice(group.body.childElementCount - 1, count).map(row);
+      this.#shown.set(kind, count);
+      more.before(...rows);
+      more.hidden = items.length <= count;
+      setText(more, `Show ${Math.min(PAGE, items.length - count)} more`);
+      return rows[0];
+    };
+    group.body.append(more);
+    show(this.#shown.get(kind) ?? PAGE);
+    group.count = items.length;
+    return group.element;
   }
 }
 
@@ -71,11 +87,14 @@ function engineHead({ id, profile, components, engines }: EngineNode): HTMLEleme
   );
 }
 
-function listGroup(kind: string, title: string, rows: readonly Node[]): HTMLElement {
-  const group = new Group(kind, title, kind === "engine-parameters" ? "parameter" : "engine");
-  group.body.append(...rows);
-  group.count = rows.length;
-  return group.element;
+function parameterRow({ name, data_type_ref, default_value = "" }: ParameterProfile): HTMLElement {
+  return make(
+    "div",
+    { class: "link-row" },
+    make("span", { class: "row-name" }, name),
+    make("span", { class: "type" }, data_type_ref.code),
+    make("span", { class: "hint" }, default_value),
+  );
 }
 
 function engineLink({ id, components, engines }: EngineNode): HTMLElement {

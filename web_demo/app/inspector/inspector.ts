@@ -1,12 +1,16 @@
 /** The inspector: every component of every engine, as its profile says it is. */
 
-import type { ComponentStatus, Profile, Client } from "../../sdk/index.ts";
+import { engineOf } from "../../sdk/index.ts";
+import type { Client, ComponentEntry, ComponentStatus } from "../../sdk/index.ts";
 import { make } from "../dom/elements.ts";
+import type { Listing } from "../model/bodies.ts";
 import { ComponentPanel } from "./component_panel.ts";
 import type { Absence } from "./component_panel.ts";
 import { EnginePanel } from "./engine_panel.ts";
+import { EntryTree } from "./entry_tree.ts";
 import { FaultLog } from "./fault_log.ts";
 import { BoundComponents } from "./bound_components.ts";
+import { ProfileLoader } from "./profile_loader.ts";
 import { componentsOf, engineTree, enginesOf, statusQuery, withAway } from "./profile_tree.ts";
 import type { ComponentNode, EngineNode } from "./profile_tree.ts";
 import { StatusWatch } from "./status_watch.ts";
@@ -22,11 +26,15 @@ export class Inspector {
   /** What the present session's profile had when it was read last. */
   #listed: ReadonlySet<string> = new Set();
   readonly #faults: FaultLog;
+  readonly #entryTree = new EntryTree();
+  readonly #loader: ProfileLoader;
   readonly #watch: StatusWatch;
   readonly #panels = new Map<string, ComponentPanel>();
   readonly #status = new Map<string, ComponentStatus | null>();
   #seen: ReadonlyMap<string, string> = new Map();
+  #listing: Listing | null = null;
   #engines: readonly EngineNode[] | null = null;
+  #engineById: ReadonlyMap<string, EngineNode> = new Map();
   #components = new Map<string, ComponentNode>();
   /** Those that were opened and have left: what was typed in their panels is still of use. */
   readonly #left = new Map<string, ComponentNode>();
@@ -47,7 +55,9 @@ export class Inspector {
         this.#seen = components;
         this.#watchStatus();
       },
+      onShown: (refs, searching) => this.#load(refs, searching),
     });
+    this.#loader = new ProfileLoader(client, () => this.#loaded());
     this.#watch = new StatusWatch(client, (ref, status) => this.#statusIs(ref, status));
     this.#faults = new FaultLog(client, () => this.#faultsChanged());
     client.on("traffic", (traffic) => {
@@ -57,23 +67,47 @@ export class Inspector {
     this.#render();
   }
 
-  /** @param profile null while it has not been read */
-  update(profile: Profile | null, connected: boolean): void {
+  /** @param listing null while it has not been read */
+  update(listing: Listing | null, connected: boolean): void {
     this.#connected = connected;
-    if (profile !== null) {
-      this.#engines = engineTree(profile);
-      const now = new Map(componentsOf(this.#engines).map((each) => [each.ref, each]));
-      for (const [ref, component] of this.#components)
-        if (!now.has(ref) && this.#panels.has(ref)) this.#left.set(ref, component);
-      this.#components = now;
-    }
+    this.#listing = listing;
+    this.#build();
     // What was bound again before the profile lists it is held: only what this session had listed can leave it.
     this.#bound.lose((ref) => !connected || (this.#listed.has(ref) && !this.#components.has(ref)));
-    this.#listed = new Set(connected && profile !== null ? this.#components.keys() : []);
+    this.#listed = new Set(connected && listing !== null ? this.#components.keys() : []);
     for (const ref of this.#status.keys())
       if (!connected || !this.#components.has(ref)) this.#status.delete(ref);
     this.#boundChanged();
     this.#render();
+  }
+
+  /** Makes the tree of what there is, with the profiles that are loaded. */
+  #build(): void {
+    if (this.#listing === null) return;
+    this.#engines =
+      "engines" in this.#listing
+        ? this.#entryTree.build(this.#listing.engines, this.#loader)
+        : engineTree(this.#listing);
+    this.#engineById = new Map(enginesOf(this.#engines).map((engine) => [engine.id, engine]));
+    const now = new Map(componentsOf(this.#engines).map((each) => [each.ref, each]));
+    for (const [ref, component] of this.#components)
+      if (!now.has(ref) && this.#panels.has(ref)) this.#left.set(ref, component);
+    this.#components = now;
+  }
+
+  #loaded(): void {
+    this.#build();
+    this.#render();
+  }
+
+  /** Loads the profiles of what is shown; while it is searched, of all, since names in them are searched too. */
+  #load(refs: readonly string[], searching: boolean): void {
+    if (this.#listing === null || !("engines" in this.#listing)) return;
+    const { engines } = this.#listing;
+    const one = (ref: string): readonly ComponentEntry[] =>
+      engines.get(engineOf(ref))?.components?.filter(({ component_ref }) => component_ref === ref) ?? [];
+    const all = searching ? [...engines.values()].flatMap(({ components = [] }) => components) : [];
+    this.#loader.want([...one(this.#selected), ...refs.flatMap(one), ...all]);
   }
 
   /** Goes to an engine or component; the empty id is the beginning. */
@@ -118,7 +152,7 @@ export class Inspector {
   }
 
   #engine(id: string): EngineNode | undefined {
-    return enginesOf(this.#engines ?? []).find((engine) => engine.id === id);
+    return this.#engineById.get(id);
   }
 
   #render(): void {
@@ -142,9 +176,11 @@ export class Inspector {
     this.#showEngine(id);
   }
 
-  #showComponent({ ref, profile }: ComponentNode): void {
+  #showComponent({ ref, profile, isLoaded }: ComponentNode): void {
+    if (!isLoaded && !this.#panels.has(ref))
+      return this.#put(make("p", { class: "empty-state", role: "status" }, "Reading what it understands"));
     const panel = this.#panels.get(ref) ?? this.#newPanel(ref);
-    panel.update(profile, this.#absence(ref));
+    panel.update(isLoaded ? profile : null, this.#absence(ref));
     panel.setStatus(this.#status.get(ref) ?? null);
     panel.setHeld(this.#bound.has(ref));
     panel.setFaults(this.#faults.about(ref));
@@ -163,17 +199,29 @@ export class Inspector {
   #showEngine(id: string): void {
     const absence = this.#absence(id);
     const engine = this.#engine(id) ?? { id, profile: null, components: [], engines: [] };
-    const shown = JSON.stringify([engine, absence]);
+    this.#loadEngine(engine);
+    const { profile, components, engines } = engine;
+    const below = engines.map((each) => [each.id, componentsOf([each]).length]);
+    const shown = JSON.stringify([id, profile, components, below, absence]);
     if (shown !== this.#engineShown || this.#enginePanel === null) {
       const left = absence === "away" ? "This engine has left. As soon as it is back, it is shown here." : "";
       this.#enginePanel = new EnginePanel(
         engine,
         absence === "offline" ? "There is no connection to the gateway." : left,
+        this.#enginePanel?.element.dataset["engine"] === id ? this.#enginePanel : null,
       );
       this.#engineShown = shown;
     }
     this.#enginePanel.setFaults(this.#faults.about(id));
     this.#put(this.#enginePanel.element);
+  }
+
+  #loadEngine(engine: EngineNode): void {
+    if (this.#listing === null || !("engines" in this.#listing) || !this.#connected) return;
+    const entry = this.#listing.engines.get(engine.id);
+    // The main engine is in every profile.
+    const [inner] = entry?.parent_id === "" ? [] : componentsOf(engine.engines);
+    if (entry) void this.#loader.wantEngine(entry, inner?.ref ?? "");
   }
 
   #showUnknown(id: string): void {

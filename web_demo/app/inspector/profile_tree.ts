@@ -1,4 +1,4 @@
-/** The profile as a tree of engines and components, and the rows of it that are shown. Pure. */
+/** What there is as a tree of engines and components, and the rows of it that are shown. Pure. */
 
 import { componentType, componentUrn, engineOf } from "../../sdk/index.ts";
 import type { HRIComponentProfile, HRIEngineProfile, Profile } from "../../sdk/index.ts";
@@ -8,13 +8,15 @@ export interface ComponentNode {
   /** The ref without its engine. */
   readonly name: string;
   readonly profile: HRIComponentProfile;
+  /** The profile is loaded; else it has the type alone. */
+  readonly isLoaded: boolean;
   /** What a search looks at: the refs and names that the profile holds, the most telling first. */
   readonly terms: readonly string[];
 }
 
 export interface EngineNode {
   readonly id: string;
-  /** Null for an engine that is known by its components alone. */
+  /** Null for an engine whose profile is not loaded, or that is known by its components alone. */
   readonly profile: HRIEngineProfile | null;
   readonly components: readonly ComponentNode[];
   readonly engines: readonly EngineNode[];
@@ -68,7 +70,7 @@ export function engineTree({ profile, component_profiles }: Profile): EngineNode
   return [...top, ...engines];
 }
 
-function componentNode(ref: string, profile: HRIComponentProfile): ComponentNode {
+export function componentNode(ref: string, profile: HRIComponentProfile, isLoaded = true): ComponentNode {
   const { command_profiles = [], query_profiles = [], event_profiles = [] } = profile;
   const messages = [...command_profiles, ...query_profiles, ...event_profiles];
   const inside = [
@@ -78,7 +80,7 @@ function componentNode(ref: string, profile: HRIComponentProfile): ComponentNode
     ...messages.flatMap((each) => (each.results ?? []).map(({ name }) => name)),
   ];
   const terms = [ref, componentType(profile), componentUrn(profile), profile.function ?? "", ...inside];
-  return { ref, name: ref.slice(ref.indexOf("/") + 1), profile, terms };
+  return { ref, name: ref.slice(ref.indexOf("/") + 1), profile, isLoaded, terms };
 }
 
 /** Returns every component of the tree, in the order in which it is shown. */

@@ -3,7 +3,7 @@
 import type { ComponentStatus } from "../../sdk/index.ts";
 import { make, setText } from "../dom/elements.ts";
 import { codeWords } from "../model/code_words.ts";
-import { arrange } from "./controls.ts";
+import { arrange, button } from "./controls.ts";
 import { drawing } from "./icons.ts";
 import { componentsOf, statusQuery, visibleRows } from "./profile_tree.ts";
 import type { ComponentNode, EngineNode, Row } from "./profile_tree.ts";
@@ -12,6 +12,9 @@ import { statusWords } from "./sentences.ts";
 
 /** Engines are open at first as long as all that they hold is not more than this. */
 const OPEN_AT_FIRST = 60;
+
+/** Rows that are shown, and that come with each press of the button below them. */
+const ROWS = 200;
 
 /** Pixels between what was brought into view and the edge. */
 const REVEAL_MARGIN = 40;
@@ -29,6 +32,8 @@ export interface TreeOwner {
   marksOf(id: string): Marks;
   /** Is called with the components in view, each with its status query. */
   onVisible(components: ReadonlyMap<string, string>): void;
+  /** Is called with the components that are shown, in view or not, and whether all of them are searched. */
+  onShown(refs: readonly string[], searching: boolean): void;
 }
 
 export class TreeView {
@@ -37,13 +42,17 @@ export class TreeView {
   readonly #owner: TreeOwner;
   readonly #list = make("div", { class: "tree", role: "tree", "aria-label": "Engines and components" });
   readonly #count = make("p", { class: "hint tree-count", role: "status" });
+  readonly #more = button("", () => this.#showMore());
   readonly #elements = new Map<string, HTMLAnchorElement>();
   readonly #toggled = new Map<string, boolean>();
   readonly #sight: IntersectionObserver;
   readonly #inSight = new Set<string>();
   #engines: readonly EngineNode[] = [];
   #components = new Map<string, ComponentNode>();
-  #rows: Row[] = [];
+  /** The rows that are shown, of those that there are. */
+  #rows: readonly Row[] = [];
+  #found: readonly Row[] = [];
+  #most = ROWS;
   #selected = "";
   #focus = "";
 
@@ -56,6 +65,7 @@ export class TreeView {
     };
     this.search = make("input", { ...attributes, "data-testid": "inspector-search" });
     this.search.addEventListener("input", () => {
+      this.#most = ROWS;
       this.#render();
       if (this.search.value === "") this.reveal();
     });
@@ -68,6 +78,7 @@ export class TreeView {
       { class: "tree-side", "aria-label": "Components" },
       this.search,
       this.#list,
+      this.#more,
       this.#count,
     );
   }
@@ -82,21 +93,23 @@ export class TreeView {
   /** Shows the marks of one row anew. */
   mark(id: string): void {
     const element = this.#elements.get(id);
-    const row = this.#rows.find((each) => each.id === id);
-    if (element && row) this.#fill(element, row);
+    const row = element && this.#rows.find((each) => each.id === id);
+    if (row) this.#fill(element, row);
   }
 
   /** Opens what the selected one stands under and brings it into view; returns whether it is there. */
   reveal(): boolean {
     for (const { id } of this.#above(this.#engines, [])) this.#toggled.set(id, true);
     this.#render();
+    const place = this.#found.findIndex(({ id }) => id === this.#selected);
+    if (place >= this.#most) this.#showMore(Math.ceil((place + 1) / ROWS) * ROWS);
     const element = this.#elements.get(this.#selected);
     if (!element) return false;
     this.#focusOn(this.#selected, false);
     const { top, bottom } = this.#list.getBoundingClientRect();
-    const place = element.getBoundingClientRect();
-    if (place.top < top) this.#list.scrollTop -= top - place.top + REVEAL_MARGIN;
-    else if (place.bottom > bottom) this.#list.scrollTop += place.bottom - bottom + REVEAL_MARGIN;
+    const box = element.getBoundingClientRect();
+    if (box.top < top) this.#list.scrollTop -= top - box.top + REVEAL_MARGIN;
+    else if (box.bottom > bottom) this.#list.scrollTop += box.bottom - bottom + REVEAL_MARGIN;
     return true;
   }
 
@@ -116,7 +129,8 @@ export class TreeView {
   }
 
   #render(): void {
-    this.#rows = visibleRows(this.#engines, (id) => this.#isExpanded(id), this.search.value);
+    this.#found = visibleRows(this.#engines, (id) => this.#isExpanded(id), this.search.value);
+    this.#rows = this.#found.slice(0, this.#most);
     const ids = new Set(this.#rows.map(({ id }) => id));
     for (const [id, element] of this.#elements) if (!ids.has(id)) this.#remove(id, element);
     if (!ids.has(this.#focus))
@@ -126,11 +140,26 @@ export class TreeView {
       this.#rows.map((row) => this.#element(row)),
     );
     this.#renderCount();
+    const refs = this.#rows.flatMap(({ id, component }) => (component ? [id] : []));
+    this.#owner.onShown(refs, this.search.value.trim() !== "");
+  }
+
+  #showMore(most = this.#most + ROWS): void {
+    const first = this.#rows.length;
+    const isPressed = document.activeElement === this.#more;
+    this.#most = most;
+    this.#render();
+    // The button may be gone now: the keyboard goes on with what has come.
+    const row = this.#rows[first];
+    if (row && isPressed) this.#focusOn(row.id);
   }
 
   #renderCount(): void {
     const all = this.#components.size;
-    const found = this.#rows.filter(({ component }) => component !== null).length;
+    const left = this.#found.length - this.#rows.length;
+    this.#more.hidden = left === 0;
+    setText(this.#more, `Show ${Math.min(left, ROWS)} more`);
+    const found = this.#found.filter(({ component }) => component !== null).length;
     const many = `${all} ${all === 1 ? "component" : "components"}`;
     const words =
       this.search.value.trim() === "" ? many : found === 0 ? "Nothing is found." : `${found} of ${many}`;

@@ -7,8 +7,11 @@
  * and a `BodyControl`, for each.
  */
 
-import { bodiesIn, componentType } from "../../sdk/index.ts";
-import type { Client, Profile } from "../../sdk/index.ts";
+import { bodiesIn, bodiesOf, codeOf, engineOf } from "../../sdk/index.ts";
+import type { Client, EngineEntry, Profile } from "../../sdk/index.ts";
+
+/** What is behind the gateway: the engines in short, or of a gateway of the base wire its whole profile. */
+export type Listing = Profile | { readonly engines: ReadonlyMap<string, EngineEntry> };
 
 /** The type of the component that each part of the page works with. */
 const TYPES = {
@@ -53,13 +56,14 @@ export function movingParts({
   return moving.length > 0 || speech === null ? moving : [speech];
 }
 
-/** Returns the bodies that have something to be seen, heard or operated on the page, in the order of the profile. */
-export function findBodies(profile: Profile): PageBody[] {
+/** Returns the bodies that have something to be seen, heard or operated on the page, in the order of their ids. */
+export function findBodies(listing: Listing): PageBody[] {
   const bodies: PageBody[] = [];
-  for (const { engineId, components } of bodiesIn(profile)) {
+  const all = "engines" in listing ? bodiesOf(listing.engines) : bodiesIn(listing);
+  for (const { engineId, components } of all) {
     const refs = new Map<string, string>();
-    for (const [ref, component] of components) {
-      const type = componentType(component);
+    for (const [ref, { componentType }] of components) {
+      const type = codeOf(componentType);
       if (!refs.has(type)) refs.set(type, ref);
     }
     const parts = Object.entries(TYPES).map(([name, type]) => [name, refs.get(type) ?? null] as const);
@@ -69,13 +73,15 @@ export function findBodies(profile: Profile): PageBody[] {
   return bodies;
 }
 
-/** Reads the profile whenever it may have changed, and keeps the choice of a body. */
+/** Reads what there is whenever it may have changed, and keeps the choice of a body. */
 export class BodyDirectory {
   readonly #client: Client;
   readonly #onChange: () => void;
   readonly #preferred: string;
-  #profile: Profile | null = null;
-  #bodies: PageBody[] | null = null;
+  #listing: Listing | null = null;
+  /** Engines that have changed since they were read; null where any may have. */
+  #changed: Set<string> | null = null;
+  #bodies: readonly PageBody[] | null = null;
   #chosen: PageBody | null = null;
   #reading = false;
   #again = false;
@@ -85,18 +91,24 @@ export class BodyDirectory {
     this.#client = client;
     this.#onChange = onChange;
     this.#preferred = preferred;
-    client.on("profile_changed", () => void this.#read());
+    client.on("profile_changed", ({ engineIds }) => {
+      if (engineIds.size === 0) this.#changed = null;
+      for (const engineId of engineIds) this.#changed?.add(engineId);
+      void this.#read();
+    });
     client.on("state", ({ name }) => {
-      if (name === "connected") void this.#read();
+      if (name !== "connected") return;
+      this.#changed = null;
+      void this.#read();
     });
   }
 
-  /** The profile as it was read last; null until it was read for the first time. */
-  get profile(): Profile | null {
-    return this.#profile;
+  /** What there was when it was read last; null until it was read for the first time. */
+  get listing(): Listing | null {
+    return this.#listing;
   }
 
-  /** Null until the profile was read for the first time. */
+  /** Null until they were read for the first time. One whose engines have not changed stays the same object. */
   get bodies(): readonly PageBody[] | null {
     return this.#bodies;
   }
@@ -129,14 +141,37 @@ export class BodyDirectory {
     try {
       while (this.#again) {
         this.#again = false;
-        this.#profile = await this.#client.getProfile();
-        this.#bodies = findBodies(this.#profile);
-        this.choose(this.#chosen?.engineId ?? this.#first(this.#bodies));
+        const changed = this.#changed;
+        this.#changed = new Set();
+        this.#listing = await this.#list();
+        const bodies = this.#withSame(findBodies(this.#listing), changed);
+        this.#bodies = bodies;
+        this.choose(this.#chosen?.engineId ?? this.#first(bodies));
       }
     } catch {
       // The connection ended, and the next one reads again.
+      this.#changed = null;
     } finally {
       this.#reading = false;
     }
+  }
+
+  async #list(): Promise<Listing> {
+    const { extensions } = this.#client;
+    return extensions?.includes("openrois.directory")
+      ? { engines: await this.#client.engines() }
+      : this.#client.getProfile();
+  }
+
+  /** Returns bodies, and those of them as they were that have not changed. */
+  #withSame(bodies: readonly PageBody[], changed: ReadonlySet<string> | null): readonly PageBody[] {
+    if (changed === null) return bodies;
+    const former = new Map(this.#bodies?.map((body) => [body.engineId, body]));
+    return bodies.map((body) => {
+      const before = former.get(body.engineId);
+      const refs = Object.values(body);
+      const isSame = refs.every((ref) => ref === null || !changed.has(engineOf(ref)));
+      return before && isSame && Object.values(before).join() === refs.join() ? before : body;
+    });
   }
 }

@@ -50,6 +50,17 @@ export class BodyCard {
     void (video?.desire === "suspended" ? video.resume() : video?.connect());
   }
 
+  /** Whether the visitor has control of the body, or waits for it. */
+  get isOperated(): boolean {
+    const { kind } = this.#body.state;
+    return kind === "mine" || kind === "waiting";
+  }
+
+  /** The body as it is now; null while it is away. */
+  get present(): PageBody | null {
+    return this.#present;
+  }
+
   /**
    * @param present the body as it is now; null while it is away
    * @param watching why the visitor may only watch; empty where it may operate

@@ -1,19 +1,22 @@
 /** The bar at the top: which body, whether connected, light or dark. */
 
 import type { ConnectionState } from "../../sdk/index.ts";
-import type { BodyDirectory } from "../model/bodies.ts";
+import type { BodyDirectory, PageBody } from "../model/bodies.ts";
 import { byRole, byTestId, make, setText } from "../dom/elements.ts";
 
 export class Header {
   readonly #directory: BodyDirectory;
+  readonly #offered: () => readonly PageBody[];
   readonly #select = byTestId("avatar-select", HTMLSelectElement);
   readonly #name = byRole("avatar-name", HTMLElement);
   readonly #connection = byTestId("connection", HTMLElement);
   readonly #connectionText = byRole("connection-text", HTMLElement);
   #options = "";
 
-  constructor(directory: BodyDirectory) {
+  /** @param offered returns the bodies that the visitor may choose from */
+  constructor(directory: BodyDirectory, offered: () => readonly PageBody[]) {
     this.#directory = directory;
+    this.#offered = offered;
     this.#select.addEventListener("change", () => directory.choose(this.#select.value));
     installThemeToggle();
   }
@@ -21,9 +24,9 @@ export class Header {
   render(connection: ConnectionState): void {
     this.#connection.dataset["state"] = connection.name;
     setText(this.#connectionText, connectionWords(connection));
-    const bodies = this.#directory.bodies ?? [];
     const chosen = this.#directory.chosen?.engineId ?? "";
-    const ids = [...new Set([...bodies.map(({ engineId }) => engineId), chosen])].filter((id) => id !== "");
+    const offered = this.#offered().map(({ engineId }) => engineId);
+    const ids = [...new Set([...offered, chosen])].filter((id) => id !== "");
     if (ids.join() !== this.#options) {
       this.#options = ids.join();
       this.#select.replaceChildren(...ids.map((id) => make("option", { value: id }, id)));

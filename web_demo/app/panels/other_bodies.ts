@@ -1,10 +1,15 @@
-/** The bodies that are not shown large: a card each, at the side or beside the large picture. */
+/**
+ * The bodies that are not shown large: a card each, at the side or beside the large picture. Where there are too many for
+ * that, a list of them, and cards of those alone that the visitor operates.
+ */
 
 import type { Client } from "../../sdk/index.ts";
 import type { MediaReceiver } from "../../sdk/media/index.ts";
 import { byRole, byTestId } from "../dom/elements.ts";
 import type { PageBody } from "../model/bodies.ts";
+import { BodyList } from "../model/body_list.ts";
 import { BodyCard } from "./body_card.ts";
+import { BodyRows } from "./body_rows.ts";
 
 /** Where the browser keeps that two bodies are shown in the same size. */
 const KEY = "openrois.layout";
@@ -17,7 +22,11 @@ export class OtherBodies {
   readonly #element = byRole("others", HTMLElement);
   readonly #layout = byRole("view-avatar", HTMLElement);
   readonly #button = byTestId("layout-toggle", HTMLButtonElement);
+  readonly #list = new BodyList();
+  readonly #rows: BodyRows;
   readonly #cards = new Map<string, BodyCard>();
+  #bodies: readonly PageBody[] = [];
+  #watching = "";
   #even = localStorage.getItem(KEY) === EVEN;
 
   /** @param onEnlarge is called with the body that the visitor wants to see large */
@@ -25,6 +34,7 @@ export class OtherBodies {
     this.#client = client;
     this.#receiver = receiver;
     this.#onEnlarge = onEnlarge;
+    this.#rows = new BodyRows(client, this.#list, () => this.#rows.update(true), onEnlarge);
     this.#button.addEventListener("click", () => {
       this.#even = !this.#even;
       localStorage.setItem(KEY, this.#even ? EVEN : "");
@@ -33,23 +43,46 @@ export class OtherBodies {
     this.#place();
   }
 
+  /** Those of all bodies that a visitor may choose from at once. */
+  get offered(): readonly PageBody[] {
+    return this.#list.isLong ? this.#list.listed : this.#bodies;
+  }
+
+  /** The bodies that have a card, and are there. */
+  get carded(): readonly PageBody[] {
+    return [...this.#cards.values()].flatMap(({ present }) => (present ? [present] : []));
+  }
+
+  /** Whether a body that is not shown large any more goes on in a card. */
+  get hasCards(): boolean {
+    return !this.#list.isLong;
+  }
+
   /**
    * @param bodies all bodies that can be seen now
    * @param chosen the one that is shown large
    * @param watching why the visitor may only watch; empty where it may operate
    */
   update(bodies: readonly PageBody[], chosen: string, watching: string): void {
+    if (bodies.length > 0) {
+      this.#bodies = bodies;
+      this.#list.setBodies(bodies, chosen);
+    }
+    const { isLong } = this.#list;
     const others = new Map(
       bodies.filter((each) => each.engineId !== chosen).map((each) => [each.engineId, each]),
     );
     for (const [engineId, card] of this.#cards) {
       const present = others.get(engineId) ?? null;
-      if (engineId === chosen || (present === null && bodies.length > 0)) {
+      const isOver = (present === null && bodies.length > 0) || (isLong && !card.isOperated);
+      if (engineId === chosen || isOver) {
         this.#cards.delete(engineId);
         card.close(engineId === chosen);
-      } else card.update(present, watching);
+      } else if (present !== card.present || watching !== this.#watching) card.update(present, watching);
     }
-    for (const [engineId, body] of others) {
+    this.#watching = watching;
+    this.#rows.update(isLong);
+    for (const [engineId, body] of isLong ? [] : others) {
       if (this.#cards.has(engineId)) continue;
       const card = new BodyCard(this.#client, this.#receiver, body, () => this.#onEnlarge(engineId));
       this.#cards.set(engineId, card);
@@ -66,7 +99,8 @@ export class OtherBodies {
 
   #place(): void {
     const some = this.#cards.size > 0;
-    this.#element.hidden = this.#button.hidden = !some;
+    this.#element.hidden = !some && !this.#list.isLong;
+    this.#button.hidden = !some;
     this.#button.setAttribute("aria-pressed", String(this.#even));
     this.#layout.classList.toggle("even", some && this.#even);
   }

@@ -1,9 +1,10 @@
 /** Which view the page shows: the avatar, or the inspector, which is loaded when it is looked at for the first time. */
 
-import type { Client, Profile } from "../../sdk/index.ts";
+import type { Client } from "../../sdk/index.ts";
 import { byRole, byTestId, make, setText } from "../dom/elements.ts";
 import type { Inspector } from "../inspector/inspector.ts";
 import { idOf } from "../inspector/routes.ts";
+import type { Listing } from "../model/bodies.ts";
 
 export type View = "avatar" | "inspector";
 
@@ -26,7 +27,7 @@ export class Views {
   #since = performance.now();
   #loading: Promise<void> | null = null;
   #loaded: Inspector | null = null;
-  #profile: Profile | null = null;
+  #listing: Listing | null = null;
   #connected = false;
 
   constructor(client: Client, onChange: () => void) {
@@ -53,10 +54,10 @@ export class Views {
   }
 
   /** What the inspector shows; it need not be loaded yet. */
-  update(profile: Profile | null, connected: boolean): void {
-    this.#profile = profile;
+  update(listing: Listing | null, connected: boolean): void {
+    this.#listing = listing;
     this.#connected = connected;
-    this.#loaded?.update(profile, connected);
+    this.#loaded?.update(listing, connected);
   }
 
   /** Goes to the other view. */
@@ -92,7 +93,7 @@ export class Views {
       const [{ Inspector }] = await Promise.all([import("../inspector/inspector.ts"), loadStyles()]);
       this.#inspector.replaceChildren();
       this.#loaded = new Inspector(this.#client, this.#inspector);
-      this.#loaded.update(this.#profile, this.#connected);
+      this.#loaded.update(this.#listing, this.#connected);
       this.#follow();
     } catch {
       this.#inspector.replaceChildren(

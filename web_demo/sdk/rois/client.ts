@@ -13,6 +13,7 @@ import { DIRECTORY, EngineDirectory } from "./engine_directory.ts";
 import { RoISError } from "./errors.ts";
 import type {
   CommandUnit,
+  ComponentEntry,
   ConcurrentCommands,
   DirectoryChangedNotification,
   EngineEntry,
@@ -105,14 +106,14 @@ export class Client extends Link {
   }
 
   /**
-   * Returns the profiles of components that `engines` has listed, by their references. Components with equal profiles
-   * have the same `profile_version`: each version is loaded once, and kept. Those that have gone, or have changed
+   * Returns the profiles of components that `engines` has listed, by their `profile_version`. Components with equal
+   * profiles have the same: each version is loaded once, and kept. Those of components that have gone, or have changed
    * meanwhile, are absent.
    *
    * @throws RpcError where the gateway does not speak `openrois.directory`
    */
-  profiles(componentRefs: Iterable<string>): Promise<ReadonlyMap<string, HRIComponentProfile>> {
-    return this.#directory.profiles(componentRefs);
+  profiles(components: Iterable<ComponentEntry>): Promise<ReadonlyMap<string, HRIComponentProfile>> {
+    return this.#directory.profiles(components);
   }
 
   /** Returns what is known of a fault; its id came with `on("fault")`. */

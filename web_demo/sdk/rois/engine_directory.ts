@@ -3,7 +3,6 @@
  * changed. For gateways that speak `openrois.directory`.
  */
 
-import { engineOf } from "./discovery.ts";
 import type {
   ComponentEntry,
   DirectoryChangedNotification,
@@ -69,23 +68,26 @@ export class EngineDirectory {
   }
 
   /**
-   * Returns the profiles of components by their references; each is asked for once for all components that share it.
-   * Those of components that have gone meanwhile, or have another profile now, are absent.
+   * Returns the profiles of components by their versions; each is asked for once for all components that share it. Those
+   * of components that have gone meanwhile, or have another profile now, are absent.
    */
-  profiles(componentRefs: Iterable<string>): Promise<ReadonlyMap<string, HRIComponentProfile>> {
+  profiles(components: Iterable<ComponentEntry>): Promise<ReadonlyMap<string, HRIComponentProfile>> {
+    const refs = new Map([...components].map((each) => [each.profile_version, each.component_ref]));
     return this.#inTurn(async () => {
-      const versions = new Map<string, string>();
-      for (const ref of componentRefs) {
-        const version = this.#component(ref)?.profile_version;
-        if (version !== undefined) versions.set(ref, version);
+      const known = new Map<string, HRIComponentProfile>();
+      const missing: string[] = [];
+      for (const [version, ref] of refs) {
+        const profile = this.#profiles.get(version);
+        if (profile) known.set(version, profile);
+        else missing.push(ref);
       }
-      const known = await this.#load(versions);
-      const found = new Map<string, HRIComponentProfile>();
-      for (const [ref, version] of versions) {
-        const profile = known.get(version);
-        if (profile) found.set(ref, profile);
-      }
-      return found;
+      // Those that are needed now are dropped last.
+      for (const [version, profile] of known) this.#keep(version, profile);
+      await this.#load(missing, (version, profile) => {
+        this.#keep(version, profile);
+        if (refs.has(version)) known.set(version, profile);
+      });
+      return known;
     });
   }
 
@@ -136,28 +138,20 @@ export class EngineDirectory {
     }
   }
 
-  async #load(versions: ReadonlyMap<string, string>): Promise<ReadonlyMap<string, HRIComponentProfile>> {
-    const known = new Map<string, HRIComponentProfile>();
-    const missing = new Map<string, string>();
-    for (const [ref, version] of versions) {
-      const profile = this.#profiles.get(version);
-      if (profile) this.#keep(version, profile);
-      if (profile) known.set(version, profile);
-      else missing.set(version, ref);
-    }
-    const waiting = [...missing.values()];
+  async #load(
+    refs: readonly string[],
+    loaded: (version: string, profile: HRIComponentProfile) => void,
+  ): Promise<void> {
+    const waiting = [...refs];
     while (waiting.length > 0) {
       const some = waiting.splice(0, MAX_REFS);
       const { profiles = {}, left = [] } = await this.#ask(() =>
         this.#call("openrois.directory.profiles", { component_refs: some }),
       );
-      for (const [version, profile] of Object.entries(profiles)) {
-        this.#keep(version, profile);
-        known.set(version, profile);
-      }
+      for (const [version, profile] of Object.entries(profiles)) loaded(version, profile);
+      // Where nothing found room, more would be asked for ever.
       if (left.length < some.length) waiting.unshift(...left);
     }
-    return known;
   }
 
   #keep(version: string, profile: HRIComponentProfile): void {
@@ -167,11 +161,6 @@ export class EngineDirectory {
       if (this.#profiles.size <= MAX_PROFILES) return;
       this.#profiles.delete(oldest);
     }
-  }
-
-  #component(ref: string): ComponentEntry | undefined {
-    const { components = [] } = this.#entries.get(engineOf(ref)) ?? {};
-    return components.find(({ component_ref }) => component_ref === ref);
   }
 
   async #ask<T>(request: () => Promise<T>): Promise<T> {

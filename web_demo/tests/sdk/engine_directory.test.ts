@@ -139,54 +139,65 @@ describe("the engines", () => {
 });
 
 describe("profiles", () => {
+  /** Loads the profiles of the components with these references, and returns the names in them by their versions. */
+  const load = async (...refs: string[]): Promise<Record<string, string>> => {
+    const entries = [...directory.entries.values()].flatMap(({ components = [] }) => components);
+    const wanted = refs.flatMap((ref) => entries.filter(({ component_ref }) => component_ref === ref));
+    const profiles = await client.profiles(wanted);
+    return Object.fromEntries([...profiles].map(([version, { name }]) => [version, name]));
+  };
+
   it("are loaded once for each version, however many components have it", async () => {
-    await client.engines();
-    asked();
-    const profiles = await client.profiles(["a/navigation", "b/navigation", "b/reaction", "x/none"]);
-    expect([...profiles.keys()]).toEqual(["a/navigation", "b/navigation", "b/reaction"]);
-    expect(profiles.get("b/navigation")?.name).toBe("Navigation");
+    const both = { "v-Navigation": "Navigation", "v-Reaction": "Reaction" };
+    expect(await load("a/navigation", "b/navigation", "b/reaction")).toEqual(both);
     expect(asked()).toEqual([["b/navigation", "b/reaction"]]);
-    const both = await Promise.all([client.profiles(["a/navigation"]), client.profiles(["b/reaction"])]);
-    expect(both.map((each) => each.size)).toEqual([1, 1]);
+    expect(await Promise.all([load("a/navigation"), load("a/navigation", "b/reaction")])).toEqual([
+      { "v-Navigation": "Navigation" },
+      both,
+    ]);
     expect(asked()).toEqual([]);
   });
 
   it("for which there was no room are asked for again", async () => {
     const types = ["A", "B", "C", "D", "E"];
     directory.put("c", types);
-    await client.engines();
-    asked();
-    expect((await client.profiles(types.map((type) => `c/${type.toLowerCase()}`))).size).toBe(5);
+    const loaded = await load(...types.map((type) => `c/${type.toLowerCase()}`));
+    expect(Object.values(loaded)).toEqual(types);
     expect(asked()).toEqual([["c/a", "c/b", "c/c", "c/d", "c/e"], ["c/c", "c/d", "c/e"], ["c/e"]]);
+  });
+
+  it("for which there is never room are not asked for without end", async () => {
+    gateway.on(`${NAME}.profiles`, ({ component_refs }) => ({ left: component_refs ?? [] }));
+    expect(await load("a/navigation")).toEqual({});
   });
 
   it("that were not needed for long are dropped", async () => {
     const types = Array.from({ length: 1025 }, (_, number) => `T${number}`);
-    new FakeDirectory(gateway, 2000).put("c", types);
-    await client.engines();
-    expect((await client.profiles(types.map((type) => `c/${type.toLowerCase()}`))).size).toBe(1025);
+    directory = new FakeDirectory(gateway, 2000).put("c", types);
+    expect(Object.keys(await load(...types.map((type) => `c/${type.toLowerCase()}`)))).toHaveLength(1025);
     asked();
-    await client.profiles(["c/t1", "c/t1024"]);
+    await load("c/t1", "c/t1024");
     expect(asked()).toEqual([]);
-    await client.profiles(["c/t0"]);
+    await load("c/t0");
     expect(asked()).toEqual([["c/t0"]]);
   });
 
   it("are not those of another session", async () => {
-    await client.engines();
-    await client.profiles(["a/navigation"]);
+    await load("a/navigation");
     gateway.socket.endSocket(1006);
     await vi.advanceTimersByTimeAsync(1000);
-    await client.engines();
     asked();
-    await client.profiles(["a/navigation"]);
+    await load("a/navigation");
     expect(asked()).toEqual([["a/navigation"]]);
   });
 
-  it("that have become others are absent until that was read", async () => {
-    await client.engines();
-    directory.put("a", ["Reaction"]);
-    expect((await client.profiles(["a/navigation"])).size).toBe(0);
+  it("that are others by now are absent", async () => {
+    const was = directory.entries.get("a")?.components ?? [];
+    const now = was.map((each) => ({ ...each, profile_version: "v-2" }));
+    directory.profiles.set("v-2", { identifier: { code: "Navigation" }, name: "another" });
+    directory.entries.set("a", { engine_id: "a", parent_id: "gateway", version: "2", components: now });
+    expect((await client.profiles(was)).size).toBe(0);
+    expect((await client.profiles(now)).get("v-2")?.name).toBe("another");
   });
 });
 

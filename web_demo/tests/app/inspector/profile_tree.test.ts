@@ -129,7 +129,7 @@ describe("statusQuery", () => {
 });
 
 describe("withAway", () => {
-  const gone = (ref: string) => ({ ref, name: ref, profile: component("Gone"), terms: [] });
+  const gone = (ref: string) => ({ ref, name: ref, profile: component("Gone"), isLoaded: true, terms: [] });
   const ids = (engines: readonly (typeof tree)[number][]): string[] =>
     visibleRows(engines, all).map(({ id }) => id);
 
