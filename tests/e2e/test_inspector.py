@@ -19,6 +19,7 @@ from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.session.session import EngineHost
 from openrois.types.profiles import component_urn
+from openrois.types.references import engine_of
 from tests.support.browser import GATEWAY_AWAY, PATIENCE, Visit, visiting
 from tests.support.demo import free_port
 from tests.support.deployment import application
@@ -124,7 +125,7 @@ async def test_every_component_of_every_engine_is_shown_with_all_that_its_profil
         profiles = (await visit.read(_PROFILE))["component_profiles"]
         assert len(profiles) >= 17 + 1 + 2
         rows = await visit.read("[...document.querySelectorAll('.row')].map(({ dataset }) => dataset.id)")
-        assert [each for each in rows if "/" in each] == list(profiles)
+        assert [each for each in rows if "/" in each] == sorted(profiles, key=engine_of)
         for ref, profile in profiles.items():
             panel = await _go(visit, ref)
             assert await visit.read(_SHOWN) == _expected(ref, profile)

@@ -70,7 +70,7 @@ export class BodyRows {
     const known = this.#byId.get(engineId);
     if (known) return known;
     const status = make("span", { class: "body-status" });
-    const label = { type: "button", class: "button small", "aria-label": `Show ${engineId} large` };
+    const label = { type: "button", class: "button small", "aria-label": `Show large: ${engineId}` };
     const button = make("button", label, "Show large");
     button.addEventListener("click", () => this.#onEnlarge(engineId));
     const name = make("span", { class: "body-id", title: engineId }, engineId);
