@@ -49,7 +49,7 @@ async def test_all_operations_work_in_node(start: Start, node: Path, websocket: 
     flags = own_websocket(node) if websocket == "own" else []
     async with gateway() as running, attached(running, robot), start("tour.mjs", running.url, *flags) as app:
         connected = await app.says("connected")
-        assert connected["extensions"] == ["rois.stream", "signaling", "openrois.lease"]
+        assert connected["extensions"] == ["rois.stream", "signaling", "openrois.directory", "openrois.lease"]
         assert connected["websocket"] is (websocket == "own") or not own_websocket(node)
         assert await app.says("profile") == [["robot"], 17]
         assert await app.says("found") == [robot.ref("SpeechSynthesis")]
@@ -129,6 +129,29 @@ async def test_bindings_and_subscriptions_are_restored(start: Start) -> None:
             await app.go_on()
             assert await app.says("reached") == "place 2"
             await app.go_on()
+            await app.ends()
+
+
+async def test_the_directory_is_followed_and_only_what_changed_is_renewed(start: Start) -> None:
+    async with AsyncExitStack() as stack:
+        running = await stack.enter_async_context(gateway())
+        await stack.enter_async_context(attached(running, everything("a")))
+        async with attached(running, everything("b")):
+            app = await stack.enter_async_context(start("follower.mjs", running.url))
+            assert await app.says("engines") == ["a", "b", "gateway"]
+            assert await app.says("profiles") == [34, 17, 1]
+            assert await app.says("same") is True
+            await app.says("ready")
+        assert await app.says("changed") == ["b"]
+        await app.go_on()
+        assert await app.says("left") == ["a", "gateway"]
+        async with attached(running, everything("b")):
+            assert await app.says("changed") == ["b"]
+            await app.go_on()
+            assert await app.says("back") == ["a", "b", "gateway"]
+            assert await app.says("restored") == "component_ref = 'b/navigation'"
+            assert await app.says("renewed") == ["component_ref = 'b/navigation'"]
+            assert await app.says("lists") == 1
             await app.ends()
 
 

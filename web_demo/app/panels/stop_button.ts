@@ -1,4 +1,7 @@
-/** The red button: everything that acts on the shown bodies stops. It is no safety-rated emergency stop. */
+/**
+ * The red button: everything that acts on the bodies that are shown large or in a card stops. It is no safety-rated
+ * emergency stop.
+ */
 
 import { RoISError } from "../../sdk/index.ts";
 import type { Client } from "../../sdk/index.ts";
