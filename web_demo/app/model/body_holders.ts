@@ -34,9 +34,9 @@ export class BodyHolders {
 
   /** Asks about these bodies from now on; about one that is the same object as before not again. */
   watch(bodies: readonly PageBody[]): void {
-    const fresh = bodies.filter((body) => !this.#watched.has(body)).flatMap(movingParts);
+    const fresh = bodies.filter((body) => !this.#watched.has(body)).flatMap(operatedPart);
     this.#watched = new Set(bodies);
-    this.#refs = new Set(bodies.flatMap(movingParts));
+    this.#refs = new Set(bodies.flatMap(operatedPart));
     for (const ref of this.#leases.keys()) if (!this.#refs.has(ref)) this.#leases.delete(ref);
     if (!this.#client.extensions?.includes("openrois.lease")) return;
     this.#waiting = [...new Set([...this.#waiting, ...fresh])].filter((ref) => this.#refs.has(ref));
@@ -45,11 +45,10 @@ export class BodyHolders {
 
   /** Returns who has control of a body; null where that is not known, or nothing of it can be controlled. */
   of(body: PageBody): Holding | null {
-    const leases = movingParts(body).map((ref) => this.#leases.get(ref));
-    const held = leases.find((lease) => lease?.state === "HELD" || lease?.state === "ABSENT");
-    if (held) return { kind: "held", holder: named(held.holder ?? "") };
-    if (leases.some((lease) => lease?.state === "MINE")) return { kind: "mine" };
-    return leases.length > 0 && leases.every((lease) => lease?.state === "FREE") ? { kind: "free" } : null;
+    const [lease] = operatedPart(body).flatMap((ref) => this.#leases.get(ref) ?? []);
+    if (!lease) return null;
+    if (lease.state === "MINE") return { kind: "mine" };
+    return lease.state === "FREE" ? { kind: "free" } : { kind: "held", holder: named(lease.holder ?? "") };
   }
 
   async #ask(): Promise<void> {
@@ -62,4 +61,9 @@ export class BodyHolders {
     }
     this.#asking -= 1;
   }
+}
+
+/** The component that represents all that move a body, if there is one. */
+function operatedPart(body: PageBody): string[] {
+  return movingParts(body).slice(0, 1);
 }

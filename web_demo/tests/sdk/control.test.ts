@@ -2,6 +2,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import type { JsonObject } from "../../sdk/jsonrpc/peer.ts";
 import { ConnectionLost, RequestTimeout, RpcError } from "../../sdk/jsonrpc/session.ts";
 import { Client } from "../../sdk/rois/client.ts";
+import { engineOf } from "../../sdk/rois/discovery.ts";
 import { RoISError } from "../../sdk/rois/errors.ts";
 import { FakeGateway, Refusal } from "../support/fake_gateway.ts";
 
@@ -228,6 +229,22 @@ describe("control", () => {
     await refused;
     expect(gateway.called("openrois.lease.leave")).toHaveLength(1);
     expect(gateway.called("rois.command.release")).toHaveLength(1);
+  });
+
+  it("is asked about when its own engine has changed, of those that are named", async () => {
+    gateway.on("openrois.lease.request", () => ({ lease: inLine, request_id: "q" }));
+    gateway.on("openrois.lease.query", () => ({ lease: inLine }));
+    gateway.on("openrois.lease.leave", () => ({}));
+    const asking = client.control.request(ARM);
+    asking.catch(() => undefined);
+    await vi.advanceTimersByTimeAsync(0);
+    gateway.notify("openrois.directory.changed", { changed: ["elsewhere"] });
+    await vi.advanceTimersByTimeAsync(0);
+    expect(gateway.called("openrois.lease.query")).toEqual([]);
+    gateway.notify("openrois.directory.changed", { gone: [engineOf(ARM)] });
+    await vi.advanceTimersByTimeAsync(0);
+    expect(gateway.called("openrois.lease.query")).toEqual([{ component_ref: ARM }]);
+    await client.close();
   });
 
   it("is withdrawn when the gateway does not answer in time", async () => {
