@@ -34,7 +34,7 @@ async def attached(running: Gateway, *robots: Robot) -> AsyncIterator[None]:
 async def test_all_operations(start: Start) -> None:
     robot = everything()
     async with gateway() as running, attached(running, robot), start("tour", running.url) as app:
-        assert await app.says("connected") == ["openrois.lease", "rois.stream", "signaling"]
+        assert await app.says("connected") == ["openrois.directory", "openrois.lease", "rois.stream", "signaling"]
         assert await app.says("profile") == [["robot"], 17]
         assert await app.says("found") == robot.ref("Navigation")
         assert await app.says("own") == "navigation"

@@ -228,7 +228,7 @@ public static class ConnectionFaultTests
             Callbacks = new Strand(null, error => { throw error; }),
             HandlerFailed = error => { throw new FormatException("a handler of failures fails"); }
         });
-        place.Client.ProfileChanged += () => { throw new FormatException("a handler fails"); };
+        place.Client.ProfileChanged += _ => { throw new FormatException("a handler fails"); };
         place.Client.Fault += told => heard.TrySetResult(true);
         await place.Client.ConnectAsync();
         place.Gateway.Notify("rois.system.profile_changed", new JObject());

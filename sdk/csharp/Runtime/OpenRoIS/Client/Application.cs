@@ -1,6 +1,7 @@
 // Copyright the OpenRoIS authors. Apache-2.0.
 using System;
 using System.Collections.Generic;
+using System.Linq;
 using System.Threading;
 using System.Threading.Tasks;
 using Newtonsoft.Json.Linq;
@@ -15,7 +16,9 @@ namespace OpenRoIS
     {
         private const string ExtensionVersion = "1";
 
-        private static readonly string[] Spoken = { "rois.stream", "signaling", Resumption.Extension };
+        private static readonly string[] Spoken = {
+            "rois.stream", "signaling", Resumption.Extension, EngineDirectory.Extension,
+        };
 
         private readonly ClientNotices _notices;
         private readonly ClientOptions _options;
@@ -32,6 +35,7 @@ namespace OpenRoIS
             Commands = new UnfinishedCommands();
             Bindings = new Bindings(BindingLost, notices.NotifyBindingRestored);
             Subscriptions = new Subscriptions(Connection, notices.Notify);
+            Directory = new EngineDirectory(Connection);
             Extensions = new HashSet<string>();
             _resumption = new Resumption(Commands, Bindings, options.Timing, strand);
             _restorer = new Restorer(Bindings, Subscriptions, options);
@@ -46,6 +50,9 @@ namespace OpenRoIS
         internal Bindings Bindings { get; private set; }
 
         internal Subscriptions Subscriptions { get; private set; }
+
+        /// <summary>The engines that there are.</summary>
+        internal EngineDirectory Directory { get; private set; }
 
         /// <summary>What the gateway speaks beyond RoIS.</summary>
         internal HashSet<string> Extensions { get; private set; }
@@ -78,6 +85,7 @@ namespace OpenRoIS
         {
             long within = Connection.RequestTimeout;
             Generation++;
+            Directory.Reset();
             await RpcCall.AskAsync(session, Methods.SystemConnect, new NoParams(), within, token);
             Extensions = await HelloAsync(session, within, token);
             await _resumption.GreetAsync(session, within, Extensions.Contains(Resumption.Extension), token);
@@ -127,10 +135,12 @@ namespace OpenRoIS
             }
             else if (method == Notifications.SystemProfileChanged.Name)
             {
-                Generation++;
-                _restorer.ProfileChanged();
-                _notices.NotifyProfileChanged();
-                OnLeaseDoubtful?.Invoke(null);
+                Directory.Reset();
+                ProfileChanged(new ProfileChange());
+            }
+            else if (method == Notifications.DirectoryChanged.Name)
+            {
+                With<DirectoryChangedNotification>(given, DirectoryChanged);
             }
             else if (method == Notifications.LeaseChanged.Name)
             {
@@ -163,6 +173,21 @@ namespace OpenRoIS
             {
                 return new HashSet<string>();
             }
+        }
+
+        private void DirectoryChanged(DirectoryChangedNotification told)
+        {
+            Directory.NoteChanges(told);
+            IEnumerable<string> named = told.Changed.Concat(told.Gone);
+            ProfileChanged(new ProfileChange(told.Unnamed > 0 ? Enumerable.Empty<string>() : named));
+        }
+
+        private void ProfileChanged(ProfileChange change)
+        {
+            Generation++;
+            _restorer.ProfileChanged(change);
+            _notices.Notify(change);
+            OnLeaseDoubtful?.Invoke(null);
         }
 
         private void BindingLost(BindingLoss loss)

@@ -44,9 +44,9 @@ namespace OpenRoIS
 
         internal async Task<IReadOnlyList<BodyInfo>> AllAsync(CancellationToken token)
         {
-            ProfileResult answer = await GetProfileAsync("", token);
-            Dictionary<string, bool?> free = await FreeAsync(answer, token);
-            return BodyDirectory.Read(answer).Select(body => new BodyInfo(
+            List<BodyProfile> bodies = await ReadAsync("", token);
+            Dictionary<string, bool?> free = await FreeAsync(bodies, token);
+            return bodies.Select(body => new BodyInfo(
                 body.EngineId,
                 body.Types.Select(each => new BodyComponent(each.Key, each.Value, free[each.Key])).ToList())).ToList();
         }
@@ -62,7 +62,7 @@ namespace OpenRoIS
                 if (readIn != _application.Generation)
                 {
                     readIn = _application.Generation;
-                    bodies = BodyDirectory.Read(await GetProfileAsync(request.Condition, token));
+                    bodies = await ReadAsync(request.Condition, token);
                 }
                 var refusals = new List<KeyValuePair<string, RoISException>>();
                 foreach (BodyProfile body in Candidates(bodies, request))
@@ -113,20 +113,24 @@ namespace OpenRoIS
             });
         }
 
-        private Task<ProfileResult> GetProfileAsync(string condition, CancellationToken token)
+        /// <summary>All bodies, or those with components that meet a condition.</summary>
+        private async Task<List<BodyProfile>> ReadAsync(string condition, CancellationToken token)
         {
+            if (condition == "" && _application.Extensions.Contains(EngineDirectory.Extension))
+            {
+                return BodyDirectory.Read(await _application.Directory.ReadAsync(token));
+            }
             var given = new ConditionParams { Condition = condition };
-            return _application.Connection.AskAsync(Methods.SystemGetProfile, given, token);
+            return BodyDirectory.Read(await _application.Connection.AskAsync(Methods.SystemGetProfile, given, token));
         }
 
         /// <summary>Tells of each component whether no application holds it; null where the gateway does not tell.</summary>
-        private async Task<Dictionary<string, bool?>> FreeAsync(ProfileResult answer, CancellationToken token)
+        private async Task<Dictionary<string, bool?>> FreeAsync(List<BodyProfile> bodies, CancellationToken token)
         {
             bool tells = _application.Extensions.Contains(Resumption.Extension);
-            Dictionary<string, bool?> free =
-                answer.ComponentProfiles.Keys.ToDictionary(each => each, each => tells ? true : (bool?)null);
-            List<string> leased = answer.ComponentProfiles
-                .Where(each => each.Value.Function == ComponentFunction.Actuation).Select(each => each.Key).ToList();
+            Dictionary<string, bool?> free = bodies.SelectMany(body => body.Types.Keys).Distinct()
+                .ToDictionary(each => each, each => tells ? true : (bool?)null);
+            List<string> leased = bodies.SelectMany(body => body.Leased).Distinct().ToList();
             for (int first = 0; tells && first < leased.Count; first += AtOnce)
             {
                 await Task.WhenAll(leased.Skip(first).Take(AtOnce).Select(

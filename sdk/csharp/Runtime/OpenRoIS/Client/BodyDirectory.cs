@@ -61,10 +61,13 @@ namespace OpenRoIS
         }
     }
 
-    /// <summary>A body as the profile describes it.</summary>
+    /// <summary>A body as the profile or the directory describes it.</summary>
     internal sealed class BodyProfile
     {
         internal readonly string EngineId;
+
+        /// <summary>References of components that applications reserve.</summary>
+        internal readonly HashSet<string> Leased = new HashSet<string>();
 
         /// <summary>The URN of each component's type, by its reference, in sorted order.</summary>
         internal readonly SortedDictionary<string, string> Types = new SortedDictionary<string, string>(StringComparer.Ordinal);
@@ -84,6 +87,15 @@ namespace OpenRoIS
             }
         }
 
+        internal void Add(string componentRef, string urn, ComponentFunction? function)
+        {
+            Types[componentRef] = urn;
+            if (function == ComponentFunction.Actuation)
+            {
+                Leased.Add(componentRef);
+            }
+        }
+
         internal bool Has(string urn)
         {
             return Types.ContainsValue(urn);
@@ -91,13 +103,13 @@ namespace OpenRoIS
     }
 
     /// <summary>
-    /// Bodies in a gateway's profile. RoIS 2.0 knows engines and components; a body is an engine that owns components: it
+    /// Bodies in a gateway's profile or directory. RoIS 2.0 knows engines and components; a body is an engine that owns components: it
     /// lists some that no engine below it lists. What is reachable through it belongs to it, too. Behind the main engine
     /// stand all bodies, so that of those it has only what it owns itself: a body is never put together from two robots.
     /// </summary>
     internal static class BodyDirectory
     {
-        /// <summary>The bodies in the order of the profile, inner engines before those around them.</summary>
+        /// <summary>The bodies in the order of their ids, inner engines before those around them.</summary>
         internal static List<BodyProfile> Read(ProfileResult answer)
         {
             var bodies = new List<BodyProfile>();
@@ -105,7 +117,7 @@ namespace OpenRoIS
             {
                 return bodies;
             }
-            foreach (HRIEngineProfile engine in answer.Profile.SubProfiles)
+            foreach (HRIEngineProfile engine in Sorted(answer.Profile.SubProfiles))
             {
                 Collect(engine, answer, bodies);
             }
@@ -113,6 +125,23 @@ namespace OpenRoIS
             if (main.Types.Count > 0)
             {
                 bodies.Add(main);
+            }
+            return bodies;
+        }
+
+        /// <summary>The same of a directory.</summary>
+        internal static List<BodyProfile> Read(IReadOnlyList<EngineEntry> entries)
+        {
+            var bodies = new List<BodyProfile>();
+            ILookup<string, EngineEntry> below =
+                entries.OrderBy(entry => entry.EngineId, StringComparer.Ordinal).ToLookup(entry => entry.ParentId);
+            foreach (EngineEntry main in below[""])
+            {
+                foreach (EngineEntry engine in below[main.EngineId])
+                {
+                    Collect(engine, below, bodies);
+                }
+                AddBody(main.EngineId, main.Components, bodies);
             }
             return bodies;
         }
@@ -128,7 +157,7 @@ namespace OpenRoIS
 
         private static void Collect(HRIEngineProfile engine, ProfileResult answer, List<BodyProfile> bodies)
         {
-            foreach (HRIEngineProfile inner in engine.SubProfiles)
+            foreach (HRIEngineProfile inner in Sorted(engine.SubProfiles))
             {
                 Collect(inner, answer, bodies);
             }
@@ -138,14 +167,48 @@ namespace OpenRoIS
             }
         }
 
+        /// <summary>Adds the bodies of an engine and of those below it; returns the components of all of them.</summary>
+        private static List<ComponentEntry> Collect(
+            EngineEntry engine, ILookup<string, EngineEntry> below, List<BodyProfile> bodies)
+        {
+            List<ComponentEntry> inner =
+                below[engine.EngineId].SelectMany(each => Collect(each, below, bodies)).ToList();
+            List<ComponentEntry> all = engine.Components.Concat(inner).ToList();
+            if (engine.Components.Count > 0)
+            {
+                AddBody(engine.EngineId, all, bodies);
+            }
+            return all;
+        }
+
+        private static void AddBody(string engineId, IReadOnlyList<ComponentEntry> components, List<BodyProfile> bodies)
+        {
+            if (components.Count == 0)
+            {
+                return;
+            }
+            var body = new BodyProfile(engineId);
+            foreach (ComponentEntry component in components)
+            {
+                body.Add(component.ComponentRef, component.ComponentType, component.Function);
+            }
+            bodies.Add(body);
+        }
+
         private static BodyProfile BodyOf(HRIEngineProfile engine, IEnumerable<string> refs, ProfileResult answer)
         {
             var body = new BodyProfile(engine.Identifier.Code);
             foreach (string componentRef in refs.Where(answer.ComponentProfiles.ContainsKey))
             {
-                body.Types[componentRef] = UrnOf(answer.ComponentProfiles[componentRef]);
+                HRIComponentProfile profile = answer.ComponentProfiles[componentRef];
+                body.Add(componentRef, UrnOf(profile), profile.Function);
             }
             return body;
+        }
+
+        private static IEnumerable<HRIEngineProfile> Sorted(IEnumerable<HRIEngineProfile> engines)
+        {
+            return engines.OrderBy(engine => engine.Identifier.Code, StringComparer.Ordinal);
         }
 
         private static IEnumerable<string> Reachable(HRIEngineProfile engine)

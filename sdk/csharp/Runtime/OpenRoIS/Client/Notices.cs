@@ -131,7 +131,7 @@ namespace OpenRoIS
         public event Action<ConnectionChange> ConnectionChanged;
 
         /// <summary>The engines or components behind the gateway have changed.</summary>
-        public event Action ProfileChanged;
+        public event Action<ProfileChange> ProfileChanged;
 
         /// <summary>An engine or component reports a fault; <see cref="Operations.GetErrorDetailAsync"/> says more.</summary>
         public event Action<ErrorNotification> Fault;
@@ -179,9 +179,9 @@ namespace OpenRoIS
             _callbacks.Offer(() => ConnectionChanged?.Invoke(change));
         }
 
-        internal void NotifyProfileChanged()
+        internal void Notify(ProfileChange change)
         {
-            _callbacks.Offer(() => ProfileChanged?.Invoke());
+            _callbacks.Offer(() => ProfileChanged?.Invoke(change));
         }
 
         internal void Notify(BodyLoss loss)

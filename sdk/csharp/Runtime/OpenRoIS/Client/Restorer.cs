@@ -6,9 +6,9 @@ using System.Threading.Tasks;
 namespace OpenRoIS
 {
     /// <summary>
-    /// Keeps bindings and subscriptions at a gateway as the application wants them. Everything is made again when the
-    /// profile has changed: an engine that left and came back has forgotten it. What is missing is tried again after a
-    /// while: RoIS has no notification that a component was given back, or works again.
+    /// Keeps bindings and subscriptions at a gateway as the application wants them. What an engine that has changed was
+    /// asked for is made again: it may have left and come back, and have forgotten it. What is missing is tried again after
+    /// a while: RoIS has no notification that a component was given back, or works again.
     /// </summary>
     internal sealed class Restorer
     {
@@ -17,6 +17,9 @@ namespace OpenRoIS
         private readonly ClientOptions _options;
         private TaskCompletionSource<bool> _changed = NewSignal();
 
+        /// <summary>What has changed and was not dealt with yet; null for nothing.</summary>
+        private ProfileChange _change;
+
         internal Restorer(Bindings bindings, Subscriptions subscriptions, ClientOptions options)
         {
             _bindings = bindings;
@@ -24,9 +27,10 @@ namespace OpenRoIS
             _options = options;
         }
 
-        /// <summary>Notes that components came or went.</summary>
-        internal void ProfileChanged()
+        /// <summary>Notes that engines came, went, or are others now.</summary>
+        internal void ProfileChanged(ProfileChange change)
         {
+            _change = _change == null ? change : _change.With(change);
             _changed.TrySetResult(true);
         }
 
@@ -34,7 +38,7 @@ namespace OpenRoIS
         internal async Task RunAsync(JsonRpcSession session, long within, CancellationToken token)
         {
             Backoff backoff = _options.Reconnect.Begin();
-            await _subscriptions.RenewAsync(session, within, false, token);
+            await _subscriptions.RenewAsync(session, within, null, token);
             while (true)
             {
                 bool incomplete = _bindings.Incomplete || _subscriptions.Incomplete;
@@ -43,8 +47,10 @@ namespace OpenRoIS
                 {
                     backoff = _options.Reconnect.Begin();
                 }
+                ProfileChange change = _change;
+                _change = null;
                 await _bindings.RenewAsync(session, within, token);
-                await _subscriptions.RenewAsync(session, within, changed, token);
+                await _subscriptions.RenewAsync(session, within, change, token);
             }
         }
 

@@ -41,9 +41,10 @@ namespace OpenRoIS
     }
 
     /// <summary>
-    /// The subscriptions of one client. A lost engine takes its subscriptions with it, and the only sign of that is
-    /// <c>profile_changed</c>; so all are made again then. The old id counts until the new one is there: no event is lost,
-    /// and none comes twice. All of it runs in the client's strand.
+    /// The subscriptions of one client. A lost engine takes its subscriptions with it, and the only sign of that is that the
+    /// profile has changed; so they are made again then, all of them where the gateway does not say which engines have
+    /// changed. The id of a subscription begins with that of its engine. The old id counts until the new one is there: no
+    /// event is lost, and none comes twice. All of it runs in the client's strand.
     /// </summary>
     internal sealed class Subscriptions
     {
@@ -137,12 +138,15 @@ namespace OpenRoIS
             }
         }
 
-        /// <summary>Subscribes again, to everything or to what the gateway does not know of.</summary>
+        /// <summary>
+        /// Subscribes again to what the gateway does not know of, or engines that have changed may have forgotten.
+        /// </summary>
         /// <exception cref="ConnectionLostException">the connection ended</exception>
-        internal Task RenewAsync(JsonRpcSession session, long within, bool everything, CancellationToken token)
+        internal Task RenewAsync(JsonRpcSession session, long within, ProfileChange change, CancellationToken token)
         {
-            return Task.WhenAll(_entries.Where(entry => everything || entry.SubscribeId == null).ToList().Select(
-                entry => RenewAsync(session, within, entry, token)));
+            return Task.WhenAll(_entries
+                .Where(entry => entry.SubscribeId == null || (change != null && change.MayConcern(entry.SubscribeId)))
+                .ToList().Select(entry => RenewAsync(session, within, entry, token)));
         }
 
         private async Task RenewAsync(
