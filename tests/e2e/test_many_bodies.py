@@ -110,3 +110,28 @@ async def test_the_inspector_loads_what_is_opened_of_hundreds_of_bodies(browser:
         assert [each["condition"] for each in asked(visit, "rois.system.get_profile")] == [
             "component_ref LIKE 'gateway/%'"
         ]
+
+
+async def test_bodies_with_cards_become_a_list_once_there_are_too_many(browser: Browser) -> None:
+    async with running_gateway() as gateway, application(gateway) as other, visiting(browser, gateway.url) as visit:
+        robots = [robot(number) for number in range(PAGE + 2)]
+        for each in robots[:3]:
+            await gateway.engine.attach(each)
+        cards, listed = visit.item("body-card"), visit.item("body-list")
+        await expect(cards).to_have_count(2)
+        await expect(listed).to_be_hidden()
+        # One is asked for, and keeps its card until that is over.
+        assert await other.code("rois.command.bind", component_ref="robot-002/navigation") == "OK"
+        asked_for = cards.and_(visit.page.locator("[data-engine=robot-002]"))
+        await asked_for.get_by_role("button", name="Ask for it").click()
+        await expect(asked_for).to_contain_text("You wait for control")
+        for each in robots[3:]:
+            await gateway.engine.attach(each)
+        await expect(visit.item("body-rows").locator("li")).to_have_count(PAGE)
+        await expect(visit.item("body-count")).to_have_text(f"{PAGE} of {PAGE + 1} are shown")
+        await expect(cards).to_have_count(1)
+        await asked_for.get_by_role("button", name="Leave").click()
+        await expect(cards).to_have_count(0)
+        gateway.engine.detach(robots[-1])
+        await expect(cards).to_have_count(PAGE)
+        await expect(listed).to_be_hidden()

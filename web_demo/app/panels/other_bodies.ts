@@ -74,13 +74,13 @@ export class OtherBodies {
     );
     for (const [engineId, card] of this.#cards) {
       const present = others.get(engineId) ?? null;
-      const isOver = (present === null && bodies.length > 0) || (isLong && !card.isOperated);
-      if (engineId === chosen || isOver) {
+      if (engineId === chosen || (present === null && bodies.length > 0)) {
         this.#cards.delete(engineId);
         card.close(engineId === chosen);
       } else if (present !== card.present || watching !== this.#watching) card.update(present, watching);
     }
     this.#watching = watching;
+    this.#closeIdle();
     this.#rows.update(isLong);
     for (const [engineId, body] of isLong ? [] : others) {
       if (this.#cards.has(engineId)) continue;
@@ -94,7 +94,18 @@ export class OtherBodies {
 
   /** @param visible whether the bodies are in view */
   render(visible: boolean): void {
+    if (this.#closeIdle()) this.#place();
     for (const card of this.#cards.values()) card.render(visible);
+  }
+
+  /** Where bodies are listed: closes the cards of those that the visitor does not operate; returns whether there were any. */
+  #closeIdle(): boolean {
+    const idle = [...this.#cards.values()].filter((card) => this.#list.isLong && !card.isOperated);
+    for (const card of idle) {
+      this.#cards.delete(card.engineId);
+      card.close(false);
+    }
+    return idle.length > 0;
   }
 
   #place(): void {
