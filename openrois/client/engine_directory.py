@@ -107,10 +107,11 @@ class EngineDirectory:
             )
             if lists != self._lists:
                 return
-            after = page.next
-            if not after:
+            if page.next <= after:
+                # The last one; a gateway whose pages do not go on would be asked for ever.
                 self._is_listed = True
                 return
+            after = page.next
 
     async def _read_stale(self) -> None:
         some = tuple(self._stale)[:MAX_PAGE]

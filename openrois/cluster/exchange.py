@@ -88,7 +88,7 @@ class Exchange:
         max_streams: int,
         max_message: int = MAX_MESSAGE,
     ) -> None:
-        self.link = secrets.token_hex(16)
+        self.link = secrets.token_hex(8)
         self._connection = connection
         self._subjects = subjects
         self._gateway_id = gateway_id

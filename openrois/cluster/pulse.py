@@ -54,7 +54,7 @@ class Pulse:
         self._attributes = attributes
         self._clock = clock
         self._sleep = sleep
-        self._instance = secrets.token_hex(16)
+        self._instance = secrets.token_hex(8)
         self._connection: NatsConnection | None = None
         self._link = _NO_LINK
         self._beaten = self._echoed = clock()

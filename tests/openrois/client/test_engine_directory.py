@@ -68,6 +68,18 @@ async def test_it_is_listed_once_and_then_only_asked_whether_anything_has_change
     assert gateway.asked == [("list", ""), ("list", "b"), ("read", ())]
 
 
+async def test_pages_that_do_not_go_on_are_the_last(gateway: Gateway, directory: EngineDirectory) -> None:
+    ask = gateway.ask
+
+    async def go_round(method: str, params: Any, model: Any, accepted: Any = None, too_late: Any = None) -> Any:
+        result = await ask(method, params, model, accepted, too_late)
+        return result.model_copy(update={"next": "b"}) if method == "openrois.directory.list" else result
+
+    gateway.ask = go_round  # type: ignore[assignment, method-assign]
+    assert await directory.read() == gateway.entries
+    assert gateway.asked == [("list", ""), ("list", "b")]
+
+
 async def test_only_what_has_changed_is_read(gateway: Gateway, directory: EngineDirectory) -> None:
     await directory.read()
     gateway.asked.clear()
