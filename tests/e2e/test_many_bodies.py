@@ -112,6 +112,7 @@ async def test_the_inspector_loads_what_is_opened_of_hundreds_of_bodies(browser:
         ]
 
 
+@pytest.mark.long
 async def test_bodies_with_cards_become_a_list_once_there_are_too_many(browser: Browser) -> None:
     async with running_gateway() as gateway, application(gateway) as other, visiting(browser, gateway.url) as visit:
         robots = [robot(number) for number in range(PAGE + 2)]
