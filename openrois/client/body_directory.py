@@ -5,7 +5,7 @@ lists. What is reachable through it belongs to it, too. Behind the main engine s
 only what it owns itself: a body is never put together from two robots.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from openrois.catalog.component_type import ComponentType
@@ -100,6 +100,15 @@ class BodyInfo:
         return tuple(each.component_ref for each in self.components if each.component_type == urn)
 
 
+@dataclass(frozen=True, slots=True)
+class _Engine:
+    """An engine with the types of the components that it owns, and the engines right below it."""
+
+    engine_id: str
+    types: Mapping[str, str]
+    below: tuple["_Engine", ...]
+
+
 def bodies_in(answer: ProfileResult) -> tuple[BodyProfile, ...]:
     """Return the bodies of a gateway in the order of their ids, inner engines before those around them.
 
@@ -109,56 +118,50 @@ def bodies_in(answer: ProfileResult) -> tuple[BodyProfile, ...]:
     if answer.profile is None:
         return ()
     types = {ref: profile.component_type for ref, profile in answer.component_profiles.items()}
-    main = answer.profile
-    below = (body for engine in _sorted(main.sub_profiles) for body in _bodies(engine, types))
-    owned = _body(main.identifier.code, main.own_refs(), types)
-    return (*below, *((owned,) if owned.types else ()))
 
+    def read(profile: HRIEngineProfile) -> _Engine:
+        own = {ref: types[ref] for ref in profile.own_refs() if ref in types}
+        return _Engine(profile.identifier.code, own, tuple(map(read, profile.sub_profiles)))
 
-def _sorted(engines: Iterable[HRIEngineProfile]) -> list[HRIEngineProfile]:
-    return sorted(engines, key=lambda engine: engine.identifier.code)
-
-
-def _bodies(engine: HRIEngineProfile, types: Mapping[str, str]) -> Iterator[BodyProfile]:
-    for sub_engine in _sorted(engine.sub_profiles):
-        yield from _bodies(sub_engine, types)
-    if any(ref in types for ref in engine.own_refs()):
-        yield _body(engine.identifier.code, engine.component_refs(), types)
-
-
-def _body(engine_id: str, refs: Iterable[str], types: Mapping[str, str]) -> BodyProfile:
-    return BodyProfile(engine_id, {ref: types[ref] for ref in sorted(refs) if ref in types})
+    return _bodies_behind(read(answer.profile))
 
 
 def bodies_of(entries: Iterable[EngineEntry]) -> tuple[BodyProfile, ...]:
     """Return the bodies of a directory in the order of their ids, inner engines before those around them."""
     below: dict[str, list[EngineEntry]] = {}
-    for entry in sorted(entries, key=lambda entry: entry.engine_id):
+    for entry in entries:
         below.setdefault(entry.parent_id, []).append(entry)
+
+    def read(entry: EngineEntry) -> _Engine:
+        own = {each.component_ref: each.component_type for each in entry.components}
+        return _Engine(entry.engine_id, own, tuple(map(read, below.get(entry.engine_id, ()))))
+
+    return tuple(body for main in below.get("", ()) for body in _bodies_behind(read(main)))
+
+
+def _bodies_behind(main: _Engine) -> tuple[BodyProfile, ...]:
+    """Return the bodies behind a main engine, which has of them only what it owns itself."""
     found: list[BodyProfile] = []
-    for main in below.get("", ()):
-        for engine in below.get(main.engine_id, ()):
-            _add_bodies(found, engine, below)
-        if main.components:
-            found.append(_body_of(main.engine_id, _types(main)))
+    for engine in _sorted(main.below):
+        _add_bodies(found, engine)
+    if main.types:
+        found.append(_body(main.engine_id, main.types))
     return tuple(found)
 
 
-def _add_bodies(
-    found: list[BodyProfile], engine: EngineEntry, below: Mapping[str, Iterable[EngineEntry]]
-) -> dict[str, str]:
+def _add_bodies(found: list[BodyProfile], engine: _Engine) -> dict[str, str]:
     """Add the bodies of an engine and of those below it; return the types of all their components."""
-    types = _types(engine)
-    for sub_engine in below.get(engine.engine_id, ()):
-        types |= _add_bodies(found, sub_engine, below)
-    if engine.components:
-        found.append(_body_of(engine.engine_id, types))
+    types = dict(engine.types)
+    for sub_engine in _sorted(engine.below):
+        types |= _add_bodies(found, sub_engine)
+    if engine.types:
+        found.append(_body(engine.engine_id, types))
     return types
 
 
-def _types(entry: EngineEntry) -> dict[str, str]:
-    return {each.component_ref: each.component_type for each in entry.components}
+def _sorted(engines: Iterable[_Engine]) -> list[_Engine]:
+    return sorted(engines, key=lambda engine: engine.engine_id)
 
 
-def _body_of(engine_id: str, types: Mapping[str, str]) -> BodyProfile:
+def _body(engine_id: str, types: Mapping[str, str]) -> BodyProfile:
     return BodyProfile(engine_id, dict(sorted(types.items())))

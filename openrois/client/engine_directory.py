@@ -103,7 +103,7 @@ class EngineDirectory:
                 "openrois.directory.list",
                 DirectoryListParams(after=after),
                 DirectoryListResult,
-                self._keeping(lambda page: page.engines, lists),
+                lambda page: self._keep(page.engines, lists),
             )
             if lists != self._lists:
                 return
@@ -116,23 +116,18 @@ class EngineDirectory:
     async def _read_stale(self) -> None:
         some = tuple(self._stale)[:MAX_PAGE]
         lists = self._lists
-        keep = self._keeping(lambda result: result.engines, lists)
 
         def accepted(result: DirectoryReadResult) -> None:
             # In the order of the connection: what changes from here on is noted again.
             for engine_id in set(some) - set(result.left):
                 self._stale.pop(engine_id, None)
-            keep(result)
+            self._keep(result.engines, lists)
 
         await self._asker().ask(
             "openrois.directory.read", DirectoryReadParams(engine_ids=some), DirectoryReadResult, accepted
         )
 
-    def _keeping(
-        self, engines: Callable[[DirectoryListResult | DirectoryReadResult], tuple[EngineEntry, ...]], lists: int
-    ) -> Callable[[DirectoryListResult | DirectoryReadResult], None]:
-        def keep(result: DirectoryListResult | DirectoryReadResult) -> None:
-            if lists == self._lists:
-                self._entries.update({entry.engine_id: entry for entry in engines(result)})
-
-        return keep
+    def _keep(self, engines: Iterable[EngineEntry], lists: int) -> None:
+        """Keep entries, unless the list has become invalid since they were asked for."""
+        if lists == self._lists:
+            self._entries.update({entry.engine_id: entry for entry in engines})

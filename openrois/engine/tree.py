@@ -19,8 +19,6 @@ __all__ = ["AUTHORITY", "Place", "Tree", "TreeChange"]
 AUTHORITY: Final = "OpenRoIS"
 """Gives the ids of engines of this product their meaning."""
 
-_NOTHING: Final = Directory(HRIEngineProfile(identifier=RoISIdentifier(code="")))
-
 Bus = TypeVar("Bus")
 
 
@@ -54,17 +52,17 @@ class TreeChange:
     @cached_property
     def gone_refs(self) -> frozenset[str]:
         """The components that are not there any more."""
-        return frozenset(self._former.component_profiles.keys() - self._latter.component_profiles.keys())
+        return frozenset(_refs(self.former) - _refs(self.latter))
 
     @cached_property
     def engines_before(self) -> frozenset[str]:
         """The ids of the engines behind the bus before."""
-        return frozenset(() if self.former is None else self.former.profile.engine_ids())
+        return _engines(self.former)
 
     @cached_property
     def engines_now(self) -> frozenset[str]:
         """The ids of the engines behind the bus now."""
-        return frozenset(() if self.latter is None else self.latter.profile.engine_ids())
+        return _engines(self.latter)
 
     @property
     def engine_ids(self) -> frozenset[str]:
@@ -74,13 +72,13 @@ class TreeChange:
         """
         return self.engines_before | self.engines_now
 
-    @property
-    def _former(self) -> Directory:
-        return self.former or _NOTHING
 
-    @property
-    def _latter(self) -> Directory:
-        return self.latter or _NOTHING
+def _refs(offer: Directory | None) -> AbstractSet[str]:
+    return frozenset() if offer is None else offer.component_profiles.keys()
+
+
+def _engines(offer: Directory | None) -> frozenset[str]:
+    return frozenset() if offer is None else frozenset(offer.profile.engine_ids())
 
 
 class Tree(Generic[Bus]):

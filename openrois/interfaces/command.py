@@ -16,7 +16,7 @@ from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
 from openrois.interfaces import stream
 from openrois.interfaces.operation import operation
 from openrois.interfaces.overload_rules import is_stop
-from openrois.interfaces.selection import COMPONENT_PROPERTIES, matching
+from openrois.interfaces.selection import COMPONENT_PROPERTIES
 from openrois.jsonrpc.session import Handler, Reply
 from openrois.session.session import RESTARTS, ApplicationSession
 from openrois.types.codes import CompletedStatus, ComponentFunction
@@ -88,7 +88,7 @@ class _Commands:
 
     async def search(self, params: ConditionParams) -> SearchResult:
         condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
-        return SearchResult(component_ref_list=tuple(matching(self._app.engine, condition)))
+        return SearchResult(component_ref_list=tuple(self._app.engine.tree.search(condition)))
 
     async def bind(self, params: ComponentParams) -> ReturnResult:
         self._bind(params.component_ref)
@@ -106,7 +106,7 @@ class _Commands:
         self._app.host.audit.acted(self._app.principal, method, component_ref, detail)
 
     async def bind_any(self, params: ConditionParams) -> ReferenceResult:
-        refs = matching(self._app.engine, parse_condition(params.condition, COMPONENT_PROPERTIES))
+        refs = self._app.engine.tree.search(parse_condition(params.condition, COMPONENT_PROPERTIES))
         if not refs:
             raise Unsupported("no component satisfies the condition")
         for component_ref in refs:

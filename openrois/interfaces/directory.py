@@ -1,6 +1,6 @@
 """`openrois.directory.*`: which engines there are, in pages, and the profiles of those that an application shows."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Final
 
 from openrois.engine.entries import engine_entry
@@ -49,33 +49,38 @@ class _Directory:
     async def list_engines(self, params: DirectoryListParams) -> DirectoryListResult:
         self._app.change_notice.flush()
         tree, wanted = self._app.engine.tree, frozenset(params.component_types)
-        found: list[EngineEntry] = []
-        components, after = 0, params.after
-        for entry in self._entries(tree.engines_after(after)):
-            if wanted and not wanted <= {each.component_type for each in entry.components}:
-                continue
-            if len(found) == params.limit or (found and components + len(entry.components) > COMPONENTS):
-                return DirectoryListResult(engines=tuple(found), next=found[-1].engine_id, count=tree.engine_count)
-            found.append(entry)
-            components += len(entry.components)
-        return DirectoryListResult(engines=tuple(found), count=tree.engine_count)
+        chosen = (each for each in tree.engines_after(params.after) if self._owns(each, wanted))
+        found, left = self._page(chosen, params.limit)
+        return DirectoryListResult(engines=found, next=found[-1].engine_id if left else "", count=tree.engine_count)
 
     async def read(self, params: DirectoryReadParams) -> DirectoryReadResult:
         self._app.change_notice.flush()
-        found: list[EngineEntry] = []
-        components, asked = 0, list(dict.fromkeys(params.engine_ids))
-        for entry in self._entries(asked):
-            if found and components + len(entry.components) > COMPONENTS:
-                left = asked[asked.index(entry.engine_id) :]
-                return DirectoryReadResult(engines=tuple(found), left=tuple(left))
-            found.append(entry)
-            components += len(entry.components)
-        return DirectoryReadResult(engines=tuple(found))
+        asked = list(dict.fromkeys(params.engine_ids))
+        found, left = self._page(asked, len(asked))
+        return DirectoryReadResult(engines=found, left=tuple(asked[asked.index(left) :]) if left else ())
 
-    def _entries(self, engine_ids: Iterable[str]) -> Iterator[EngineEntry]:
+    def _owns(self, engine_id: str, wanted: frozenset[str]) -> bool:
+        """Tell whether an engine owns a component of each type; it has no entry made for that."""
+        if not wanted:
+            return True
+        tree = self._app.engine.tree
+        place = tree.place_of(engine_id)
+        return place is not None and wanted <= {tree.components[ref].component_type for ref in place.component_refs}
+
+    def _page(self, engine_ids: Iterable[str], limit: int) -> tuple[tuple[EngineEntry, ...], str]:
+        """Return the entries of the first engines that a reply has room for, and the next engine; empty for none."""
         seen = self._app.engine
-        entries = (engine_entry(seen.tree, engine_id, seen.has_streams) for engine_id in engine_ids)
-        return (entry for entry in entries if entry is not None)
+        found: list[EngineEntry] = []
+        components = 0
+        for engine_id in engine_ids:
+            entry = engine_entry(seen.tree, engine_id, seen.has_streams)
+            if entry is None:
+                continue
+            components += len(entry.components)
+            if len(found) == limit or (found and components > COMPONENTS):
+                return tuple(found), engine_id
+            found.append(entry)
+        return tuple(found), ""
 
     async def read_profiles(self, params: DirectoryProfilesParams) -> DirectoryProfilesResult:
         profiles: dict[str, HRIComponentProfile] = {}

@@ -8,15 +8,10 @@ from openrois.errors import BadParameter, Unsupported
 from openrois.scope.scoped_engine import ScopedEngine
 from openrois.types.profiles import HRIComponentProfile
 
-__all__ = ["COMPONENT_PROPERTIES", "matching", "the_one"]
+__all__ = ["COMPONENT_PROPERTIES", "the_one"]
 
 COMPONENT_PROPERTIES: Final = frozenset({"component_ref", "component_type"})
 """The properties of a component that a condition can ask for; `component_type` is the URN of authority and code."""
-
-
-def matching(engine: ScopedEngine, condition: Condition) -> list[str]:
-    """Return the refs of the components that satisfy a condition, in the order in which they came."""
-    return engine.tree.search(condition)
 
 
 def the_one(engine: ScopedEngine, condition: Condition, declares: Callable[[HRIComponentProfile], bool]) -> str:
