@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from openrois.contract import Directory
 from openrois.engine.condition import Condition
-from openrois.engine.tree import Tree
+from openrois.engine.tree import Place, Tree
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, RoISIdentifier
 
 
@@ -43,6 +43,31 @@ def test_a_bus_comes_changes_and_goes() -> None:
 
 def root_of(tree: Tree[str]) -> RoISIdentifier:
     return tree.directory.profile.identifier
+
+
+def test_engines_are_given_in_the_order_of_their_ids_whenever_they_came() -> None:
+    tree = Tree[str]("gateway")
+    tree.replace("m", offer(engine("m", below=(engine("deep", "deep/x"),))))
+    assert list(tree.engines_after("")) == ["deep", "gateway", "m"]
+    tree.replace("own", offer(engine("gateway", "gateway/clock")))
+    tree.replace("a", offer(engine("a", "a/x")))
+    tree.replace("m", offer(engine("m", "m/x")))
+    assert list(tree.engines_after("")) == ["a", "gateway", "m"]
+    assert list(tree.engines_after("b")) == ["gateway", "m"]
+    tree.replace("own", None)
+    tree.replace("a", None)
+    assert (list(tree.engines_after("")), tree.engine_count) == (["gateway", "m"], 2)
+
+
+def test_the_place_of_an_engine() -> None:
+    tree = Tree[str]("gateway")
+    assert tree.place_of("gateway") == Place("", ())
+    tree.replace("robot", offer(engine("robot", "robot/arm", below=(engine("hand", "hand/finger"),))))
+    tree.replace("own", offer(engine("gateway", "gateway/clock")))
+    assert tree.place_of("gateway") == Place("", ("gateway/clock",))
+    assert tree.place_of("robot") == Place("gateway", ("robot/arm",))
+    assert tree.place_of("hand") == Place("robot", ("hand/finger",))
+    assert tree.place_of("absent") is None
 
 
 def test_what_an_engine_does_not_list_is_not_there() -> None:
