@@ -97,7 +97,7 @@ TESTS = (
     *(f"tests/robots/ros2/test_{part}.py" for part in ("definitions", "matching", "names")),
     *(f"tests/robots/ros2/robot/test_{part}.py" for part in ("poses", "strokes")),
     "tests/robots/ros2/simulator/test_model.py",
-    "tests/robots/adapter/test_image_files.py",
+    *(f"tests/robots/adapter/test_{part}.py" for part in ("battery", "image_files")),
     *(f"tests/robots/kachaka/test_{part}.py" for part in ("layout", "limits", "persons")),
     *(f"tests/robots/kachaka/api/test_{part}.py" for part in ("address", "tracking")),
     "tests/robots/kachaka/simulator/test_robot.py",

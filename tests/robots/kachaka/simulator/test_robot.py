@@ -224,3 +224,10 @@ def test_the_map_shows_walls_and_furniture_where_they_stand() -> None:
     row, column = round((2.5 - 0.0) / 0.05), round((3.6 + 0.5) / 0.05)
     assert grid[row, column] == 0, "the table"
     assert grid[row, column - 40] == 255
+
+
+def test_the_map_begins_at_the_corner_of_the_house_and_covers_it() -> None:
+    height, width = HOUSE.grid().shape
+    assert (HOUSE.origin.x, HOUSE.origin.y) == (HOUSE.outline.left, HOUSE.outline.bottom)
+    assert HOUSE.origin.x + width * HOUSE.resolution == pytest.approx(HOUSE.outline.right)
+    assert HOUSE.origin.y + height * HOUSE.resolution == pytest.approx(HOUSE.outline.top)
