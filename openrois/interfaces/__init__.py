@@ -1,6 +1,7 @@
 """The RoIS interfaces as method tables over one `ApplicationSession`: thin, one module each."""
 
 from openrois.interfaces import command, directory, event, lease, query, stop, stream, system
+from openrois.interfaces.directory import DirectoryReader
 from openrois.jsonrpc.session import Handler
 from openrois.session.session import ApplicationSession
 
@@ -17,9 +18,9 @@ def stream_methods(app: ApplicationSession) -> dict[str, Handler]:
     return stream.methods(app)
 
 
-def directory_methods(app: ApplicationSession) -> dict[str, Handler]:
+def directory_methods(reader: DirectoryReader) -> dict[str, Handler]:
     """Return `openrois.directory.*` for an application."""
-    return directory.methods(app)
+    return directory.methods(reader)
 
 
 def lease_methods(app: ApplicationSession) -> dict[str, Handler]:

@@ -11,12 +11,11 @@ from openrois.commands.history import MAX_ID, STOP_RESERVE
 from openrois.commands.pending import PendingCommand
 from openrois.commands.sequence import commands_of, run_sequence, size_of
 from openrois.component.authoring.parameters import check_arguments
-from openrois.engine.condition import parse_condition
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
 from openrois.interfaces import stream
 from openrois.interfaces.operation import operation
 from openrois.interfaces.overload_rules import is_stop
-from openrois.interfaces.selection import COMPONENT_PROPERTIES
+from openrois.interfaces.selection import found_by
 from openrois.jsonrpc.session import Handler, Reply
 from openrois.session.session import RESTARTS, ApplicationSession
 from openrois.types.codes import CompletedStatus, ComponentFunction
@@ -87,8 +86,7 @@ class _Commands:
         self._sequences: dict[str, _Sequence] = {}
 
     async def search(self, params: ConditionParams) -> SearchResult:
-        condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
-        return SearchResult(component_ref_list=tuple(self._app.engine.tree.search(condition)))
+        return SearchResult(component_ref_list=tuple(found_by(self._app.engine.tree, params.condition)))
 
     async def bind(self, params: ComponentParams) -> ReturnResult:
         self._bind(params.component_ref)
@@ -106,7 +104,7 @@ class _Commands:
         self._app.host.audit.acted(self._app.principal, method, component_ref, detail)
 
     async def bind_any(self, params: ConditionParams) -> ReferenceResult:
-        refs = self._app.engine.tree.search(parse_condition(params.condition, COMPONENT_PROPERTIES))
+        refs = found_by(self._app.engine.tree, params.condition)
         if not refs:
             raise Unsupported("no component satisfies the condition")
         for component_ref in refs:

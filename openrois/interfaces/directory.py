@@ -1,13 +1,14 @@
 """`openrois.directory.*`: which engines there are, in pages, and the profiles of those that an application shows."""
 
 from collections.abc import Iterable
-from typing import Final
+from typing import Final, Protocol
 
 from openrois.engine.entries import engine_entry
 from openrois.engine.profile_versions import profile_version
 from openrois.interfaces.operation import operation
 from openrois.jsonrpc.session import Handler
-from openrois.session.session import ApplicationSession
+from openrois.scope.scoped_tree import ScopedTree
+from openrois.session.change_notice import ChangeNotice
 from openrois.types.directory import (
     DirectoryListParams,
     DirectoryListResult,
@@ -19,7 +20,7 @@ from openrois.types.directory import (
 )
 from openrois.types.profiles import HRIComponentProfile
 
-__all__ = ["methods"]
+__all__ = ["DirectoryReader", "methods"]
 
 ROOM: Final = 262_144
 """Characters of JSON after which a reply takes nothing more."""
@@ -28,9 +29,27 @@ COMPONENTS: Final = 1024
 """Components of all engines of a reply, after which it takes no further engine."""
 
 
-def methods(app: ApplicationSession) -> dict[str, Handler]:
+class DirectoryReader(Protocol):
+    """An application that reads a directory."""
+
+    @property
+    def engine(self) -> ScopedTree:
+        """What it sees."""
+        ...
+
+    @property
+    def change_notice(self) -> ChangeNotice:
+        """Notifies it of changes."""
+        ...
+
+    def has_streams(self, engine_id: str) -> bool:
+        """Tell whether it sees an engine that has the streaming methods."""
+        ...
+
+
+def methods(reader: DirectoryReader) -> dict[str, Handler]:
     """Return the extension's method table."""
-    directory = _Directory(app)
+    directory = _Directory(reader)
     return {
         "openrois.directory.list": operation(DirectoryListParams, DirectoryListResult, directory.list_engines),
         "openrois.directory.read": operation(DirectoryReadParams, DirectoryReadResult, directory.read),
@@ -43,18 +62,18 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
 class _Directory:
     """What one application sees."""
 
-    def __init__(self, app: ApplicationSession) -> None:
-        self._app = app
+    def __init__(self, reader: DirectoryReader) -> None:
+        self._reader = reader
 
     async def list_engines(self, params: DirectoryListParams) -> DirectoryListResult:
-        self._app.change_notice.flush()
-        tree, wanted = self._app.engine.tree, frozenset(params.component_types)
+        self._reader.change_notice.flush()
+        tree, wanted = self._reader.engine.tree, frozenset(params.component_types)
         chosen = (each for each in tree.engines_after(params.after) if self._owns(each, wanted))
         found, left = self._page(chosen, params.limit)
         return DirectoryListResult(engines=found, next=found[-1].engine_id if left else "", count=tree.engine_count)
 
     async def read(self, params: DirectoryReadParams) -> DirectoryReadResult:
-        self._app.change_notice.flush()
+        self._reader.change_notice.flush()
         asked = list(dict.fromkeys(params.engine_ids))
         found, left = self._page(asked, len(asked))
         return DirectoryReadResult(engines=found, left=tuple(asked[asked.index(left) :]) if left else ())
@@ -63,17 +82,17 @@ class _Directory:
         """Tell whether an engine owns a component of each type; it has no entry made for that."""
         if not wanted:
             return True
-        tree = self._app.engine.tree
+        tree = self._reader.engine.tree
         place = tree.place_of(engine_id)
         return place is not None and wanted <= {tree.components[ref].component_type for ref in place.component_refs}
 
     def _page(self, engine_ids: Iterable[str], limit: int) -> tuple[tuple[EngineEntry, ...], str]:
         """Return the entries of the first engines that a reply has room for, and the next engine; empty for none."""
-        seen = self._app.engine
+        seen = self._reader.engine
         found: list[EngineEntry] = []
         components = 0
         for engine_id in engine_ids:
-            entry = engine_entry(seen.tree, engine_id, seen.has_streams)
+            entry = engine_entry(seen.tree, engine_id, self._reader.has_streams)
             if entry is None:
                 continue
             components += len(entry.components)
@@ -86,7 +105,7 @@ class _Directory:
         profiles: dict[str, HRIComponentProfile] = {}
         size, asked = 0, list(dict.fromkeys(params.component_refs))
         for number, component_ref in enumerate(asked):
-            profile = self._app.engine.components.get(component_ref)
+            profile = self._reader.engine.components.get(component_ref)
             if profile is None:
                 continue
             version = profile_version(profile)

@@ -1,10 +1,9 @@
 """The Event interface (RoIS_HRI::EventIF): subscribe, unsubscribe, get_event_detail."""
 
-from openrois.engine.condition import parse_condition
 from openrois.errors import BadParameter
 from openrois.interfaces import stream
 from openrois.interfaces.operation import operation
-from openrois.interfaces.selection import COMPONENT_PROPERTIES, the_one
+from openrois.interfaces.selection import observed_component
 from openrois.jsonrpc.session import Handler, Reply
 from openrois.session.session import ApplicationSession
 from openrois.types.messages import (
@@ -23,10 +22,9 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
     """Return the interface's method table."""
 
     async def subscribe(params: SubscribeParams) -> Reply:
-        condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
-        name = params.event_type
-        component_ref = the_one(app.engine, condition, lambda profile: profile.has_event(name))
-        return await app.events.subscribe(component_ref, name, of_streams=stream.has_streams(app, component_ref))
+        component_ref = observed_component(app.engine, params.event_type, params.condition)
+        of_streams = stream.has_streams(app, component_ref)
+        return await app.events.subscribe(component_ref, params.event_type, of_streams=of_streams)
 
     async def unsubscribe(params: UnsubscribeParams) -> ReturnResult:
         await app.events.unsubscribe(params.subscribe_id)

@@ -6,7 +6,7 @@ from openrois.engine.condition import parse_condition
 from openrois.errors import BadParameter
 from openrois.interfaces import stream
 from openrois.interfaces.operation import operation
-from openrois.interfaces.selection import COMPONENT_PROPERTIES, the_one
+from openrois.interfaces.selection import COMPONENT_PROPERTIES, STREAM_STATUS, queried_component
 from openrois.jsonrpc.session import Handler
 from openrois.session.session import ApplicationSession
 from openrois.types.codes import ComponentStatus
@@ -14,7 +14,6 @@ from openrois.types.messages import QueryParams, Result, ResultsResult
 
 __all__ = ["methods"]
 
-_STREAM_STATUS: Final = "get_stream_status"
 _COMPONENT_STATUS: Final = "component_status"
 _FAILING: Final = Result(name="status", data_type_ref="Component_Status", value=ComponentStatus.ERROR.value)
 """The status of a component whose engine was lost: it cannot answer itself."""
@@ -25,12 +24,13 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
 
     async def query(params: QueryParams) -> ResultsResult:
         name = params.query_type
-        if name == _STREAM_STATUS:
+        if name == STREAM_STATUS:
             return ResultsResult(results=await _stream_status(app, params.condition))
-        condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
-        if name == _COMPONENT_STATUS and app.engine.has_lost(condition.value_of("component_ref")):
-            return ResultsResult(results=(_FAILING,))
-        component_ref = the_one(app.engine, condition, lambda profile: profile.has_query(name))
+        if name == _COMPONENT_STATUS:
+            condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
+            if app.engine.has_lost(condition.value_of("component_ref")):
+                return ResultsResult(results=(_FAILING,))
+        component_ref = queried_component(app.engine, name, params.condition)
         return ResultsResult(results=await app.engine.query(component_ref, name))
 
     return {"rois.query.query": operation(QueryParams, ResultsResult, query)}
@@ -38,15 +38,12 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
 
 async def _stream_status(app: ApplicationSession, text: str) -> tuple[Result, ...]:
     """Answer get_stream_status; a query has no arguments, so the stream_id stands in the condition."""
-    condition = parse_condition(text, COMPONENT_PROPERTIES | {"stream_id"})
-    stream_id = condition.value_of("stream_id")
-    component_ref = the_one(
-        app.engine, condition.without("stream_id"), lambda profile: profile.has_query(_STREAM_STATUS)
-    )
+    stream_id = parse_condition(text, COMPONENT_PROPERTIES | {"stream_id"}).value_of("stream_id")
+    component_ref = queried_component(app.engine, STREAM_STATUS, text)
     if not stream.has_streams(app, component_ref):
         if stream_id is not None:
             raise BadParameter("the component's engine cannot tell one stream from another")
-        return await app.engine.query(component_ref, _STREAM_STATUS)
+        return await app.engine.query(component_ref, STREAM_STATUS)
     if stream_id is None:
         raise BadParameter("the condition has to name the stream: ... AND stream_id = '...'")
     status = await stream.query_status(app, stream_id, component_ref)

@@ -1,6 +1,9 @@
 """The System interface (RoIS_HRI::SystemIF): connect, disconnect, get_profile, get_error_detail."""
 
+from typing import Any
+
 from openrois.engine.condition import parse_condition
+from openrois.engine.tree import Tree
 from openrois.errors import BadParameter
 from openrois.interfaces.operation import operation
 from openrois.interfaces.selection import COMPONENT_PROPERTIES
@@ -15,7 +18,21 @@ from openrois.types.messages import (
     ReturnResult,
 )
 
-__all__ = ["methods"]
+__all__ = ["methods", "profile_of"]
+
+
+def profile_of(tree: Tree[Any], params: ConditionParams) -> ProfileResult:
+    """Return the profile of a tree of engines, with the components that satisfy a condition.
+
+    Raises:
+        BadParameter: the condition cannot be read.
+    """
+    condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
+    if not condition.comparisons:
+        whole = tree.directory
+        return ProfileResult(profile=whole.profile, component_profiles=dict(whole.component_profiles))
+    kept = tree.search(condition)
+    return ProfileResult(profile=tree.restricted(kept), component_profiles={ref: tree.components[ref] for ref in kept})
 
 
 def methods(app: ApplicationSession) -> dict[str, Handler]:
@@ -30,15 +47,7 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
         return ReturnResult()
 
     async def get_profile(params: ConditionParams) -> ProfileResult:
-        condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
-        tree = app.engine.tree
-        if not condition.comparisons:
-            whole = tree.directory
-            return ProfileResult(profile=whole.profile, component_profiles=dict(whole.component_profiles))
-        kept = tree.search(condition)
-        return ProfileResult(
-            profile=tree.restricted(kept), component_profiles={ref: tree.components[ref] for ref in kept}
-        )
+        return profile_of(app.engine.tree, params)
 
     async def get_error_detail(params: ErrorDetailParams) -> ResultsResult:
         if params.condition:

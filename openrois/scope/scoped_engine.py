@@ -1,29 +1,24 @@
-"""An engine as one principal sees it: every reference of its applications is looked up here, and nowhere else."""
+"""An engine as one principal sees it: what its applications ask reaches what is in scope, and nothing else."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from openrois.aio.listeners import Listeners
 from openrois.auth.principal import Principal
 from openrois.contract import Client, ComponentBus, Extension, Fault
 from openrois.engine.engine import Engine, leads_to
-from openrois.engine.tree import Tree
-from openrois.errors import NotResponding, TimedOut, Unsupported
+from openrois.errors import NotResponding, TimedOut
 from openrois.scope.filter import scoped_fault
-from openrois.scope.views import ViewChange, Views
+from openrois.scope.scoped_tree import ScopedTree
+from openrois.scope.views import Views
 from openrois.types.messages import Argument, Result
-from openrois.types.profiles import HRIComponentProfile
-from openrois.types.references import engine_of
 from openrois.types.streams import HolderNotification, subject_of
 
 __all__ = ["ScopedEngine"]
 
 
-class ScopedEngine:
+class ScopedEngine(ScopedTree):
     """The part of an engine that is in the scope of a principal, and the way to it.
-
-    What is out of scope is refused by the look-up that refuses what does not exist, with the same words.
 
     Args:
         engine: all there is.
@@ -32,76 +27,13 @@ class ScopedEngine:
     """
 
     def __init__(self, engine: Engine, principal: Principal, views: Views) -> None:
+        super().__init__(engine, principal, views)
         self._engine = engine
-        self._principal = principal
-        self._views = views
-        self._changes: Listeners[ViewChange] = Listeners()
-        self._view = views.enter(principal)
-        self._stop_following = self._view.changes.add(self._changes.notify_all)
-
-    def close(self) -> None:
-        """Stop following the engine."""
-        self._stop_following()
-        self._views.leave(self._view)
-
-    @property
-    def tree(self) -> Tree[Any]:
-        """What there is for the principal now."""
-        return self._view.tree
-
-    @property
-    def components(self) -> Mapping[str, HRIComponentProfile]:
-        """The profile of every component that there is for the principal now, by its reference."""
-        return self._view.tree.components
 
     @property
     def engine_id(self) -> str:
         """The engine's name in its tree."""
         return self._engine.engine_id
-
-    @property
-    def principal(self) -> Principal:
-        """The principal; another one may take its place at any time, and its scope holds at once."""
-        return self._principal
-
-    @principal.setter
-    def principal(self, principal: Principal) -> None:
-        former, is_other = self._view, principal.scope != self._principal.scope
-        self._principal = principal
-        if not is_other:
-            return
-        self._stop_following()
-        self._view = self._views.enter(principal)
-        self._stop_following = self._view.changes.add(self._changes.notify_all)
-        visible = former.tree.directory != self._view.tree.directory
-        gone = frozenset(former.tree.components.keys() - self._view.tree.components.keys())
-        engine_ids = frozenset(former.tree.engine_ids | self._view.tree.engine_ids) if visible else frozenset[str]()
-        self._views.leave(former)
-        self._changes.notify_all(ViewChange(visible, engine_ids, gone))
-
-    def on_change(self, listener: Callable[[ViewChange], None]) -> Callable[[], None]:
-        """Call `listener`, which must not block, whenever the tree or the scope changes; return what ends that."""
-        return self._changes.add(listener)
-
-    def sees(self, component_ref: str) -> bool:
-        """Tell whether a component is in scope, whether it exists or not."""
-        return self._principal.sees(component_ref)
-
-    def hides(self, component_ref: str) -> bool:
-        """Tell whether a component exists and is out of scope: for the audit trail, never for an answer."""
-        is_there, is_seen = component_ref in self._engine.components, self.sees(component_ref)
-        return is_there and not is_seen
-
-    def require(self, component_ref: str) -> HRIComponentProfile:
-        """Return the profile of a component.
-
-        Raises:
-            Unsupported: it does not exist, or is out of scope.
-        """
-        profile = self.components.get(component_ref)
-        if profile is None:
-            raise Unsupported(f"there is no component {component_ref[:200]!r}")
-        return profile
 
     def has_lost(self, component_ref: str | None) -> bool:
         """Tell whether a component is in scope whose engine was lost."""
@@ -117,12 +49,8 @@ class ScopedEngine:
         Raises:
             Unsupported: there is no such engine.
         """
-        self._require_engine(ref_or_id)
+        self.require_engine(ref_or_id)
         return self._engine.route(ref_or_id)
-
-    def _require_engine(self, ref_or_id: str) -> None:
-        if not self.tree.has_engine(engine_of(ref_or_id)):
-            raise Unsupported(f"there is no engine for {ref_or_id[:200]!r}")
 
     def leads_alike(self, one: str, other: str) -> bool:
         """Tell whether two references or ids lead to the same bus."""

@@ -2,16 +2,27 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from openrois.aio.listeners import Listeners
 from openrois.auth.principal import Principal, engines_named
-from openrois.contract import ComponentBus, Directory
-from openrois.engine.engine import Engine
+from openrois.contract import Directory
 from openrois.engine.tree import Tree, TreeChange
 from openrois.scope.filter import scoped_directory
 
-__all__ = ["View", "ViewChange", "Views"]
+__all__ = ["TreeSource", "View", "ViewChange", "Views"]
+
+
+class TreeSource(Protocol):
+    """A tree of engines that tells how it changes.
+
+    Attributes:
+        tree: it.
+        changes: called with each change; they must not block.
+    """
+
+    tree: Tree[Any]
+    changes: Listeners[TreeChange]
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,26 +55,26 @@ class View:
         self.users = 0
         self.principal = principal
 
-    def show(self, bus: ComponentBus, offer: Directory | None) -> TreeChange:
+    def show(self, bus: Any, offer: Directory | None) -> TreeChange:
         """Set what is seen of a bus, given what it offers; return the change."""
         shown = None if offer is None else scoped_directory(offer, self.principal)
         return self.tree.replace(bus, shown if shown is not None and shown.component_profiles else None)
 
 
 class Views:
-    """The views of one engine.
+    """The views of one tree.
 
     Args:
-        engine: that is seen.
+        source: that is seen.
     """
 
-    def __init__(self, engine: Engine) -> None:
-        self._engine = engine
+    def __init__(self, source: TreeSource) -> None:
+        self._source = source
         self._views: dict[tuple[str, ...], View] = {}
         self._naming: dict[str, dict[View, None]] = {}
         """Views of scopes that name the only engines they are about, by these."""
         self._others: dict[View, None] = {}
-        engine.changes.add(self._follow)
+        source.changes.add(self._follow)
 
     def enter(self, principal: Principal) -> View:
         """Return the view of a principal's scope; `leave` it."""
@@ -86,7 +97,7 @@ class Views:
                 del self._naming[engine_id]
 
     def _made(self, principal: Principal) -> View:
-        tree = self._engine.tree
+        tree = self._source.tree
         if principal.sees_everything:
             view = View(principal, tree)
             self._others[view] = None
@@ -107,7 +118,7 @@ class Views:
 
     def _follow(self, change: TreeChange) -> None:
         for view in tuple(self._concerned(change)):
-            if view.tree is self._engine.tree:
+            if view.tree is self._source.tree:
                 # Any change is one, also that of an engine which comes back as it was.
                 view.changes.notify_all(ViewChange(True, change.engine_ids, change.gone_refs))
                 continue

@@ -212,6 +212,10 @@ class ApplicationSession:
             self.host.tasks.start(end_streams(self.host.engine, streams, self.client))
         self.host.tasks.start(self.events.drop(entitlements.loses_subscription))
 
+    def has_streams(self, engine_id: str) -> bool:
+        """Tell whether an engine is in scope that has the streaming methods."""
+        return self.engine.has_streams(engine_id)
+
     @property
     def sharer(self) -> str | None:
         """The name whose share commands count against; None for a parent, and where no token is needed."""
