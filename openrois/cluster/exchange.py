@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
 from openrois.cluster.connection import NatsConnection
+from openrois.cluster.dial_failed import LOST, DialFailed
 from openrois.cluster.flow import MAX_MESSAGE, WINDOW, Receiving
 from openrois.cluster.frames import (
     CUT_FRAME,
@@ -22,11 +23,11 @@ from openrois.cluster.frames import (
     parse_said,
 )
 from openrois.cluster.pulse import Pulse
-from openrois.cluster.stream import LOST, NatsStream, sender_of
+from openrois.cluster.stream import NatsStream, sender_of
 from openrois.cluster.subjects import Subjects
 from openrois.transport.stream import StreamClosed
 
-__all__ = ["DialFailed", "Exchange", "Handler"]
+__all__ = ["Exchange", "Handler"]
 
 _log = logging.getLogger(__name__)
 
@@ -43,21 +44,6 @@ _TRY_LATER: Final = 1013
 _LEAVING: Final = "the gateway is leaving"
 
 Handler = Callable[[NatsStream, Mapping[str, Any]], Awaitable[None]]
-
-
-class DialFailed(Exception):
-    """There is no stream to another gateway; the text is a sentence.
-
-    Attributes:
-        code: with which that gateway refused it (RFC 6455, 7.4); 1006 where it was not reached.
-        reason: its words, or those of this gateway.
-    """
-
-    def __init__(self, gateway_id: str, code: int, reason: str) -> None:
-        way = "is not reached" if code == LOST else f"refuses with {code}"
-        super().__init__(f"gateway {gateway_id!r} {way}: {reason or 'it does not say why'}")
-        self.code = code
-        self.reason = reason
 
 
 class Exchange:

@@ -8,17 +8,18 @@ from typing import Any, Final, Self
 
 from openrois.aio.tasks import TaskScope
 from openrois.cluster.connection import NatsConnection
-from openrois.cluster.exchange import DialFailed, Exchange, Handler
+from openrois.cluster.dial_failed import LOST, DialFailed
+from openrois.cluster.exchange import Exchange, Handler
 from openrois.cluster.flow import MAX_MESSAGE
 from openrois.cluster.handshake import Unreachable
 from openrois.cluster.presence import Present
 from openrois.cluster.pulse import Pulse
 from openrois.cluster.settings import NatsSettings
-from openrois.cluster.stream import LOST, NatsStream
+from openrois.cluster.stream import NatsStream
 from openrois.cluster.subjects import Subjects
 from openrois.transport.backoff import Backoff
 
-__all__ = ["DialFailed", "NatsLink", "NatsSettings", "NatsStream"]
+__all__ = ["NatsLink", "NatsSettings", "NatsStream"]
 
 _log = logging.getLogger(__name__)
 

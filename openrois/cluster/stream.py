@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from openrois.aio.tasks import Deadline
 from openrois.cluster.connection import NatsConnection
+from openrois.cluster.dial_failed import LOST
 from openrois.cluster.flow import MESSAGE_COST, PIECE, Receiving, Sending
 from openrois.cluster.frames import (
     CUT_FRAME,
@@ -27,9 +28,8 @@ from openrois.cluster.frames import (
 from openrois.cluster.subjects import Subjects
 from openrois.transport.stream import StreamClosed
 
-__all__ = ["LOST", "NatsStream", "sender_of"]
+__all__ = ["NatsStream", "sender_of"]
 
-LOST: Final = 1006
 _CLOSE_TIMEOUT: Final = 1.0
 _WRONG_TEXT: Final = 1007
 _TOO_LONG: Final = 1009

@@ -17,6 +17,10 @@ from openrois.aio.rate import RateLimit
 from openrois.auth.principal import LOCAL
 from openrois.contract import Client
 from openrois.errors import RoISError
+from openrois.federation.assertion import Assertion
+from openrois.federation.federation import Federation
+from openrois.federation.router import Router, without_directory
+from openrois.federation.sub_sessions import PRINCIPAL
 from openrois.gateway.refusals import RefusalNotes
 from openrois.gateway.renewal import Renewal, expiring
 from openrois.gateway.sign_in import SignIns
@@ -33,12 +37,15 @@ from openrois.session.session import ApplicationSession, EngineHost
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.references import engine_of
 
-__all__ = ["RESUMED", "serve_application"]
+__all__ = ["RESUMED", "SUB_SESSION", "serve_application", "serve_sub_session"]
 
 _log = logging.getLogger(__name__)
 
 _WITHOUT_HANDSHAKE: Final = 1006
 """The code of a connection that was lost."""
+
+SUB_SESSION: Final = "sub_session"
+"""The kind, for figures, of a session whose application is connected to another gateway."""
 
 RESUMED: Final = 4409
 """The close code of a connection whose session another one has resumed."""
@@ -62,6 +69,7 @@ async def serve_application(
     expiry: TokenExpiry | None = None,
     renewal: Renewal | None = None,
     sign_ins: SignIns | None = None,
+    federation: Federation | None = None,
 ) -> StreamClosed:
     """Serve one application until its connection ends; return why it did.
 
@@ -71,52 +79,104 @@ async def serve_application(
         expiry: the principal of the connection, and for how long; without it the local one.
         renewal: how that is made longer.
         sign_ins: records that it came and left.
+        federation: the other gateways, whose engines the application has too; None for those of this one alone.
     """
-    expiry = expiry or TokenExpiry(LOCAL)
-    sign_ins = sign_ins or SignIns(host.audit)
-    rate = RateLimit(REQUESTS_AT_ONCE, REQUESTS_PER_SECOND, time.monotonic)
-    session = RpcSession(stream, rules=queue_rules(rate), latencies=host.connection_stats.latencies)
-    signaling = _Signaling(host)
-    app = ApplicationSession(
-        host, session.notify, passes=signaling.passes, left=signaling.forget_peers, principal=expiry.principal
-    )
-    signaling.app = app
-    session.on_failure = host.crashed
-    session.explain = app.explain
-    notes = RefusalNotes(app)
-    session.on_refusal = notes.note
-    session.outbox.gap = app.gap
-    methods = {**base_methods(app), **directory_methods(app), **stream_methods(app), **lease_methods(app)}
-    methods |= signaling.methods()
+    served = _Served(host, stream, expiry or TokenExpiry(LOCAL), federation)
+    methods = served.methods
     if renewal is not None:
-        methods |= renewal.method(expiry, lambda principal: principal.is_application, notes.note_token)
-    session.methods = enforced(app, methods)
-    expiry.on_principal = partial(setattr, app, "principal")
-    expiry.on_expiring = expiring(session.notify, lambda: app.extended)
-    stop_listening = app.engine.on_change(signaling.tree_changed)
-    app.end_connection = partial(session.end_session, RESUMED, "another connection has resumed this session")
-    closed = StreamClosed(_WITHOUT_HANDSHAKE)
-    lost = False
-    try:
-        with (
-            connection(app.client_id[:8]),
-            sign_ins.visit(expiry.principal, "/", expiry.address) as visit,
-            host.connection_stats.counted("application", session, app.events.count),
-            host.quotas.serving(app),
-            host.unread.account(app.quota_name, session.cut_unread) as unread,
-        ):
-            session.outbox.account = unread
-            closed = await session.run()
-            visit.ended = str(closed)
-        lost = closed.code == _WITHOUT_HANDSHAKE
-        return closed
-    finally:
-        stop_listening()
-        async with asyncio.TaskGroup() as ending:
-            if closed.code == RESUMED:
-                # It may be half open, which takes a while to notice.
-                ending.create_task(stream.close(closed.code, closed.reason))
-            await app.close(lost=lost)
+        refused = served.notes.note_token
+        methods |= renewal.method(served.expiry, lambda principal: principal.is_application, refused)
+    return await served.run(methods, sign_ins or SignIns(host.audit), "application")
+
+
+async def serve_sub_session(
+    host: EngineHost, stream: MessageStream, expiry: TokenExpiry, sign_ins: SignIns
+) -> StreamClosed:
+    """Serve one application that is connected to another gateway; return why that ended.
+
+    Args:
+        host: this gateway's engine: of others this application learns there.
+        stream: to the other gateway.
+        expiry: the principal that it asserts, and for how long.
+        sign_ins: records that it came and left.
+    """
+    served = _Served(host, stream, expiry, None)
+
+    def replace(params: Mapping[str, Any]) -> None:
+        principal = Assertion.parse(params).principal
+        if principal.subject == expiry.principal.subject and not expiry.is_over:
+            expiry.replace(principal)
+
+    served.session.notifications = {PRINCIPAL: replace}
+    return await served.run(served.methods, sign_ins, SUB_SESSION)
+
+
+class _Served:
+    """One connection of an application: its session, and the methods that it has."""
+
+    def __init__(
+        self, host: EngineHost, stream: MessageStream, expiry: TokenExpiry, federation: Federation | None
+    ) -> None:
+        rate = RateLimit(REQUESTS_AT_ONCE, REQUESTS_PER_SECOND, time.monotonic)
+        self.expiry = expiry
+        self.session = session = RpcSession(
+            stream, rules=queue_rules(rate), latencies=host.connection_stats.latencies, on_failure=host.crashed
+        )
+        self._host = host
+        self._stream = stream
+        self._signaling = _Signaling(host)
+        self.app = app = ApplicationSession(
+            host,
+            session.notify if federation is None else without_directory(session.notify),
+            passes=self._signaling.passes,
+            left=self._signaling.forget_peers,
+            principal=expiry.principal,
+        )
+        self._signaling.app = app
+        session.explain = app.explain
+        self.notes = RefusalNotes(app)
+        session.on_refusal = self.notes.note
+        session.outbox.gap = app.gap
+        methods = {**base_methods(app), **directory_methods(app), **stream_methods(app), **lease_methods(app)}
+        methods |= self._signaling.methods()
+        self._router = None
+        if federation is not None:
+            self._router = Router(federation, app, methods, session.notify, expiry.address)
+            methods = self._router.methods()
+        self.methods = methods
+        expiry.on_principal = partial(setattr, self._router or app, "principal")
+        expiry.on_expiring = expiring(session.notify, lambda: app.extended)
+        app.end_connection = partial(session.end_session, RESUMED, "another connection has resumed this session")
+
+    async def run(self, methods: Mapping[str, Handler], sign_ins: SignIns, kind: str) -> StreamClosed:
+        """Serve until the connection ends; return why it did."""
+        host, app, session, expiry = self._host, self.app, self.session, self.expiry
+        session.methods = enforced(app, methods)
+        stop_listening = app.engine.on_change(self._signaling.tree_changed)
+        closed = StreamClosed(_WITHOUT_HANDSHAKE)
+        lost = False
+        try:
+            with (
+                connection(app.client_id[:8]),
+                sign_ins.visit(expiry.principal, "/" if kind == "application" else "/cluster", expiry.address) as visit,
+                host.connection_stats.counted(kind, session, app.events.count),
+                host.quotas.serving(app),
+                host.unread.account(app.quota_name, session.cut_unread) as unread,
+            ):
+                session.outbox.account = unread
+                closed = await session.run()
+                visit.ended = str(closed)
+            lost = closed.code == _WITHOUT_HANDSHAKE
+            return closed
+        finally:
+            stop_listening()
+            async with asyncio.TaskGroup() as ending:
+                if closed.code == RESUMED:
+                    # It may be half open, which takes a while to notice.
+                    ending.create_task(self._stream.close(closed.code, closed.reason))
+                if self._router is not None:
+                    ending.create_task(self._router.close(lost=lost))
+                await app.close(lost=lost)
 
 
 class _Signaling:

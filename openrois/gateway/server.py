@@ -25,10 +25,12 @@ from openrois.auth.principal import LOCAL, quota_name
 from openrois.auth.subject_quotas import SubjectQuotas
 from openrois.engine.engine import Engine
 from openrois.errors import OutOfResources
+from openrois.federation.federation import Federation
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.admission import guard
 from openrois.gateway.applications import serve_application
 from openrois.gateway.auth_setup import AuthSetup
+from openrois.gateway.clustering import Clustering
 from openrois.gateway.connection_limits import ConnectionLimits
 from openrois.gateway.draining import RETRY_AFTER, Drain
 from openrois.gateway.ice import IceServers
@@ -102,6 +104,7 @@ async def run_gateway(
     """
     async with AsyncExitStack() as stack:
         ice = IceServers(settings.ice_servers, settings.turn, settings.turn_secret, settings.turn_ttl, time.time)
+        parts = await stack.enter_async_context(Clustering.opened(settings))
         audit = stack.enter_context(Audit(settings.audit_file, redact=Redaction(settings.secrets())))
         journal = stack.enter_context(Journal(settings.journal))
         # What runs ends before that is written down no more.
@@ -139,8 +142,13 @@ async def run_gateway(
             restart_barrier.wait,
         )
         readiness.require("room for connections", lambda: not connection_limits.is_full)
+        federation = None
+        if parts is not None:
+            clustering = Clustering(parts, host)
+            federation = clustering.federation
+            await stack.enter_async_context(clustering.serving(auth_setup, readiness))
         server = _Server(
-            settings, host, auth_setup, connection_limits, header_timeouts, readiness, application, adapter
+            settings, host, auth_setup, connection_limits, header_timeouts, readiness, application, adapter, federation
         )
         runner = web.AppRunner(server.app, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()
@@ -190,8 +198,10 @@ class _Server:
         readiness: Readiness,
         application: SocketProfile,
         adapter: SocketProfile,
+        federation: Federation | None,
     ) -> None:
         self._host = host
+        self._federation = federation
         self._auth_setup = auth_setup
         self._connection_limits = connection_limits
         self._adapter_timeout = settings.adapter_timeout
@@ -217,7 +227,7 @@ class _Server:
                 self._place_of_application(expiry),
                 self._connection_limits.entering(),
                 lambda stream: serve_application(
-                    self._host, stream, expiry, self._auth_setup.renewal, self._auth_setup.sign_ins
+                    self._host, stream, expiry, self._auth_setup.renewal, self._auth_setup.sign_ins, self._federation
                 ),
             )
         path = request.match_info["path"]

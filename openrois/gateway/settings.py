@@ -186,7 +186,39 @@ class Operation(SettingsGroup):
         return self
 
 
-class GatewaySettings(Listening, Authentication, Encryption, Streams, Adapters, Leases, Quotas, Operation):
+class Clustering(SettingsGroup):
+    """The other gateways, and what they share."""
+
+    table: ClassVar[str] = "cluster"
+
+    gateway_id: str = setting("", "this gateway's own id among those of its cluster", metavar="ID")
+    cluster: tuple[str, ...] = setting((), "NATS that joins the gateways, nats://HOST:PORT or tls://", metavar="URL")
+    cluster_name: str = setting("openrois", "tells this cluster from others at the same NATS", metavar="NAME")
+    cluster_credentials: Path | None = setting(
+        None, "a token for NATS in one line, or a user and a password in two", metavar="FILE"
+    )
+    cluster_ca: Path | None = setting(None, "authorities (PEM) that signed NATS's certificate", metavar="FILE")
+    cluster_cert: Path | None = setting(None, "a certificate (PEM) that NATS is shown", metavar="FILE")
+    cluster_key: Path | None = setting(None, "its key (PEM)", metavar="FILE")
+    store: str = setting("", "PostgreSQL that the gateways share, postgresql://USER@HOST/DATABASE", metavar="URL")
+    store_password: Path | None = setting(
+        None, "its password; without it libpq's own file counts", metavar="FILE"
+    )
+
+    @model_validator(mode="after")
+    def _check_cluster(self) -> Self:
+        if bool(self.cluster) != bool(self.store):
+            raise ValueError("--cluster and --store must be given together: gateways share NATS and PostgreSQL")
+        if self.cluster and not self.gateway_id:
+            raise ValueError(
+                "--cluster needs --gateway-id: a name of its own for each gateway, for ever"
+            )
+        if not self.cluster and self.gateway_id:
+            raise ValueError("--gateway-id is of no use without --cluster")
+        return self
+
+
+class GatewaySettings(Listening, Authentication, Encryption, Streams, Adapters, Leases, Quotas, Operation, Clustering):
     """The settings of one gateway.
 
     Raises:
@@ -224,6 +256,7 @@ GROUPS: Final[tuple[type[SettingsGroup], ...]] = (
     Leases,
     Quotas,
     Operation,
+    Clustering,
 )
 """The tables of the configuration file, in its order."""
 

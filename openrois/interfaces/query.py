@@ -12,10 +12,10 @@ from openrois.session.session import ApplicationSession
 from openrois.types.codes import ComponentStatus
 from openrois.types.messages import QueryParams, Result, ResultsResult
 
-__all__ = ["methods"]
+__all__ = ["FAILING", "STATUS_QUERY", "methods"]
 
-_COMPONENT_STATUS: Final = "component_status"
-_FAILING: Final = Result(name="status", data_type_ref="Component_Status", value=ComponentStatus.ERROR.value)
+STATUS_QUERY: Final = "component_status"
+FAILING: Final = Result(name="status", data_type_ref="Component_Status", value=ComponentStatus.ERROR.value)
 """The status of a component whose engine was lost: it cannot answer itself."""
 
 
@@ -26,10 +26,10 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
         name = params.query_type
         if name == STREAM_STATUS:
             return ResultsResult(results=await _stream_status(app, params.condition))
-        if name == _COMPONENT_STATUS:
+        if name == STATUS_QUERY:
             condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
             if app.engine.has_lost(condition.value_of("component_ref")):
-                return ResultsResult(results=(_FAILING,))
+                return ResultsResult(results=(FAILING,))
         component_ref = queried_component(app.engine, name, params.condition)
         return ResultsResult(results=await app.engine.query(component_ref, name))
 

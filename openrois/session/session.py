@@ -281,9 +281,12 @@ class ApplicationSession:
 
     def _handle_fault(self, fault: Fault) -> None:
         shown = self.engine.scoped_fault(fault) if self._is_concerned_by(fault) else None
-        if shown is None:
-            return
-        self.errors.note(shown)
+        if shown is not None:
+            self.tell_fault(shown)
+
+    def tell_fault(self, fault: Fault) -> None:
+        """Notify the application of a fault that it may see and that concerns it."""
+        self.errors.note(fault)
         told = ErrorNotification(error_id=fault.error_id, error_type=fault.error_type).model_dump(mode="json")
         # Whatever was asked and failed is answered first.
         asyncio.get_running_loop().call_soon(lambda: self._notify("rois.system.notify_error", told, droppable=True))

@@ -1,0 +1,87 @@
+"""What a gateway asserts to another one about the application whose session it opens there. Pure."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Final, Literal, Self
+
+from pydantic import Field, ValidationError
+
+from openrois.auth.principal import LOCAL, Principal, Role
+from openrois.errors import BadParameter
+from openrois.types.model import Model
+
+__all__ = ["MAX_SCOPE", "Assertion"]
+
+MAX_SCOPE: Final = 512
+"""Patterns in the scope of an application that is asserted."""
+
+
+class Assertion(Model):
+    """A principal, as the gateway that has verified its token asserts it, and the line of sessions it belongs to.
+
+    Attributes:
+        kind: `local` where that gateway asks for no tokens.
+        subject: of the principal.
+        roles: of the principal.
+        scope: of the principal.
+        expires: epoch seconds at which its token ends; None for never.
+        token_id: the id of its token, so that a revocation reaches this session too.
+        address: where the application comes from.
+        line: names the session over all its connections; empty where it cannot be resumed.
+        generation: how often the line was resumed.
+    """
+
+    kind: Literal["local", "token"]
+    subject: Annotated[str, Field(max_length=1024)]
+    roles: Annotated[tuple[Role, ...], Field(max_length=16, strict=False)] = ()
+    scope: Annotated[tuple[str, ...], Field(max_length=MAX_SCOPE, strict=False)] = ()
+    expires: float | None = None
+    token_id: Annotated[str, Field(max_length=1024)] = ""
+    address: Annotated[str, Field(max_length=256)] = ""
+    line: Annotated[str, Field(max_length=64)] = ""
+    generation: Annotated[int, Field(ge=0)] = 0
+
+    @classmethod
+    def of(cls, principal: Principal, *, address: str = "", line: str = "", generation: int = 0) -> Self:
+        """Return what is asserted of a principal.
+
+        Raises:
+            BadParameter: its scope is too long for that.
+        """
+        if len(principal.scope) > MAX_SCOPE:
+            raise BadParameter(f"a scope of {len(principal.scope)} patterns goes to no other gateway: {MAX_SCOPE} do")
+        return cls(
+            kind="local" if principal is LOCAL else "token",
+            subject=principal.subject,
+            roles=tuple(sorted(principal.roles)),
+            scope=principal.scope,
+            expires=principal.expires,
+            token_id=principal.token_id,
+            address=address,
+            line=line,
+            generation=generation,
+        )
+
+    @classmethod
+    def parse(cls, said: Mapping[str, Any]) -> Self:
+        """Return what another gateway asserts.
+
+        Raises:
+            BadParameter: it is no assertion.
+        """
+        try:
+            return cls.model_validate(said)
+        except ValidationError as error:
+            first = error.errors(include_url=False, include_context=False, include_input=False)[0]
+            path = ".".join(str(step) for step in first["loc"])
+            raise BadParameter(f"what the gateway asserts is no principal: {path}: {first['msg']}"[:300]) from None
+
+    @property
+    def principal(self) -> Principal:
+        """The principal that is asserted."""
+        if self.kind == "local":
+            return LOCAL
+        return Principal(self.subject, frozenset(self.roles), self.scope, self.expires, self.token_id)
+
+    def hello(self) -> dict[str, Any]:
+        """Return it as an object for JSON."""
+        return self.model_dump(mode="json")

@@ -1,0 +1,48 @@
+"""The way from one gateway to the others, as a federation needs it. Pure."""
+
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any, Protocol, Self
+
+from openrois.cluster.presence import Present
+from openrois.transport.stream import MessageStream
+
+__all__ = ["GatewayLink"]
+
+
+class GatewayLink(Protocol):
+    """The link of a gateway to the others of its cluster.
+
+    Attributes:
+        gateway_id: of this gateway.
+        trouble: why no other gateway can be reached; empty where they can.
+    """
+
+    gateway_id: str
+    trouble: str
+
+    @property
+    def present(self) -> Mapping[str, Present]:
+        """The gateways that are there, this one too, by id."""
+        ...
+
+    def on_presence(self, listener: Callable[[Mapping[str, Present]], None]) -> Callable[[], None]:
+        """Call `listener` when a gateway comes, changes or goes; return a function that removes it."""
+        ...
+
+    async def __aenter__(self) -> Self:
+        """Begin to reach the others, and to be reached by them."""
+        ...
+
+    async def __aexit__(self, *_error: object) -> None: ...
+
+    async def listen(self, handler: Callable[[MessageStream, Mapping[str, Any]], Awaitable[None]]) -> None:
+        """Let other gateways dial this one: the handler gets each stream and what is asserted, in a task of its own."""
+        ...
+
+    async def dial(self, gateway_id: str, hello: Mapping[str, Any]) -> MessageStream:
+        """Return a stream to another gateway.
+
+        Raises:
+            DialFailed: it is not reached or refuses.
+        """
+        ...

@@ -1,0 +1,38 @@
+"""NATS and PostgreSQL of a gateway of a cluster, put together from the settings; they need the extra `cluster`."""
+
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
+
+from openrois.cluster.link import NatsLink, NatsSettings
+from openrois.cluster.postgres.database import Database
+from openrois.cluster.postgres.ownership import PostgresStore
+from openrois.gateway.clustering import ClusterParts
+from openrois.gateway.settings import GatewaySettings
+from openrois.ownership.directorate import Directorate
+
+__all__ = ["open_parts"]
+
+
+@asynccontextmanager
+async def open_parts(settings: GatewaySettings) -> AsyncIterator[ClusterParts]:
+    """Connect a gateway to what its cluster shares while the block runs.
+
+    Raises:
+        StoreUnreachable: PostgreSQL is not there.
+        StoreUnusable: its schema is newer than this program knows.
+        ValueError: an address or a file cannot be used.
+    """
+    nats = NatsSettings(
+        settings.cluster,
+        settings.cluster_credentials,
+        settings.cluster_ca,
+        settings.cluster_cert,
+        settings.cluster_key,
+        settings.cluster_name,
+    )
+    async with AsyncExitStack() as stack:
+        database = Database(settings.store, settings.store_password, gateway_id=settings.gateway_id)
+        await stack.enter_async_context(database)
+        store = PostgresStore(database)
+        directorate = await stack.enter_async_context(Directorate(store, settings.gateway_id))
+        yield ClusterParts(NatsLink(nats, settings.gateway_id), directorate)
