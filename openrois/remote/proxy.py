@@ -6,8 +6,6 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, Final
 
-from pydantic import ConfigDict
-
 from openrois.aio.tasks import TaskScope
 from openrois.contract import Directory, Event, Extension, OnFault, Sink, SubscriptionLost
 from openrois.errors import (
@@ -29,6 +27,7 @@ from openrois.remote.attachment import ATTACHED
 from openrois.remote.commands import RemoteCommand, RemoteCommands
 from openrois.remote.extension import MAY_BIND, RemoteExtension
 from openrois.remote.faults import RemoteFaults
+from openrois.remote.greeting import Greeting
 from openrois.remote.remote_profile import RemoteProfile
 from openrois.remote.rpc_call import RpcCalls, read_result
 from openrois.remote.shared_profiles import shared_profile
@@ -51,7 +50,7 @@ from openrois.types.messages import (
 )
 from openrois.types.profiles import HRIEngineProfile
 from openrois.types.reasons import ReasonNotification, sentence
-from openrois.types.streams import EXTENSION_VERSION, EXTENSIONS, HelloResult
+from openrois.types.streams import EXTENSION_VERSION, EXTENSIONS
 
 __all__ = ["RemoteProxy"]
 
@@ -68,12 +67,6 @@ HELLO_TIMEOUT: Final = 1.0
 """Seconds after which an engine that does not answer `openrois.hello` is taken for one of the base wire."""
 
 _READ_EVENT: Final = EventNotification.__pydantic_validator__.validate_python
-
-
-class _Greeting(HelloResult):
-    """The answer to our hello; members of newer engines are ignored."""
-
-    model_config = ConfigDict(extra="ignore")
 
 
 class RemoteProxy:
@@ -104,7 +97,7 @@ class RemoteProxy:
         self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe, self._drop_subscription)
         self._strays = Tally(_log, "events that do not fit their subscription")
         self._is_plain = False
-        self._greeting: _Greeting | None = None
+        self._greeting: Greeting | None = None
         self.accepts: Callable[[Directory], None] = lambda _directory: None
         self.speaks_extensions = False
 
@@ -156,7 +149,7 @@ class RemoteProxy:
         timeout = min(HELLO_TIMEOUT, self._session.call_timeout)
         try:
             self._greeting = await self._calls.ask(
-                "openrois.hello", params, _Greeting, too_late=self._take_late_greeting, timeout=timeout
+                "openrois.hello", params, Greeting, too_late=self._take_late_greeting, timeout=timeout
             )
         except Unsupported:
             self._is_plain = True
@@ -169,7 +162,7 @@ class RemoteProxy:
                 raise
 
     def _take_late_greeting(self, result: Any) -> None:
-        greeting = read_result("openrois.hello", result, _Greeting)
+        greeting = read_result("openrois.hello", result, Greeting)
         if greeting.return_code is ReturnCode.OK and greeting != self._greeting:
             self._greeting, self._is_plain = greeting, False
             self._profile_changed()
