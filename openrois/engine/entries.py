@@ -6,6 +6,7 @@ from typing import Any
 from openrois.engine.profile_versions import profile_version, short_digest
 from openrois.engine.tree import Tree
 from openrois.types.directory import ComponentEntry, EngineEntry
+from openrois.types.profiles import RoISIdentifier
 from openrois.types.streams import EXTENSIONS
 
 __all__ = ["engine_entry"]
@@ -29,6 +30,8 @@ def engine_entry(tree: Tree[Any], engine_id: str, has_streams: Callable[[str], b
         version="",
         extensions=EXTENSIONS if has_streams(engine_id) else (),
         components=components,
+        identifier=None if place.identifier == RoISIdentifier(code=engine_id) else place.identifier,
+        parameter_profiles=place.parameter_profiles,
     )
     return entry.model_copy(update={"version": short_digest(entry.model_dump_json())})
 

@@ -11,7 +11,7 @@ from typing import Any, Final, Generic, TypeVar
 from openrois.contract import Directory
 from openrois.engine.component_index import ComponentIndex
 from openrois.engine.condition import Condition
-from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, RoISIdentifier
+from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, ParameterProfile, RoISIdentifier
 from openrois.types.references import engine_of
 
 __all__ = ["AUTHORITY", "Place", "Tree", "TreeChange"]
@@ -29,10 +29,14 @@ class Place:
     Attributes:
         parent_id: the engine right above it.
         component_refs: the components that it owns, and no engine below it.
+        identifier: of its profile.
+        parameter_profiles: of its profile.
     """
 
     parent_id: str
     component_refs: tuple[str, ...]
+    identifier: RoISIdentifier
+    parameter_profiles: tuple[ParameterProfile, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +99,7 @@ class Tree(Generic[Bus]):
 
     def __init__(self, engine_id: str) -> None:
         self.engine_id = engine_id
+        self._identifier = RoISIdentifier(code=engine_id, authority=AUTHORITY)
         self._offers: dict[Bus, Directory] = {}
         self._buses: dict[str, Bus] = {}
         self._components: dict[str, HRIComponentProfile] = {}
@@ -182,7 +187,8 @@ class Tree(Generic[Bus]):
     def place_of(self, engine_id: str) -> Place | None:
         """Return the place of an engine; None where it is not in the tree."""
         if engine_id == self.engine_id:
-            return self._places.get(engine_id, Place("", ()))
+            own = self._places.get(engine_id)
+            return Place("", () if own is None else own.component_refs, self._identifier)
         return self._places.get(engine_id)
 
     def engines_after(self, engine_id: str) -> Iterator[str]:
@@ -224,7 +230,7 @@ class Tree(Generic[Bus]):
             (own if offer.profile.identifier.code == self.engine_id else below).append(offer)
         refs = (*_listed(own), *_listed(below))
         profile = HRIEngineProfile(
-            identifier=RoISIdentifier(code=self.engine_id, authority=AUTHORITY),
+            identifier=self._identifier,
             sub_profiles=tuple(offer.profile for offer in below),
             component_ids=refs,
         )
@@ -234,7 +240,7 @@ class Tree(Generic[Bus]):
 def _places(profile: HRIEngineProfile, root_id: str) -> Iterator[tuple[str, Place]]:
     """Yield the place of each engine of an offer below an engine."""
     engine_id = profile.identifier.code
-    yield engine_id, Place("" if engine_id == root_id else root_id, profile.own_refs())
+    yield engine_id, Place(root_id, profile.own_refs(), profile.identifier, profile.parameter_profiles)
     for below in profile.sub_profiles:
         yield from _places(below, engine_id)
 

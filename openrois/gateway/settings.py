@@ -201,18 +201,14 @@ class Clustering(SettingsGroup):
     cluster_cert: Path | None = setting(None, "a certificate (PEM) that NATS is shown", metavar="FILE")
     cluster_key: Path | None = setting(None, "its key (PEM)", metavar="FILE")
     store: str = setting("", "PostgreSQL that the gateways share, postgresql://USER@HOST/DATABASE", metavar="URL")
-    store_password: Path | None = setting(
-        None, "its password; without it libpq's own file counts", metavar="FILE"
-    )
+    store_password: Path | None = setting(None, "its password; without it libpq's own file counts", metavar="FILE")
 
     @model_validator(mode="after")
     def _check_cluster(self) -> Self:
         if bool(self.cluster) != bool(self.store):
             raise ValueError("--cluster and --store must be given together: gateways share NATS and PostgreSQL")
         if self.cluster and not self.gateway_id:
-            raise ValueError(
-                "--cluster needs --gateway-id: a name of its own for each gateway, for ever"
-            )
+            raise ValueError("--cluster needs --gateway-id: a name of its own for each gateway, for ever")
         if not self.cluster and self.gateway_id:
             raise ValueError("--gateway-id is of no use without --cluster")
         return self

@@ -25,8 +25,8 @@ __all__ = ["DirectoryReader", "methods"]
 ROOM: Final = 262_144
 """Characters of JSON after which a reply takes nothing more."""
 
-COMPONENTS: Final = 1024
-"""Components of all engines of a reply, after which it takes no further engine."""
+ITEMS: Final = 1024
+"""Components and parameters of all engines of a reply, after which it takes no further engine."""
 
 
 class DirectoryReader(Protocol):
@@ -90,13 +90,13 @@ class _Directory:
         """Return the entries of the first engines that a reply has room for, and the next engine; empty for none."""
         seen = self._reader.engine
         found: list[EngineEntry] = []
-        components = 0
+        items = 0
         for engine_id in engine_ids:
             entry = engine_entry(seen.tree, engine_id, self._reader.has_streams)
             if entry is None:
                 continue
-            components += len(entry.components)
-            if len(found) == limit or (found and components > COMPONENTS):
+            items += len(entry.components) + len(entry.parameter_profiles)
+            if len(found) == limit or (found and items > ITEMS):
                 return tuple(found), engine_id
             found.append(entry)
         return tuple(found), ""

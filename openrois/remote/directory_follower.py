@@ -42,7 +42,7 @@ class DirectoryFollower:
         self._sleep = sleep
         self._due = asyncio.Event()
         self._lost: str | None = None
-        self._directory = RemoteDirectory(calls, self._due.set)
+        self._directory = RemoteDirectory(calls, lambda _engine_ids: self._due.set())
 
     def notifications(self) -> dict[str, NotificationHandler]:
         """Return the handlers of the notifications that come over the connection."""

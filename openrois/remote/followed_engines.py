@@ -1,7 +1,7 @@
 """The engines of a remote engine: the entries of its directory, put together to trees with their profiles."""
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, KeysView, Mapping
+from collections.abc import Collection, Iterable, KeysView, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
@@ -14,7 +14,7 @@ from openrois.types.directory import EngineEntry
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, RoISIdentifier
 from openrois.types.references import engine_of, flaw_of_name
 
-__all__ = ["FollowedEngine", "FollowedEngines"]
+__all__ = ["FollowedEngine", "FollowedEngines", "together"]
 
 MAX_ENGINES: Final = 65_536
 """Engines of one directory that is followed."""
@@ -44,11 +44,24 @@ class FollowedEngine:
 
 @dataclass(frozen=True, slots=True)
 class _Known:
-    """An engine as its entry describes it; `versions` are the profiles of its own components by their references."""
+    """An engine as its entry describes it.
 
-    parent_id: str
+    Attributes:
+        entry: without its components and extensions.
+        has_streams: whether it has streams.
+        versions: of the profiles of its own components, by their references.
+        text: characters of what else its profile says.
+    """
+
+    entry: EngineEntry
     has_streams: bool
     versions: Mapping[str, str]
+    text: int
+
+    @property
+    def parent_id(self) -> str:
+        """The engine right above it."""
+        return self.entry.parent_id
 
 
 class FollowedEngines:
@@ -58,6 +71,7 @@ class FollowedEngines:
         main_id: the engine that all others are below; empty before it is known.
         missing: for each version of a profile that is not known the engines and components that have it.
         roots: the engines right below the main one, as `take_changes` last gave them.
+        main: the profile of the main engine without those below it, and its own components, as they were then.
     """
 
     def __init__(self) -> None:
@@ -65,6 +79,7 @@ class FollowedEngines:
         self.missing: dict[str, dict[tuple[str, str], None]] = {}
         self._roots: dict[str, FollowedEngine] = {}
         self.roots: Mapping[str, FollowedEngine] = MappingProxyType(self._roots)
+        self.main: Directory | None = None
         self._known: dict[str, _Known] = {}
         self._children: dict[str, dict[str, None]] = {}
         self._nodes: dict[str, tuple[HRIEngineProfile, int]] = {}
@@ -81,6 +96,12 @@ class FollowedEngines:
         """Return the ids of all engines."""
         return self._known.keys()
 
+    def streaming(self) -> frozenset[str]:
+        """Return the ids of the engines that have streams, the main one among them."""
+        main = self._known.get(self.main_id)
+        own = {self.main_id} if main is not None and main.has_streams else set[str]()
+        return frozenset(own.union(*(root.streaming for root in self._roots.values())))
+
     def keep(self, entry: EngineEntry) -> None:
         """Keep an entry in the place of the engine's former one.
 
@@ -90,22 +111,24 @@ class FollowedEngines:
         """
         self._require_fit(entry)
         self.drop(entry.engine_id)
-        versions = {each.component_ref: each.profile_version for each in entry.components}
-        self._known[entry.engine_id] = _Known(entry.parent_id, "rois.stream" in entry.extensions, versions)
+        known = self._known[entry.engine_id] = _read(entry)
         if entry.parent_id:
             self._children.setdefault(entry.parent_id, {})[entry.engine_id] = None
         else:
             self.main_id = entry.engine_id
-        self._components += len(versions)
+        self._components += len(known.versions)
+        self._count(known.text)
         if len(self._known) > MAX_ENGINES or self._components > MAX_COMPONENTS:
             raise BadParameter(f"a directory may have {MAX_ENGINES} engines and {MAX_COMPONENTS} components at most")
-        for component_ref, version in versions.items():
+        for component_ref, version in known.versions.items():
             self._uses[version] += 1
             if version not in self._profiles:
                 self.missing.setdefault(version, {})[entry.engine_id, component_ref] = None
         self.touch(entry.engine_id)
 
     def _require_fit(self, entry: EngineEntry) -> None:
+        if entry.identifier is not None and entry.identifier.code != entry.engine_id:
+            raise ComponentFailed(f"the engine {entry.engine_id[:200]!r} has the identifier of another one")
         if flaw := flaw_of_name(entry.engine_id) or (flaw_of_name(entry.parent_id) if entry.parent_id else ""):
             raise BadParameter(
                 f"the engine {entry.engine_id[:200]!r} cannot be in a tree: of its ids one is wrong: {flaw}"
@@ -134,6 +157,7 @@ class FollowedEngines:
             if not siblings:
                 del self._children[known.parent_id]
         self._components -= len(known.versions)
+        self._text -= known.text
         for component_ref, version in known.versions.items():
             self._release(version, (engine_id, component_ref))
 
@@ -173,7 +197,10 @@ class FollowedEngines:
         if self.missing.pop(version, None) is None:
             return
         self._profiles[version] = profile
-        self._text += profile_version(profile).size
+        self._count(profile_version(profile).size)
+
+    def _count(self, text: int) -> None:
+        self._text += text
         if self._text > MAX_TEXT:
             raise BadParameter(f"the profiles of a directory may have {MAX_TEXT} characters at most")
 
@@ -195,6 +222,8 @@ class FollowedEngines:
             if top in self._roots and not self._is_root(top):
                 changes[top] = None
                 del self._roots[top]
+            if top == self.main_id and top in self._known:
+                self._take_main(is_stale=top in stale)
             if top == self.main_id or top not in self._known:
                 continue
             root = self._path(top)[-1]
@@ -206,6 +235,14 @@ class FollowedEngines:
             else:
                 changes[root] = self._roots[root] = built
         return changes
+
+    def _take_main(self, *, is_stale: bool) -> None:
+        if is_stale:
+            self._due[self.main_id] = None
+            return
+        known = self._known[self.main_id]
+        profiles = {ref: self._profiles[version] for ref, version in known.versions.items()}
+        self.main = Directory(_profile(known, ()), profiles)
 
     def _is_root(self, engine_id: str) -> bool:
         known = self._known.get(engine_id)
@@ -244,13 +281,36 @@ class FollowedEngines:
             if depth >= MAX_DEPTH:
                 raise BadParameter(f"engines may be nested {MAX_DEPTH} deep at most")
             below = [self._node(child, depth + 1) for child in sorted(self._children.get(engine_id, ()))]
-            profile = _profile(engine_id, self._known[engine_id].versions, [profile for profile, _ in below])
+            profile = _profile(self._known[engine_id], [profile for profile, _ in below])
             node = self._nodes[engine_id] = profile, 1 + max((height for _, height in below), default=0)
         return node
 
 
-def _profile(engine_id: str, own: Iterable[str], below: list[HRIEngineProfile]) -> HRIEngineProfile:
-    refs: Iterator[str] = (ref for profile in below for ref in profile.component_ids)
+def together(main: Directory, roots: Iterable[FollowedEngine]) -> Directory:
+    """Return the directory of a main engine with the engines right below it."""
+    below = [root.directory for root in roots]
+    profiles = dict(main.component_profiles)
+    for each in below:
+        profiles.update(each.component_profiles)
+    profile = main.profile.model_copy(
+        update={"sub_profiles": tuple(each.profile for each in below), "component_ids": tuple(profiles)}
+    )
+    return Directory(profile, profiles)
+
+
+def _read(entry: EngineEntry) -> _Known:
+    versions = {each.component_ref: each.profile_version for each in entry.components}
+    kept = entry.model_copy(update={"components": (), "extensions": (), "version": ""})
+    is_more = entry.identifier is not None or entry.parameter_profiles
+    text = len(kept.model_dump_json()) if is_more else 0
+    return _Known(kept, "rois.stream" in entry.extensions, versions, text)
+
+
+def _profile(known: _Known, below: Iterable[HRIEngineProfile]) -> HRIEngineProfile:
+    entry, sub_profiles = known.entry, tuple(below)
     return HRIEngineProfile(
-        identifier=RoISIdentifier(code=engine_id), sub_profiles=tuple(below), component_ids=(*own, *refs)
+        identifier=entry.identifier or RoISIdentifier(code=entry.engine_id),
+        sub_profiles=sub_profiles,
+        component_ids=(*known.versions, *(ref for profile in sub_profiles for ref in profile.component_ids)),
+        parameter_profiles=entry.parameter_profiles,
     )

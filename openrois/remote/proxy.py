@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import partial
 from typing import Any, Final
 
@@ -27,13 +27,16 @@ from openrois.remote.attachment import ATTACHED
 from openrois.remote.commands import RemoteCommand, RemoteCommands
 from openrois.remote.extension import MAY_BIND, RemoteExtension
 from openrois.remote.faults import RemoteFaults
+from openrois.remote.followed_engines import together
 from openrois.remote.greeting import Greeting
+from openrois.remote.remote_directory import RemoteDirectory
 from openrois.remote.remote_profile import RemoteProfile
 from openrois.remote.rpc_call import RpcCalls, read_result
 from openrois.remote.shared_profiles import shared_profile
 from openrois.remote.stops import SharedStops
 from openrois.remote.subscriptions import SharedSubscriptions
 from openrois.types.codes import CompletedStatus, ReturnCode
+from openrois.types.directory import DIRECTORY
 from openrois.types.leases import LEASES
 from openrois.types.messages import (
     Argument,
@@ -48,7 +51,6 @@ from openrois.types.messages import (
     SetParameterResult,
     SubscribeResult,
 )
-from openrois.types.profiles import HRIEngineProfile
 from openrois.types.reasons import ReasonNotification, sentence
 from openrois.types.streams import EXTENSION_VERSION, EXTENSIONS
 
@@ -65,6 +67,9 @@ _FAILED: Final[dict[CompletedStatus, type[RoISError]]] = {
 
 HELLO_TIMEOUT: Final = 1.0
 """Seconds after which an engine that does not answer `openrois.hello` is taken for one of the base wire."""
+
+READS: Final = 8
+"""Times in a row that the directory of an engine is read because it has changed meanwhile."""
 
 _READ_EVENT: Final = EventNotification.__pydantic_validator__.validate_python
 
@@ -91,12 +96,15 @@ class RemoteProxy:
         self._remote_extension = RemoteExtension(
             self._calls.ask_unread, session.post, session.notify, self._remote_profile.is_own, session.outbox, tasks
         )
+        self._remote_directory = RemoteDirectory(self._calls, self._take_changes)
         self._faults = RemoteFaults(partial(_error_details, self._calls), self._remote_profile, tasks)
         self._commands = RemoteCommands(self._remote_extension.catch_up)
         self._stops = SharedStops(lambda ref, wanted, accepted: self._run(ref, "stop", (), wanted, accepted), tasks)
         self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe, self._drop_subscription)
         self._strays = Tally(_log, "events that do not fit their subscription")
         self._is_plain = False
+        self._is_reading = False
+        """Whether the directory is read, again and again while it changes."""
         self._greeting: Greeting | None = None
         self.accepts: Callable[[Directory], None] = lambda _directory: None
         self.speaks_extensions = False
@@ -107,8 +115,9 @@ class RemoteProxy:
             "rois.command.completed": self._commands.handle_completed,
             ReasonNotification.method: self._take_reason,
             "rois.event.notify_event": self._take_event,
-            "rois.system.profile_changed": self._take_profile_changed,
+            "rois.system.profile_changed": lambda _params: self._take_changes(None),
             "rois.system.notify_error": self._faults.handle_notification,
+            **self._remote_directory.notifications(),
             **self._remote_extension.notifications(),
         }
 
@@ -128,24 +137,54 @@ class RemoteProxy:
         return () if directory is None else directory.profile.engine_ids()
 
     async def discover(self) -> Directory:
-        """Read the other side's profile, and ask for its extensions unless it seems to have none."""
+        """Ask for the other side's extensions, unless it seems to have none, and read its directory or profile."""
+        if not self._is_plain and not self._has_directory:
+            await self._greet()
+        directory, streaming = await (self._read_directory() if self._has_directory else self._read_profile())
+        self._use_greeting(streaming)
+        self.accepts(directory)
+        self._remote_profile.directory = directory
+        self._subscriptions.keep_only(directory.component_profiles, SubscriptionLost("the component is gone"))
+        return directory
+
+    @property
+    def _has_directory(self) -> bool:
+        """Whether the other side has said that it has a directory, and notifies of its changes."""
+        return not self._is_plain and self._greeting is not None and DIRECTORY in self._greeting.extensions
+
+    async def _read_profile(self) -> tuple[Directory, frozenset[str]]:
+        """Return the other side's whole profile, and which of its engines have streams."""
         result = await self._calls.ask("rois.system.get_profile", {"condition": ""}, ProfileResult)
         if result.profile is None:
             raise ComponentFailed("the engine has no profile")
-        if not self._is_plain:
-            await self._greet()
-        self._use_greeting(result.profile)
         # It speaks for the components that it lists: another profile could belong to another engine.
         listed = {ref: result.component_profiles.get(ref) for ref in result.profile.component_refs()}
         profiles = {ref: shared_profile(profile) for ref, profile in listed.items() if profile is not None}
-        directory = Directory(result.profile, profiles)
-        self.accepts(directory)
-        self._remote_profile.directory = directory
-        self._subscriptions.keep_only(profiles, SubscriptionLost("the component is gone"))
-        return directory
+        streaming = frozenset[str]()
+        if self._greeting is not None and "rois.stream" in self._greeting.extensions:
+            named = self._greeting.engines or (result.profile.identifier.code,)
+            streaming = frozenset(named).intersection(result.profile.engine_ids())
+        return Directory(result.profile, profiles), streaming
+
+    async def _read_directory(self) -> tuple[Directory, frozenset[str]]:
+        """Return the same by the other side's directory: what is as it was is not read again."""
+        remote = self._remote_directory
+        self._is_reading = True
+        try:
+            for _ in range(READS):
+                await remote.read()
+                if remote.is_settled:
+                    break
+        finally:
+            self._is_reading = False
+        if remote.engines.main is None:
+            raise ComponentFailed("the directory of the engine changes faster than it can be listed")
+        if not remote.is_settled:
+            self._profile_changed()
+        return together(remote.engines.main, remote.engines.roots.values()), remote.engines.streaming()
 
     async def _greet(self) -> None:
-        params = {"version": EXTENSION_VERSION, "extensions": [*EXTENSIONS, LEASES, ATTACHED]}
+        params = {"version": EXTENSION_VERSION, "extensions": [*EXTENSIONS, DIRECTORY, LEASES, ATTACHED]}
         timeout = min(HELLO_TIMEOUT, self._session.call_timeout)
         try:
             self._greeting = await self._calls.ask(
@@ -167,17 +206,16 @@ class RemoteProxy:
             self._greeting, self._is_plain = greeting, False
             self._profile_changed()
 
-    def _use_greeting(self, profile: HRIEngineProfile) -> None:
+    def _use_greeting(self, streaming: frozenset[str]) -> None:
         greeting = None if self._is_plain else self._greeting
         self.speaks_extensions = greeting is not None
         if greeting is None:
             self.extension = None
             return
-        streams = "rois.stream" in greeting.extensions
-        self.extension = self._remote_extension if streams or LEASES in greeting.extensions else None
+        has_extension = "rois.stream" in greeting.extensions or LEASES in greeting.extensions
+        self.extension = self._remote_extension if has_extension else None
         self._remote_extension.takes_may_bind = MAY_BIND in greeting.extensions
-        named = greeting.engines or (profile.identifier.code,)
-        self._remote_extension.limit_to(set(named).intersection(profile.engine_ids()) if streams else ())
+        self._remote_extension.limit_to(streaming)
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
         """Query a component."""
@@ -327,9 +365,10 @@ class RemoteProxy:
         self._subscriptions.lost(SubscriptionLost(reason))
         self._remote_extension.lost()
 
-    def _take_profile_changed(self, _params: dict[str, Any]) -> None:
-        self._subscriptions.tree_changed()
-        self._profile_changed()
+    def _take_changes(self, engine_ids: Collection[str] | None) -> None:
+        self._subscriptions.tree_changed(engine_ids)
+        if not self._is_reading:
+            self._profile_changed()
 
     def _take_reason(self, params: dict[str, Any]) -> None:
         notice = ReasonNotification.model_validate(params)

@@ -1,7 +1,7 @@
 """The directory of a remote engine: listed once, and then only what has changed is read."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Any, Final
 
 from openrois.engine.profile_versions import profile_version
@@ -39,13 +39,14 @@ class RemoteDirectory:
 
     Args:
         calls: asks the other side.
-        changed: called when it says that something has changed; must not block.
+        changed: called when it says that engines have changed: with their ids, or with None where it does not name all;
+            must not block.
 
     Attributes:
         engines: what is known of it.
     """
 
-    def __init__(self, calls: RpcCalls, changed: Callable[[], None]) -> None:
+    def __init__(self, calls: RpcCalls, changed: Callable[[Collection[str] | None], None]) -> None:
         self.engines = FollowedEngines()
         self._calls = calls
         self._changed = changed
@@ -78,7 +79,7 @@ class RemoteDirectory:
             self._lists += 1
             self._is_listed = False
             self._stale.clear()
-        self._changed()
+        self._changed(None if notice.unnamed else (*notice.changed, *notice.gone))
 
     def _drop(self, engine_id: str) -> None:
         self.engines.drop(engine_id)

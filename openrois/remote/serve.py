@@ -8,7 +8,7 @@ from typing import Any, Final
 from openrois.contract import Client
 from openrois.engine.engine import Engine, leads_to
 from openrois.errors import Aborted, EngineUnreachable, RoISError
-from openrois.interfaces import base_methods
+from openrois.interfaces import base_methods, directory_methods
 from openrois.interfaces.overload_rules import queue_rules
 from openrois.jsonrpc.heartbeat import ALIVE, WATCH
 from openrois.jsonrpc.reply_order import ReplyFirst
@@ -23,6 +23,7 @@ from openrois.session.stream_parameters import lost_streams
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.codes import ComponentFunction, StreamStatus
+from openrois.types.directory import DIRECTORY
 from openrois.types.leases import LEASES
 from openrois.types.references import engine_of
 from openrois.types.streams import (
@@ -80,7 +81,7 @@ async def serve_engine(
     served = _ServedExtension(host, session.notify, app, attachment)
     session.on_failure = host.crashed
     session.explain = app.explain
-    session.methods = {**base_methods(app), **served.methods()}
+    session.methods = {**base_methods(app), **directory_methods(app), **served.methods()}
     session.notifications = {
         **served.notifications(),
         **renew_token(session, credentials, host.tasks),
@@ -145,6 +146,10 @@ class _ServedExtension:
             self._attachment.greet(params.extensions)
             if LEASES in params.extensions:
                 self._host.heartbeat.attach(lambda wanted: self._notify(WATCH, {"wanted": wanted}))
+            if DIRECTORY in params.extensions:
+                # Each entry of the directory says whether its engine has streams.
+                self._parent.change_notice.name_engines()
+                return HelloResult(extensions=(*EXTENSIONS, DIRECTORY, LEASES, MAY_BIND))
             engines = tuple(sorted(self._host.engine.extension.engines()))
             return HelloResult(extensions=(*EXTENSIONS, LEASES, MAY_BIND) if engines else (LEASES,), engines=engines)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from openrois.contract import Event, Sink, SubscriptionLost
 from openrois.errors import ComponentFailed, EngineUnreachable
+from openrois.types.references import engine_of
 
 __all__ = ["SharedSubscriptions"]
 
@@ -115,10 +116,15 @@ class SharedSubscriptions:
             for sink in tuple(shared.sinks.values()):
                 sink(event)
 
-    def tree_changed(self) -> None:
-        """Note that any subscription may have been dropped on the other side: the next caller subscribes anew."""
-        for shared in self._by_key.values():
-            shared.stale = True
+    def tree_changed(self, engine_ids: Collection[str] | None = None) -> None:
+        """Note that subscriptions may have been dropped on the other side: the next caller subscribes anew.
+
+        Args:
+            engine_ids: of components of these engines; None for any.
+        """
+        for (component_ref, _), shared in self._by_key.items():
+            if engine_ids is None or engine_of(component_ref) in engine_ids:
+                shared.stale = True
 
     def keep_only(self, component_refs: Collection[str], notice: SubscriptionLost) -> None:
         """Notify the sinks of components that are no longer there that nothing more will come, and drop them."""

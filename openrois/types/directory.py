@@ -7,7 +7,7 @@ from pydantic import Field
 from openrois.types.codes import ComponentFunction
 from openrois.types.messages import ReturnResult
 from openrois.types.model import Model
-from openrois.types.profiles import HRIComponentProfile
+from openrois.types.profiles import HRIComponentProfile, ParameterProfile, RoISIdentifier
 
 __all__ = [
     "DIRECTORY",
@@ -63,6 +63,8 @@ class EngineEntry(Model):
         version: another one whenever anything of this entry is.
         extensions: those of the base wire that it speaks, such as `rois.stream`.
         components: those that it owns, not those of engines below it.
+        identifier: of its profile, where that says more than `engine_id`.
+        parameter_profiles: of its profile.
     """
 
     engine_id: str
@@ -70,6 +72,8 @@ class EngineEntry(Model):
     version: str
     extensions: tuple[str, ...] = Field(default=(), strict=False)
     components: tuple[ComponentEntry, ...] = Field(default=(), strict=False)
+    identifier: RoISIdentifier | None = None
+    parameter_profiles: tuple[ParameterProfile, ...] = Field(default=(), strict=False)
 
 
 class DirectoryListParams(Model):

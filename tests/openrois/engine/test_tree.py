@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from openrois.contract import Directory
 from openrois.engine.condition import Condition
-from openrois.engine.tree import Place, Tree
+from openrois.engine.tree import AUTHORITY, Place, Tree
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, RoISIdentifier
 
 
@@ -61,12 +61,13 @@ def test_engines_are_given_in_the_order_of_their_ids_whenever_they_came() -> Non
 
 def test_the_place_of_an_engine() -> None:
     tree = Tree[str]("gateway")
-    assert tree.place_of("gateway") == Place("", ())
+    root = RoISIdentifier(code="gateway", authority=AUTHORITY)
+    assert tree.place_of("gateway") == Place("", (), root)
     tree.replace("robot", offer(engine("robot", "robot/arm", below=(engine("hand", "hand/finger"),))))
     tree.replace("own", offer(engine("gateway", "gateway/clock")))
-    assert tree.place_of("gateway") == Place("", ("gateway/clock",))
-    assert tree.place_of("robot") == Place("gateway", ("robot/arm",))
-    assert tree.place_of("hand") == Place("robot", ("hand/finger",))
+    assert tree.place_of("gateway") == Place("", ("gateway/clock",), root)
+    assert tree.place_of("robot") == Place("gateway", ("robot/arm",), RoISIdentifier(code="robot"))
+    assert tree.place_of("hand") == Place("robot", ("hand/finger",), RoISIdentifier(code="hand"))
     assert tree.place_of("absent") is None
 
 

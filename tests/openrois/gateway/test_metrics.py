@@ -67,7 +67,7 @@ async def test_what_happened_is_counted(gateway: Gateway) -> None:
         assert found["openrois_gateway_leases_ended_total"] == {("released",): 1}
         assert found["openrois_gateway_request_seconds_count"][("rois.command.bind",)] == 2
         assert found["openrois_gateway_request_seconds_bucket"][("+Inf", "rois.command.bind")] == 2
-        assert ("rois.system.get_profile",) in found["openrois_gateway_call_seconds_count"]
+        assert ("openrois.directory.list",) in found["openrois_gateway_call_seconds_count"]
         assert found["openrois_gateway_connections_limit"] == {
             application: MAX_APPLICATIONS,
             ("adapter",): MAX_ADAPTERS,

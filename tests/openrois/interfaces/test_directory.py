@@ -115,7 +115,7 @@ async def test_profiles_by_their_versions(place: Place) -> None:
 
 
 async def test_replies_are_bounded(place: Place, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(directory, "COMPONENTS", 2)
+    monkeypatch.setattr(directory, "ITEMS", 2)
     monkeypatch.setattr(directory, "ROOM", 10)
     assert ids(await pages(place)) == [["a", "b"], ["c", "gateway"]]
     async with place.application(EVERYTHING) as app:

@@ -8,10 +8,9 @@ from typing import Any, cast
 
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from openrois.aio.tasks import TaskScope
-from openrois.contract import ComponentBus, Directory
+from openrois.contract import ComponentBus
 from openrois.engine.engine import MAX_DEPTH, Engine
 from openrois.engine.profile_versions import profile_version
 from openrois.errors import BadParameter, ComponentFailed, EngineUnreachable
@@ -25,36 +24,9 @@ from openrois.remote.rpc_call import RpcCalls
 from openrois.session import change_notice
 from openrois.session.session import EngineHost
 from openrois.transport.memory import memory_pair
-from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, RoISIdentifier
-from tests.support.streams import FakeStreams
+from tests.support.offers import CHANGES, Bus, attach, bodies, change, component, engine, offer, shape
 
 PATIENCE = 30.0
-
-
-def component(name: str, urn: str = "urn:a") -> HRIComponentProfile:
-    return HRIComponentProfile(identifier=RoISIdentifier(code=urn), name=name)
-
-
-def engine(engine_id: str, *names: str, below: tuple[HRIEngineProfile, ...] = ()) -> HRIEngineProfile:
-    refs = tuple(f"{engine_id}/{name}" for name in names)
-    return HRIEngineProfile(identifier=RoISIdentifier(code=engine_id), component_ids=refs, sub_profiles=below)
-
-
-def offer(profile: HRIEngineProfile, urn: str = "urn:a") -> Directory:
-    return Directory(profile, {ref: component(ref.partition("/")[2], urn) for ref in profile.component_refs()})
-
-
-class Bus:
-    """A bus that offers what it is set to."""
-
-    def __init__(self, offered: Directory, streaming: tuple[str, ...] = ()) -> None:
-        self.offered = offered
-        self.extension = FakeStreams() if streaming else None
-        if self.extension is not None:
-            self.extension.engines = lambda: frozenset(streaming)  # type: ignore[method-assign]
-
-    async def discover(self) -> Directory:
-        return self.offered
 
 
 class CountedCalls(RpcCalls):
@@ -116,16 +88,6 @@ async def gateway() -> AsyncIterator[EngineHost]:
         yield EngineHost(Engine("gateway"), tasks)
 
 
-def shape(profile: HRIEngineProfile) -> Any:
-    """Return a profile without the order of its engines."""
-    return (
-        profile.identifier.code,
-        profile.own_refs(),
-        frozenset(profile.component_ids),
-        frozenset(map(shape, profile.sub_profiles)),
-    )
-
-
 def there(host: EngineHost) -> dict[str, Any]:
     """Return what is behind a gateway."""
     whole, streaming = host.engine.tree.directory, host.engine.extension.engines()
@@ -147,23 +109,12 @@ def seen(followed: Followed) -> dict[str, Any]:
     }
 
 
-async def attach(host: EngineHost, *offers: Directory) -> list[Bus]:
-    buses = [Bus(each) for each in offers]
-    for bus in buses:
-        await host.engine.attach(cast(ComponentBus, bus))
-    return buses
-
-
-def bodies(count: int) -> list[Directory]:
-    return [offer(engine(f"body{number}", "arm", "eye")) for number in range(count)]
-
-
 class TestFollowing:
     async def test_all_engines_come_first_with_those_below_them_and_their_streams(self) -> None:
         async with gateway() as host:
             deep = engine("robot", "arm", below=(engine("hand", "finger", below=(engine("nail"),)), engine("foot")))
             await host.engine.attach(cast(ComponentBus, Bus(offer(deep), ("hand",))))
-            await attach(host, *bodies(2), offer(engine("gateway", "clock")))
+            await attach(host.engine, *bodies(2), offer(engine("gateway", "clock")))
             async with following(host) as followed:
                 await followed.until(lambda: bool(followed.changes))
                 assert seen(followed) == there(host)
@@ -176,10 +127,10 @@ class TestFollowing:
             assert followed.changes == [{}]
 
     async def test_pages_and_profiles_come_in_many_replies(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(directory_interface, "COMPONENTS", 3)
+        monkeypatch.setattr(directory_interface, "ITEMS", 3)
         monkeypatch.setattr(directory_interface, "ROOM", 1)
         async with gateway() as host:
-            await attach(host, *(offer(engine(f"body{n}", "arm", "eye"), f"urn:{n}") for n in range(7)))
+            await attach(host.engine, *(offer(engine(f"body{n}", "arm", "eye"), f"urn:{n}") for n in range(7)))
             async with following(host) as followed:
                 await followed.until(lambda: bool(followed.changes))
                 assert seen(followed) == there(host)
@@ -187,7 +138,7 @@ class TestFollowing:
 
     async def test_one_changed_engine_of_a_thousand_costs_one_read(self) -> None:
         async with gateway() as host:
-            buses = await attach(host, *bodies(1000))
+            buses = await attach(host.engine, *bodies(1000))
             async with following(host) as followed:
                 await followed.until(lambda: len(followed.engines) == 1000)
                 followed.calls.asked.clear()
@@ -203,7 +154,7 @@ class TestFollowing:
 
     async def test_profiles_that_are_known_already_are_not_read(self) -> None:
         async with gateway() as host:
-            await attach(host, *bodies(3))
+            await attach(host.engine, *bodies(3))
             async with following(host) as one, following(host) as other:
                 await one.until(lambda: bool(one.changes))
                 await other.until(lambda: bool(other.changes))
@@ -216,7 +167,7 @@ class TestFollowing:
 
     async def test_one_that_left_and_came_back_as_it_was_counts_as_another_one(self) -> None:
         async with gateway() as host:
-            (bus,) = await attach(host, *bodies(1))
+            (bus,) = await attach(host.engine, *bodies(1))
             async with following(host) as followed:
                 await followed.until(lambda: bool(followed.changes))
                 host.engine.detach(cast(ComponentBus, bus))
@@ -229,7 +180,7 @@ class TestFollowing:
         monkeypatch.setattr(change_notice, "CHANGES_AT_ONCE", 1)
         monkeypatch.setattr(change_notice, "CHANGES_PER_SECOND", 1000)
         async with gateway() as host:
-            buses = await attach(host, *bodies(8))
+            buses = await attach(host.engine, *bodies(8))
             async with following(host) as followed:
                 await followed.until(lambda: bool(followed.changes))
                 for bus in buses[:4]:
@@ -264,47 +215,12 @@ class TestFollowing:
                 await running
 
 
-OFFERS = st.one_of(
-    st.none(),
-    st.builds(
-        lambda names, below, urn: (tuple(sorted(names)), tuple(sorted(below)), urn),
-        st.sets(st.sampled_from("xyz")),
-        st.dictionaries(st.sampled_from("pqr"), st.booleans()).map(lambda found: frozenset(found.items())),
-        st.sampled_from(["urn:a", "urn:b"]),
-    ),
-)
-
-
-def made(engine_id: str, names: tuple[str, ...], below: tuple[tuple[str, bool], ...], urn: str) -> Directory:
-    def sub(name: str, has_more: bool) -> HRIEngineProfile:
-        deeper = (engine(f"{engine_id}{name}-deeper", "w"),) if has_more else ()
-        return engine(f"{engine_id}{name}", "v", below=deeper)
-
-    return offer(engine(engine_id, *names, below=tuple(sub(*each) for each in below)), urn)
-
-
-@given(st.lists(st.tuples(st.sampled_from("abcd"), OFFERS, st.integers(0, 8)), max_size=24))
+@given(CHANGES)
 @settings(max_examples=60, deadline=None)
-def test_after_any_changes_what_is_followed_is_what_is_there(
-    changes: list[tuple[str, Any, int]],
-) -> None:
+def test_after_any_changes_what_is_followed_is_what_is_there(changes: list[tuple[str, Any, int]]) -> None:
     async def run() -> None:
         async with gateway() as host, following(host) as followed:
-            buses: dict[str, Bus] = {}
-            for engine_id, shape_of, turns in changes:
-                bus = buses.get(engine_id)
-                if shape_of is None:
-                    if bus is not None:
-                        host.engine.detach(cast(ComponentBus, buses.pop(engine_id)))
-                elif bus is None:
-                    streaming = (engine_id,) if shape_of[2] == "urn:b" else ()
-                    buses[engine_id] = Bus(made(engine_id, *shape_of), streaming)
-                    await host.engine.attach(cast(ComponentBus, buses[engine_id]))
-                else:
-                    bus.offered = made(engine_id, *shape_of)
-                    await host.engine.refresh(cast(ComponentBus, bus))
-                for _ in range(turns):
-                    await asyncio.sleep(0)
+            await change(host.engine, changes)
             await followed.until(lambda: bool(followed.changes) and seen(followed) == there(host))
 
     with pytest.MonkeyPatch.context() as patch:

@@ -13,7 +13,7 @@ from openrois.contract import Client, Event, SubscriptionLost
 from openrois.errors import Aborted, ComponentFailed, EngineUnreachable, NotResponding, TimedOut, Unsupported
 from openrois.jsonrpc.outbox import CONTROL_LIMIT
 from openrois.jsonrpc.session import RpcSession
-from openrois.remote.proxy import RemoteProxy
+from openrois.remote.proxy import READS, RemoteProxy
 from openrois.transport.memory import MemoryStream, memory_pair
 from tests.support.plain import profile_result
 
@@ -54,7 +54,6 @@ class Far:
         discovering = asyncio.ensure_future(self.proxy.discover())
         profile = profile_result("toy")
         profile["component_profiles"][TOY]["command_profiles"][0]["timeout"] = timeout
-        await self.answer(await self.asked("rois.system.get_profile"), **profile)
         if plain:
             error = {"code": -32601, "message": "Method not found"}
             request = await self.asked("openrois.hello")
@@ -62,6 +61,7 @@ class Far:
         else:
             hello = {"version": "1", "extensions": list(extensions), "engines": list(engines), "client_id": ""}
             await self.answer(await self.asked("openrois.hello"), **hello)
+        await self.answer(await self.asked("rois.system.get_profile"), **profile)
         await discovering
 
 
@@ -112,8 +112,8 @@ class TestDiscover:
     ) -> None:
         monkeypatch.setattr("openrois.remote.proxy.HELLO_TIMEOUT", 0.01)
         discovering = asyncio.ensure_future(far.proxy.discover())
-        await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
         late = await far.asked("openrois.hello")
+        await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
         await discovering
         assert (far.proxy.extension, far.proxy.speaks_extensions, far.changes) == (None, False, 0)
         # It is not asked again until it has answered.
@@ -129,8 +129,8 @@ class TestDiscover:
         assert far.changes == 1
         # One that is slow each time keeps what it has said, and asks for no new look each time.
         discovering = asyncio.ensure_future(far.proxy.discover())
-        await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
         late = await far.asked("openrois.hello")
+        await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
         await discovering
         assert far.proxy.extension is not None
         assert far.proxy.speaks_extensions
@@ -142,12 +142,32 @@ class TestDiscover:
 
     async def test_one_that_fails_to_say(self, far: Far) -> None:
         discovering = asyncio.ensure_future(far.proxy.discover())
-        await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
         request = await far.asked("openrois.hello")
         error = {"code": -32603, "message": "Internal error"}
         await far.stream.send(json.dumps({"jsonrpc": "2.0", "id": request["id"], "error": error}))
         with pytest.raises(ComponentFailed):
             await discovering
+
+    async def test_engines_that_change_all_the_time_come_as_they_are_read(self, far: Far) -> None:
+        def entry(engine_id: str, parent_id: str) -> dict[str, Any]:
+            return {"engine_id": engine_id, "parent_id": parent_id, "version": "1"}
+
+        discovering = asyncio.ensure_future(far.proxy.discover())
+        await far.answer(await far.asked("openrois.hello"), version="1", extensions=["openrois.directory"])
+        await far.answer(await far.asked("openrois.directory.list"), engines=[entry("main", "")])
+        assert (await discovering).profile.engine_ids() == ("main",)
+        await far.tell("openrois.directory.changed", changed=["calm", "busy"])
+        discovering = asyncio.ensure_future(far.proxy.discover())
+        asked, engines = await far.asked("openrois.directory.read"), [entry("calm", "main"), entry("busy", "main")]
+        for number in range(READS):
+            if number:
+                asked = await far.asked("openrois.directory.read")
+            await far.tell("openrois.directory.changed", changed=["busy"])
+            await far.answer(asked, engines=engines[min(number, 1) :])
+            await far.tell("openrois.directory.changed", changed=["busy"])
+        assert (await discovering).profile.engine_ids() == ("main", "calm")
+        # The notification before, and what is left to be read.
+        assert far.changes == 2
 
     async def test_a_change_is_passed_on(self, far: Far) -> None:
         await far.tell("rois.system.profile_changed")

@@ -106,6 +106,18 @@ class TestHello:
             "client_id": "",
         }
 
+    async def test_a_parent_that_reads_the_directory(self, child: Child, parent: Parent) -> None:
+        answer = await parent.ask("openrois.hello", version="1", extensions=["openrois.directory"])
+        assert (answer["extensions"], answer["engines"]) == (
+            ["rois.stream", "signaling", "openrois.directory", "openrois.lease", "openrois.may_bind"],
+            [],
+        )
+        (entry,) = (await parent.ask("openrois.directory.list"))["engines"]
+        assert (entry["engine_id"], entry["extensions"]) == ("robot", ["rois.stream", "signaling"])
+        await child.engine.attach(LocalRegistry("more", [Lamp()]))
+        told = await parent.hear()
+        assert (told["method"], told["params"]["changed"]) == ("openrois.directory.changed", ["more"])
+
     async def test_an_engine_without(self, child: Child, parent: Parent) -> None:
         child.registry.extension = None
         assert (await parent.ask("openrois.hello", version="1"))["extensions"] == ["openrois.lease"]

@@ -148,6 +148,8 @@ const isEngineEntry: Check = object({
   version: text,
   extensions: optional(list(text)),
   components: optional(list(isComponentEntry)),
+  identifier: optional(orNull(isRoISIdentifier)),
+  parameter_profiles: optional(list(isParameterProfile)),
 });
 
 const isDirectoryListResult: Check = object({

@@ -212,6 +212,8 @@ export interface EngineEntry {
   readonly version: string;
   readonly extensions?: readonly string[];
   readonly components?: readonly ComponentEntry[];
+  readonly identifier?: RoISIdentifier | null;
+  readonly parameter_profiles?: readonly ParameterProfile[];
 }
 
 /** Params of get_error_detail. */

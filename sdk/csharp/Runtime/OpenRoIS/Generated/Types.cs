@@ -408,6 +408,12 @@ namespace OpenRoIS
 
         [JsonProperty("components")]
         public List<ComponentEntry> Components { get; set; } = new List<ComponentEntry>();
+
+        [JsonProperty("identifier", NullValueHandling = NullValueHandling.Ignore)]
+        public RoISIdentifier Identifier { get; set; }
+
+        [JsonProperty("parameter_profiles")]
+        public List<ParameterProfile> ParameterProfiles { get; set; } = new List<ParameterProfile>();
     }
 
     /// <summary>Params of get_error_detail.</summary>
