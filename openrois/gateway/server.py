@@ -46,6 +46,7 @@ from openrois.http_limits.http_connection import HttpConnection
 from openrois.http_limits.tcp_server import serving_tcp
 from openrois.journal.journal import Journal
 from openrois.jsonrpc.unread import UnreadBudget
+from openrois.leases.epochs import CountedEpochs
 from openrois.leases.model import Rules
 from openrois.metrics.server import metrics_address, serving_metrics
 from openrois.observability.audit import Audit
@@ -122,7 +123,7 @@ async def run_gateway(
             journal=journal,
             lease_rules=Rules(settings.lease_grace, settings.lease_answer),
             # Greater than those of a process before this one, as long as the wall clock is not set back.
-            first_epoch=round(time.time() * 1000),
+            epochs=CountedEpochs(round(time.time() * 1000)),
             unread=UnreadBudget(settings.unread),
             quotas=SubjectQuotas(settings.subject_connections, settings.subject_sessions, settings.subject_streams),
         )

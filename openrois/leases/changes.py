@@ -55,11 +55,16 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class Declined:
-    """The holder has declined, or not answered in time; the place in the queue stays unless the component is `gone`."""
+    """The holder has declined, or not answered in time.
+
+    The place in the queue stays, unless the component is `gone` or there is a `problem`, a sentence, that lets no
+    session have it now.
+    """
 
     request: Request
     in_time: bool
     gone: bool = False
+    problem: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,7 @@
 """Holders of components: bind is exclusive, per session, and needed for actuation components only. Pure."""
 
-from itertools import count
-
 from openrois.errors import OutOfResources
+from openrois.leases.epochs import CountedEpochs, Epochs
 
 __all__ = ["Holding"]
 
@@ -14,20 +13,20 @@ class Holding:
     before it: what was allowed to a former holder can be told from what is allowed to the present one.
 
     Args:
-        first_epoch: the number of the first epoch.
+        epochs: gives their numbers; without it they are counted from 1.
     """
 
-    def __init__(self, first_epoch: int = 1) -> None:
+    def __init__(self, epochs: Epochs | None = None) -> None:
         self._held: dict[str, tuple[object, int]] = {}
         self._of_holder: dict[int, dict[str, int]] = {}
         """The epochs of what each holder has, by its identity."""
-        self._numbers = count(first_epoch)
+        self._epochs = CountedEpochs() if epochs is None else epochs
 
     def bind(self, component_ref: str, holder: object) -> int:
         """Reserve a component and return the epoch; binding again begins no new one.
 
         Raises:
-            OutOfResources: another holder has it.
+            OutOfResources: another holder has it, or there is no epoch left.
         """
         held = self._held.get(component_ref)
         if held is None:
@@ -36,9 +35,27 @@ class Holding:
             raise OutOfResources(f"{component_ref} is bound by another application")
         return held[1]
 
-    def move(self, component_ref: str, holder: object) -> int:
-        """Make `holder` the only holder of a component; return the epoch that begins."""
-        epoch = next(self._numbers)
+    def next_epoch(self, component_ref: str) -> int:
+        """Return the number of an epoch of a component, for `move`.
+
+        Raises:
+            OutOfResources: there is none left.
+        """
+        return self._epochs.next(component_ref)
+
+    def move(self, component_ref: str, holder: object, epoch: int | None = None) -> int:
+        """Make `holder` the only holder of a component; return the epoch that begins.
+
+        Args:
+            component_ref: the component.
+            holder: has it from now on.
+            epoch: of `next_epoch`; the next one unless given.
+
+        Raises:
+            OutOfResources: there is no epoch left, and nothing has changed.
+        """
+        if epoch is None:
+            epoch = self.next_epoch(component_ref)
         former = self._held.get(component_ref)
         if former is not None:
             self._remove(component_ref, former[0])

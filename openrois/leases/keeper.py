@@ -12,6 +12,7 @@ from openrois.commands.stop import stop_components
 from openrois.engine.engine import Engine
 from openrois.leases.alarm import Alarm
 from openrois.leases.changes import Change, Gained, Lost, Queued, Why
+from openrois.leases.epochs import Epochs
 from openrois.leases.lease_notifications import SENTENCES, Holder, LeaseNotifications, session_of
 from openrois.leases.model import LeaseModel, Replayed, Rules
 
@@ -28,7 +29,7 @@ class LeaseKeeper:
         tasks: owns what goes on when a call has been answered.
         pending: the commands that end when their component is handed over.
         rules: how long what lasts.
-        first_epoch: the number of the first epoch; greater than all that a former process of this gateway gave.
+        epochs: gives the numbers of epochs; without it they are counted from 1.
         clock: monotonic seconds.
         sleep: waits for some seconds.
         acted: records components that change hands without their new or former holder asking for it at that moment:
@@ -48,7 +49,7 @@ class LeaseKeeper:
         pending: PendingCommands,
         *,
         rules: Rules | None = None,
-        first_epoch: int = 1,
+        epochs: Epochs | None = None,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
         acted: Callable[[Principal, str, str, str], None] = lambda _who, _method, _component_ref, _detail: None,
@@ -57,7 +58,7 @@ class LeaseKeeper:
         self.ended: dict[Why, int] = {}
         self._acted = acted
         self._on_lost = on_lost
-        self.model = LeaseModel(rules, first_epoch)
+        self.model = LeaseModel(rules, epochs)
         self._engine = engine
         self._tasks = tasks
         self._pending = pending

@@ -121,9 +121,9 @@ class LeaseNotifications:
                 subject = session_of(request.asker).principal.subject
                 asked = LeaseRequestedNotification(**named, subject=subject, answer_ms=round(left * 1000))
                 self.say(session_of(holder), asked)
-            case Declined(_, in_time, gone):
+            case Declined(_, in_time, gone, problem):
                 answer = "its holder keeps it" if in_time else "its holder did not answer in time"
-                reason = SENTENCES[Why.GONE] if gone else answer
+                reason = SENTENCES[Why.GONE] if gone else problem or answer
                 self.say(session_of(request.asker), LeaseDeclinedNotification(**named, reason=reason))
             case Withdrawn(_, holder):
                 self.say(session_of(holder), LeaseWithdrawnNotification(**named))

@@ -8,8 +8,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Final
 
-from openrois.errors import Unsupported
+from openrois.errors import OutOfResources, Unsupported
 from openrois.leases.changes import Asked, Change, Declined, Gained, Lost, Queued, Why, Withdrawn
+from openrois.leases.epochs import Epochs
 from openrois.leases.holding import Holding
 from openrois.leases.tokens import ResumeTokens, new_token
 from openrois.leases.waiting import Request, Waiting
@@ -60,7 +61,7 @@ class LeaseModel:
 
     Args:
         rules: how long what lasts.
-        first_epoch: the number of the first epoch.
+        epochs: gives the numbers of epochs; without it they are counted from 1.
         mint: makes tokens.
 
     Attributes:
@@ -69,9 +70,11 @@ class LeaseModel:
         absent: whose connection was lost, and until when it may be resumed.
     """
 
-    def __init__(self, rules: Rules | None = None, first_epoch: int = 1, mint: Callable[[], str] = new_token) -> None:
+    def __init__(
+        self, rules: Rules | None = None, epochs: Epochs | None = None, mint: Callable[[], str] = new_token
+    ) -> None:
         self.rules = rules or Rules()
-        self.holding = Holding(first_epoch)
+        self.holding = Holding(epochs)
         self.waiting = Waiting()
         self._tokens = ResumeTokens(mint)
         self.absent: dict[object, float] = {}
@@ -88,11 +91,14 @@ class LeaseModel:
             return []
         changes: list[Change] = [Lost(component_ref, holder, epoch, why)]
         queue = self.waiting.queue(component_ref)
-        if queue:
-            self.waiting.remove(queue[0])
-            gained = Gained(component_ref, queue[0].asker, self.holding.move(component_ref, queue[0].asker), why)
-            changes += [gained, *self._ask_again(component_ref, now)]
-        return changes
+        if not queue:
+            return changes
+        try:
+            gained = self.holding.move(component_ref, queue[0].asker)
+        except OutOfResources as error:
+            return [*changes, *self._decline_all(queue, str(error))]
+        self.waiting.remove(queue[0])
+        return [*changes, Gained(component_ref, queue[0].asker, gained, why), *self._ask_again(component_ref, now)]
 
     def leave(self, holder: object, now: float, why: Why = Why.LEFT) -> list[Change]:
         """Release everything, withdraw every request, and forget the resume tokens."""
@@ -110,9 +116,7 @@ class LeaseModel:
             held = self._held(component_ref)
             self.holding.release(component_ref, held[0])
             changes.append(Lost(component_ref, held[0], held[1], Why.GONE))
-            for request in self.waiting.queue(component_ref):
-                self.waiting.remove(request)
-                changes.append(Declined(request, in_time=True, gone=True))
+            changes += self._decline_all(self.waiting.queue(component_ref))
         return changes
 
     # Hand-over.
@@ -123,7 +127,7 @@ class LeaseModel:
         A session that waits already keeps its place; the holder is asked again if it has answered, or did not in time.
 
         Raises:
-            OutOfResources: too many wait for it.
+            OutOfResources: too many wait for it, or there is no epoch left.
         """
         held = self.holding.holder(component_ref)
         if held is None:
@@ -149,6 +153,7 @@ class LeaseModel:
 
         Raises:
             Unsupported: `holder` was not asked that.
+            OutOfResources: there is no epoch left.
         """
         request = self._asked(request_id, holder)
         return self._hand_over(request.component_ref, request.asker, now, Why.GRANTED)
@@ -164,7 +169,11 @@ class LeaseModel:
         return [Declined(request, in_time=True)]
 
     def take(self, component_ref: str, taker: object, now: float) -> list[Change]:
-        """Take a component from its holder. Whether the caller may do that is not checked here."""
+        """Take a component from its holder. Whether the caller may do that is not checked here.
+
+        Raises:
+            OutOfResources: there is no epoch left.
+        """
         if self.holding.holder(component_ref) is None:
             return self.request(component_ref, taker, now)
         if self.holding.is_held(component_ref, taker):
@@ -199,6 +208,7 @@ class LeaseModel:
         Raises:
             Unsupported: the token is unknown, another subject's or the successor's own, or its time is over.
             Replayed: it comes a second time; what was resumed by it is not resumed again.
+            OutOfResources: there is no epoch left, and the token is still valid.
         """
         found = self._tokens.find(token, subject)
         former = found.holder
@@ -208,17 +218,19 @@ class LeaseModel:
             raise Replayed(former, self.leave(former, now, Why.EXPIRED) if former in self.absent else [])
         if former is successor:
             raise Unsupported("this token is the session's own: resume a former one")
+        was_lost, held = former in self.absent, self.holding.held_by(former)
+        begun = {} if was_lost else {component_ref: self.holding.next_epoch(component_ref) for component_ref in held}
         self._tokens.succeed(former, successor)
-        was_lost = self.absent.pop(former, None) is not None
+        self.absent.pop(former, None)
         changes = self._withdraw_all(former)
-        for component_ref, epoch in self.holding.held_by(former).items():
+        for component_ref, epoch in held.items():
             request = self.waiting.find(component_ref, successor)
             if request is not None:
                 self.waiting.remove(request)
             if was_lost:
                 self.holding.succeed(component_ref, successor)
             else:
-                gained = self.holding.move(component_ref, successor)
+                gained = self.holding.move(component_ref, successor, begun[component_ref])
                 changes.append(Lost(component_ref, former, epoch, Why.RESUMED))
                 changes.append(Gained(component_ref, successor, gained, Why.RESUMED))
             queue = self.waiting.queue(component_ref)
@@ -252,10 +264,10 @@ class LeaseModel:
 
     def _hand_over(self, component_ref: str, successor: object, now: float, why: Why) -> list[Change]:
         held = self._held(component_ref)
+        epoch = self.holding.move(component_ref, successor)
         request = self.waiting.find(component_ref, successor)
         if request is not None:
             self.waiting.remove(request)
-        epoch = self.holding.move(component_ref, successor)
         changes: list[Change] = [Lost(component_ref, held[0], held[1], why)]
         return [*changes, Gained(component_ref, successor, epoch, why), *self._ask_again(component_ref, now)]
 
@@ -266,6 +278,14 @@ class LeaseModel:
         for request in queue:
             request.deadline = now + self.rules.patience
         return [*(Asked(request, holder) for request in queue), Queued(component_ref)]
+
+    def _decline_all(self, queue: Iterable[Request], problem: str = "") -> list[Change]:
+        """End the waiting for a component: it is gone, unless there is another problem."""
+        changes: list[Change] = []
+        for request in queue:
+            self.waiting.remove(request)
+            changes.append(Declined(request, in_time=True, gone=not problem, problem=problem))
+        return changes
 
     def _withdraw_all(self, asker: object) -> list[Change]:
         return [change for request in self.waiting.of(asker) for change in self._withdraw(request)]

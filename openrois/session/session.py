@@ -26,6 +26,7 @@ from openrois.jsonrpc.protocol import Peer, RequestId
 from openrois.jsonrpc.reply_order import ReplyFirst
 from openrois.jsonrpc.unread import UnreadBudget
 from openrois.leases.epoch_fence import EpochFence
+from openrois.leases.epochs import CountedEpochs, Epochs
 from openrois.leases.keeper import LeaseKeeper
 from openrois.leases.lease_notifications import Holder
 from openrois.leases.model import Rules
@@ -75,7 +76,7 @@ class EngineHost:
         journal: accepted commands and how they ended, for applications that ask after a restart.
         pending: commands that can be ended from outside.
         lease_rules: how long leases last.
-        first_epoch: the number of the first lease.
+        epochs: the numbers of leases.
         draining: it is about to end, and begins nothing new.
         heartbeat: to the parent, for what moves.
         epoch_fence: which parent reported the latest holder.
@@ -95,7 +96,7 @@ class EngineHost:
     journal: Journal = field(default_factory=Journal)
     pending: PendingCommands = field(default_factory=PendingCommands)
     lease_rules: Rules = field(default_factory=Rules)
-    first_epoch: int = 1
+    epochs: Epochs = field(default_factory=CountedEpochs)
     draining: bool = False
     heartbeat: Heartbeat = field(default_factory=Heartbeat)
     epoch_fence: EpochFence = field(default_factory=EpochFence)
@@ -109,7 +110,7 @@ class EngineHost:
             self.tasks,
             self.pending,
             rules=self.lease_rules,
-            first_epoch=self.first_epoch,
+            epochs=self.epochs,
             acted=self.audit.acted,
             on_lost=_end_uplinks,
         )

@@ -3,6 +3,7 @@
 import pytest
 
 from openrois.errors import OutOfResources
+from openrois.leases.epochs import CountedEpochs
 from openrois.leases.holding import Holding
 
 LAMP, BELL = "r/lamp", "r/bell"
@@ -68,7 +69,7 @@ def test_each_holder_has_an_epoch_of_its_own(ann: Holder, bob: Holder) -> None:
 
 
 def test_a_successor_goes_on_in_the_same_epochs(ann: Holder, bob: Holder) -> None:
-    held = Holding(first_epoch=7)
+    held = Holding(CountedEpochs(7))
     held.bind(LAMP, ann)
     held.succeed(LAMP, bob)
     assert (held.held_by(bob), held.held_by(ann)) == ({LAMP: 7}, {})

@@ -11,6 +11,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 
 from openrois.errors import OutOfResources, Unsupported
 from openrois.leases.changes import Asked, Change, Declined, Gained, Lost, Queued, Why, Withdrawn
+from openrois.leases.epochs import ClaimedEpochs
 from openrois.leases.model import LeaseModel, Replayed, Rules
 from openrois.leases.waiting import MAX_WAITING, Request
 
@@ -426,3 +427,48 @@ def test_resuming_withdraws_requests_for_what_is_held_now(model: LeaseModel) -> 
     assert model.waiting.queue(LAMP) == ()
     with pytest.raises(Unsupported, match="resume a former one"):
         model.resume(model.token(BOB, "ann"), "ann", BOB, 1)
+
+
+class TestNoEpochLeft:
+    """An engine whose block is used up: nothing changes by half, and what has to be let go is let go."""
+
+    @pytest.fixture
+    def model(self) -> LeaseModel:
+        epochs = ClaimedEpochs(lambda: "the store is away")
+        epochs.grant("r", 1, 1)
+        made = LeaseModel(Rules(GRACE, PATIENCE), epochs)
+        made.holding.bind(LAMP, ANN)
+        return made
+
+    def test_a_free_component_is_not_had(self, model: LeaseModel) -> None:
+        for ask in (lambda: model.holding.bind(ARM, BOB), lambda: model.request(ARM, BOB, 0)):
+            with pytest.raises(OutOfResources, match="the store is away"):
+                ask()
+        assert model.holding.held() == {LAMP}
+
+    def test_a_hand_over_is_refused_and_the_queue_stays(self, model: LeaseModel) -> None:
+        request = asked(model.request(LAMP, BOB, 0))
+        for hand_over in (lambda: model.grant(request.request_id, ANN, 1), lambda: model.take(LAMP, BOB, 1)):
+            with pytest.raises(OutOfResources, match="the store is away"):
+                hand_over()
+        assert model.holding.is_held(LAMP, ANN)
+        assert model.waiting.queue(LAMP) == (request,)
+
+    def test_a_release_ends_the_waiting_with_the_reason(self, model: LeaseModel) -> None:
+        requests = [asked(model.request(LAMP, asker, 0)) for asker in (BOB, EVE)]
+        lost, *declined = model.release(LAMP, ANN, 1)
+        assert lost == Lost(LAMP, ANN, 1, Why.RELEASED)
+        assert [(each.request, each.gone) for each in declined if isinstance(each, Declined)] == [
+            (request, False) for request in requests
+        ]
+        assert all(isinstance(each, Declined) and "the store is away" in each.problem for each in declined)
+        assert (model.holding.held(), model.waiting.queue(LAMP)) == (frozenset(), ())
+
+    def test_a_session_that_is_still_there_is_not_put_out_and_its_token_stays(self, model: LeaseModel) -> None:
+        token = model.token(ANN, "ann")
+        with pytest.raises(OutOfResources):
+            model.resume(token, "ann", BOB, 1)
+        assert model.holding.is_held(LAMP, ANN)
+        model.lose(ANN, 2)
+        assert model.resume(token, "ann", BOB, 3) == (ANN, [Queued(LAMP)])
+        assert model.holding.held_by(BOB) == {LAMP: 1}
