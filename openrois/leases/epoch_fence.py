@@ -4,25 +4,33 @@ __all__ = ["EpochFence"]
 
 
 class EpochFence:
-    """The epochs of holders by the parent of the engine that reported them; a parent that has gone counts no more."""
+    """The epochs of holders by the parent of the engine that reported them, and the greatest of each component.
+
+    The greatest stays when the parent that reported it has gone: an earlier gateway, whose connection lasted longer or
+    comes later, cannot begin where that one has ended.
+
+    Attributes:
+        greatest: of all epochs that were ever reported; 0 for none.
+    """
 
     def __init__(self) -> None:
-        self._epochs: dict[object, dict[str, int]] = {}
+        self.greatest = 0
+        self._greatest: dict[str, int] = {}
+        self._reported: dict[object, dict[str, int]] = {}
 
     def note(self, parent: object, component_ref: str, epoch: int) -> bool:
-        """Note the epoch of a holder; tell whether it is at least as new as what any parent has reported."""
-        epochs = self._epochs.setdefault(parent, {})
-        epochs[component_ref] = max(epoch, epochs.get(component_ref, 0))
-        return epoch >= self._latest(component_ref)
+        """Note the epoch of a holder; tell whether it is at least as new as what any parent has ever reported."""
+        reported = self._reported.setdefault(parent, {})
+        reported[component_ref] = max(epoch, reported.get(component_ref, 0))
+        greatest = self._greatest[component_ref] = max(epoch, self._greatest.get(component_ref, 0))
+        self.greatest = max(greatest, self.greatest)
+        return epoch >= greatest
 
     def admits(self, parent: object, component_ref: str) -> bool:
         """Tell whether a command from a parent may run; a parent that reports no holders is not judged."""
-        epoch = self._epochs.get(parent, {}).get(component_ref)
-        return epoch is None or epoch >= self._latest(component_ref)
+        epoch = self._reported.get(parent, {}).get(component_ref)
+        return epoch is None or epoch >= self._greatest[component_ref]
 
     def forget_parent(self, parent: object) -> None:
-        """Drop what a parent has reported: its connection has ended."""
-        self._epochs.pop(parent, None)
-
-    def _latest(self, component_ref: str) -> int:
-        return max((epochs.get(component_ref, 0) for epochs in self._epochs.values()), default=0)
+        """Drop which holders a parent has reported: its connection has ended."""
+        self._reported.pop(parent, None)

@@ -136,6 +136,16 @@ class RemoteProxy:
         directory = self._remote_profile.directory
         return () if directory is None else directory.profile.engine_ids()
 
+    @property
+    def instance(self) -> str:
+        """The random text of the other side's process; empty where it sends none."""
+        return "" if self._greeting is None else self._greeting.instance
+
+    @property
+    def epoch(self) -> int:
+        """The greatest epoch that the other side has ever seen; 0 where it has seen none."""
+        return 0 if self._greeting is None else self._greeting.epoch
+
     async def discover(self) -> Directory:
         """Ask for the other side's extensions, unless it seems to have none, and read its directory or profile."""
         if not self._is_plain and not self._has_directory:
@@ -202,8 +212,12 @@ class RemoteProxy:
 
     def _take_late_greeting(self, result: Any) -> None:
         greeting = read_result("openrois.hello", result, Greeting)
-        if greeting.return_code is ReturnCode.OK and greeting != self._greeting:
-            self._greeting, self._is_plain = greeting, False
+        former = self._greeting
+        if greeting.return_code is not ReturnCode.OK or greeting == former:
+            return
+        self._greeting, self._is_plain = greeting, False
+        # Epochs grow all the time, and are no reason for another look.
+        if former is None or greeting.model_copy(update={"epoch": former.epoch}) != former:
             self._profile_changed()
 
     def _use_greeting(self, streaming: frozenset[str]) -> None:

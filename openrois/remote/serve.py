@@ -151,7 +151,12 @@ class _ServedExtension:
                 self._parent.change_notice.name_engines()
                 return HelloResult(extensions=(*EXTENSIONS, DIRECTORY, LEASES, MAY_BIND))
             engines = tuple(sorted(self._host.engine.extension.engines()))
-            return HelloResult(extensions=(*EXTENSIONS, LEASES, MAY_BIND) if engines else (LEASES,), engines=engines)
+            return HelloResult(
+                extensions=(*EXTENSIONS, LEASES, MAY_BIND) if engines else (LEASES,),
+                engines=engines,
+                instance=self._host.instance,
+                epoch=self._host.epoch_fence.greatest,
+            )
 
         return {"openrois.hello": method(HelloParams, hello), **{m: self._calling(m) for m in EXTENSION_METHODS}}
 
@@ -166,6 +171,8 @@ class _ServedExtension:
         def holder(params: dict[str, Any]) -> None:
             client_id = str(params.pop("client_id", ""))
             notification = HolderNotification.model_validate(params)
+            if notification.component_ref not in self._host.engine.components:
+                return
             if not self._host.epoch_fence.note(self._parent, notification.component_ref, notification.epoch):
                 _log.warning(
                     "a gateway reports a former holder of %s, which is ignored", notification.component_ref[:200]
@@ -180,7 +187,7 @@ class _ServedExtension:
         return {CLIENT_GONE: client_gone, HolderNotification.method: holder}
 
     async def _handle_holder(self, notification: HolderNotification, client_id: str) -> None:
-        if client_id and notification.component_ref in self._host.engine.components:
+        if client_id:
             client = self._clients.get(client_id)
             if client is None and notification.holds:
                 client = self._clients[client_id] = Client(client_id, self._notifying(client_id))

@@ -80,6 +80,7 @@ class EngineHost:
         draining: it is about to end, and begins nothing new.
         heartbeat: to the parent, for what moves.
         epoch_fence: which parent reported the latest holder.
+        instance: a random text by which gateways know this engine's process again; no other engine may learn it.
     """
 
     engine: Engine
@@ -100,6 +101,7 @@ class EngineHost:
     draining: bool = False
     heartbeat: Heartbeat = field(default_factory=Heartbeat)
     epoch_fence: EpochFence = field(default_factory=EpochFence)
+    instance: str = field(default_factory=lambda: secrets.token_hex(16), repr=False)
     leases: LeaseKeeper = field(init=False)
     views: Views = field(init=False)
 

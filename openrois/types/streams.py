@@ -33,6 +33,9 @@ __all__ = [
 MAX_EXTENSIONS: Final = 64
 """Names in one hello."""
 
+MAX_INSTANCE: Final = 64
+"""Characters of the text by which an adapter process is known again."""
+
 MAX_PARAMETERS: Final = 16
 """Parameters of one connect_stream."""
 
@@ -62,13 +65,16 @@ class HelloResult(ReturnResult):
     """Result of `openrois.hello`.
 
     `engines` are the ids of those in the tree that have the extensions; where it is empty and there are extensions, the
-    engine that answers has them.
+    engine that answers has them. An adapter says who it is: `instance` is a random text of its process, and `epoch` the
+    greatest that any gateway has ever reported to it, 0 for none.
     """
 
     version: str = EXTENSION_VERSION
     extensions: tuple[str, ...] = Field(default=(), strict=False)
     engines: tuple[str, ...] = Field(default=(), strict=False)
     client_id: str = ""
+    instance: str = Field(default="", max_length=MAX_INSTANCE)
+    epoch: int = Field(default=0, ge=0)
 
 
 class ConnectStreamParams(Model):

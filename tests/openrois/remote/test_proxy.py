@@ -49,8 +49,9 @@ class Far:
         extensions: tuple[str, ...] = ("rois.stream",),
         engines: tuple[str, ...] = (),
         timeout: int | None = None,
+        **who: Any,
     ) -> None:
-        """Answer what `discover` asks; `timeout` is that of the command `start`."""
+        """Answer what `discover` asks; `timeout` is that of the command `start`, `who` more of the answer to hello."""
         discovering = asyncio.ensure_future(self.proxy.discover())
         profile = profile_result("toy")
         profile["component_profiles"][TOY]["command_profiles"][0]["timeout"] = timeout
@@ -59,7 +60,7 @@ class Far:
             request = await self.asked("openrois.hello")
             await self.stream.send(json.dumps({"jsonrpc": "2.0", "id": request["id"], "error": error}))
         else:
-            hello = {"version": "1", "extensions": list(extensions), "engines": list(engines), "client_id": ""}
+            hello = {"version": "1", "extensions": list(extensions), "engines": list(engines), "client_id": "", **who}
             await self.answer(await self.asked("openrois.hello"), **hello)
         await self.answer(await self.asked("rois.system.get_profile"), **profile)
         await discovering
@@ -134,11 +135,20 @@ class TestDiscover:
         await discovering
         assert far.proxy.extension is not None
         assert far.proxy.speaks_extensions
-        await far.answer(late, **hello)
+        await far.answer(late, **hello, epoch=9)
         asking = asyncio.ensure_future(far.proxy.query(TOY, "mood"))
         await far.answer(await far.asked("rois.query.query"), results=[])
         await asking
-        assert far.changes == 1
+        assert (far.changes, far.proxy.epoch) == (1, 9)
+
+    async def test_who_an_adapter_is(self, far: Far) -> None:
+        assert (far.proxy.instance, far.proxy.epoch) == ("", 0)
+        await far.introduce(plain=True)
+        assert (far.proxy.instance, far.proxy.epoch) == ("", 0)
+
+    async def test_the_instance_and_greatest_epoch_that_an_adapter_says(self, far: Far) -> None:
+        await far.introduce(instance="this process", epoch=7)
+        assert (far.proxy.instance, far.proxy.epoch) == ("this process", 7)
 
     async def test_one_that_fails_to_say(self, far: Far) -> None:
         discovering = asyncio.ensure_future(far.proxy.discover())

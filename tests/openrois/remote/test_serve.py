@@ -13,6 +13,7 @@ from openrois.adapter.dialer import serve_parent
 from openrois.aio.tasks import TaskScope
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
+from openrois.leases.epoch_fence import EpochFence
 from openrois.remote.serve import STREAM_GRACE, serve_engine
 from openrois.session.session import EngineHost
 from openrois.transport.memory import MemoryStream, memory_pair
@@ -58,6 +59,7 @@ class Child:
         self.streams = FakeStreams()
         self.registry = LocalRegistry("robot", [Lamp(), Bell(), Camera()], extension=self.streams)
         self.engine = Engine("robot")
+        self.epoch_fence = EpochFence()
         self.slept: list[float] = []
         self.grace_ends = asyncio.Event()
 
@@ -69,7 +71,14 @@ class Child:
     async def served(self) -> AsyncIterator[Parent]:
         near, far = memory_pair()
         async with TaskScope() as tasks:
-            host = EngineHost(self.engine, tasks, sleep=self.sleep, wall_clock=lambda: 0.0)
+            host = EngineHost(
+                self.engine,
+                tasks,
+                sleep=self.sleep,
+                wall_clock=lambda: 0.0,
+                epoch_fence=self.epoch_fence,
+                instance="this process",
+            )
             serving = asyncio.ensure_future(serve_engine(host, near))
             yield Parent(far)
             await far.close()
@@ -104,6 +113,8 @@ class TestHello:
             "extensions": ["rois.stream", "signaling", "openrois.lease", "openrois.may_bind"],
             "engines": ["robot"],
             "client_id": "",
+            "instance": "this process",
+            "epoch": 0,
         }
 
     async def test_a_parent_that_reads_the_directory(self, child: Child, parent: Parent) -> None:
@@ -121,6 +132,20 @@ class TestHello:
     async def test_an_engine_without(self, child: Child, parent: Parent) -> None:
         child.registry.extension = None
         assert (await parent.ask("openrois.hello", version="1"))["extensions"] == ["openrois.lease"]
+
+    async def test_it_says_the_greatest_epoch_that_any_gateway_has_reported(self, child: Child) -> None:
+        async with child.served() as former:
+            await former.tell("openrois.holder", component_ref=LAMP, holds=True, epoch=7, client_id="c")
+            await former.tell("openrois.holder", component_ref="robot/unknown", holds=True, epoch=9, client_id="c")
+            first = await former.ask("openrois.hello", version="1")
+        async with child.served() as latter:
+            second = await latter.ask("openrois.hello", version="1")
+        assert first["epoch"] == second["epoch"] == 7
+
+    async def test_each_engine_process_has_an_instance_of_its_own(self, child: Child) -> None:
+        async with TaskScope() as tasks:
+            instances = {EngineHost(child.engine, tasks).instance for _ in range(2)}
+        assert [len(each) for each in instances] == [32, 32]
 
 
 class TestTrust:
@@ -327,12 +352,14 @@ async def test_of_two_gateways_that_believe_to_be_in_charge_the_later_one_is(chi
         assert await code(old, "4") == "OUT_OF_RESOURCES"
         await new.stream.close()
         await serving[1]
-        assert await code(old, "5") == "OK"
+        assert await code(old, "5") == "OUT_OF_RESOURCES"
+        await old.tell("openrois.holder", component_ref=LAMP, holds=True, epoch=8, client_id="ann")
+        assert await code(old, "6") == "OK"
         await old.stream.close()
         await serving[0]
         child.grace_ends.set()
     told = [params["epoch"] for name, params, _ in child.streams.calls if name == "openrois.holder" and params["holds"]]
-    assert told == [5, 7]
+    assert told == [5, 7, 8]
 
 
 async def test_what_acts_and_waits_for_its_turn_ends_with_the_connection(child: Child) -> None:

@@ -24,9 +24,14 @@ def test_hello() -> None:
         "extensions": list(EXTENSIONS),
         "engines": ["robot"],
         "client_id": "c",
+        "instance": "",
+        "epoch": 0,
     }
     with pytest.raises(ValidationError):
         HelloParams.model_validate({"version": "1", "extensions": ["x"] * 65})
+    for wrong in ({"instance": "x" * 65}, {"epoch": -1}):
+        with pytest.raises(ValidationError):
+            HelloResult.model_validate(wrong)
 
 
 def test_every_verb_has_its_method() -> None:

@@ -116,6 +116,8 @@ const isHelloResult: Check = object({
   extensions: optional(list(text)),
   engines: optional(list(text)),
   client_id: optional(text),
+  instance: optional(text),
+  epoch: optional(integer),
 });
 
 const isAuthRefreshResult: Check = object({

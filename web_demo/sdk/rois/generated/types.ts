@@ -301,6 +301,8 @@ export interface HelloResult {
   readonly extensions?: readonly string[];
   readonly engines?: readonly string[];
   readonly client_id?: string;
+  readonly instance?: string;
+  readonly epoch?: number;
 }
 
 /** A STUN or TURN server in the form of the W3C dictionary RTCIceServer, with password credentials only. */

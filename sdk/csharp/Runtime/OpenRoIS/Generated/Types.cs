@@ -575,6 +575,12 @@ namespace OpenRoIS
 
         [JsonProperty("client_id")]
         public string ClientId { get; set; } = "";
+
+        [JsonProperty("instance")]
+        public string Instance { get; set; } = "";
+
+        [JsonProperty("epoch")]
+        public long Epoch { get; set; } = 0;
     }
 
     /// <summary>
