@@ -30,6 +30,7 @@ TESTS = (
     *(f"tests/openrois/gateway/test_{part}.py" for part in ("origins", "stalling")),
     *(f"tests/openrois/cluster/test_{part}.py" for part in ("flow", "frames", "presence", "subjects", "wire")),
     "tests/openrois/cluster/postgres/test_address.py",
+    "tests/openrois/adapter/test_rotation.py",
     "tests/openrois/http_limits/test_websocket_frames.py",
     "tests/openrois/transport/test_backoff.py",
     "tests/bench/measuring/test_figures.py",

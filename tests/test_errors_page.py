@@ -6,7 +6,7 @@ import pytest
 
 import openrois.client
 from openrois import errors
-from openrois.gateway import applications, draining, token_expiry
+from openrois.gateway import adapters, applications, draining, token_expiry
 from openrois.jsonrpc import protocol
 from openrois.types.codes import CompletedStatus, ErrorType, ReturnCode
 from tests.support.packages import ROOT
@@ -56,5 +56,5 @@ def test_every_code_of_json_rpc_has_its_row() -> None:
 
 
 def test_every_close_code_of_ours_has_its_row() -> None:
-    ours = {applications.RESUMED, draining.SERVICE_RESTART, token_expiry.TOKEN_ENDED}
+    ours = {adapters.TRY_AGAIN_LATER, applications.RESUMED, draining.SERVICE_RESTART, token_expiry.TOKEN_ENDED}
     assert {str(code) for code in ours} <= firsts("Close codes of a WebSocket")

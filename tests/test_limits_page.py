@@ -30,6 +30,7 @@ NO_LIMITS = {
     "openrois.cluster.frames.PROTOCOL": "a version",
     "openrois.cluster.stream.LOST": "a code",
     "openrois.cluster.postgres.schema.VERSION": "a version",
+    "openrois.gateway.adapters.TRY_AGAIN_LATER": "a code",
     "openrois.gateway.applications.RESUMED": "a code",
     "openrois.gateway.draining.SERVICE_RESTART": "a code",
     "openrois.gateway.token_expiry.TOKEN_ENDED": "a code",

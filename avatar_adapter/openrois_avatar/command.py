@@ -17,7 +17,7 @@ from openrois.cli.command_line import CommandLine
 from openrois.errors import BadParameter
 from openrois.metrics.server import LOOPBACK, MetricsUnavailable, metrics_address
 from openrois.observability.logs import set_up_logging
-from openrois.transport.address import adapter_url
+from openrois.transport.address import adapter_urls
 from openrois.transport.credential_options import add_credential_options, credentials
 from openrois_avatar.adapter import Avatar, run_avatar
 from openrois_avatar.check import command as check
@@ -43,7 +43,12 @@ def main(arguments: Sequence[str]) -> int:
         description="An avatar behind a gateway.",
         epilog="`openrois avatar check --help`: try a game engine of your own.",
     )
-    parser.add_argument("--gateway", default=defaults.gateway, metavar="URL", help="where it is (%(default)s)")
+    parser.add_argument(
+        "--gateway",
+        default=",".join(defaults.gateways),
+        metavar="URL[,URL]",
+        help="where it is, or each of several (%(default)s)",
+    )
     add_credential_options(parser)
     parser.add_argument("--engine-id", default=defaults.engine_id, help="unique behind its gateway (%(default)s)")
     add_engine_options(parser)
@@ -74,7 +79,7 @@ def main(arguments: Sequence[str]) -> int:
     chosen = parser.parse_args(arguments)
     try:
         engine_arguments(chosen)
-        gateway = adapter_url(chosen.gateway)
+        gateways = adapter_urls(chosen.gateway)
         metrics = None if chosen.metrics is None else metrics_address(chosen.metrics)
         network = network_settings(chosen)
         secret = link_secret(chosen)
@@ -89,14 +94,16 @@ def main(arguments: Sequence[str]) -> int:
     shown = credentials(chosen)
     try:
         # Both are read again whenever they are needed; an error now is most likely a mistake.
-        shown.newest(), shown.context(gateway)
+        shown.newest()
+        for url in gateways:
+            shown.context(url)
     except ValueError as error:
         print(f"openrois avatar: {error}", file=sys.stderr)
         return 1
     set_up_logging(verbose=chosen.verbose, form=chosen.log_format)
     prepare_process()
     settings = AvatarSettings(
-        gateway,
+        gateways,
         chosen.engine_id,
         chosen.engine,
         chosen.stamp,
@@ -140,5 +147,5 @@ async def _serve(settings: AvatarSettings) -> None:
         else:
             avatar = await stack.enter_async_context(run_avatar(settings))
         await serve_process(
-            avatar.host, settings.gateway, settings.credentials, avatar.collect_figures, settings.metrics
+            avatar.host, settings.gateways, settings.credentials, avatar.collect_figures, settings.metrics
         )

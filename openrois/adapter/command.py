@@ -1,4 +1,4 @@
-"""The command line of an adapter: the gateway's address, and the credentials for it."""
+"""The command line of an adapter: the addresses of its gateways, and the credentials for them."""
 
 import argparse
 from collections.abc import Sequence
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from openrois.adapter.running import GATEWAY, GATEWAY_VARIABLE, run
 from openrois.cli.command_line import CommandLine
 from openrois.component.component import Component
-from openrois.transport.address import adapter_url
+from openrois.transport.address import adapter_urls
 from openrois.transport.credential_options import add_credential_options
 
 __all__ = ["adapter_options", "main", "read_options"]
@@ -45,7 +45,9 @@ def adapter_options(components: Sequence[Component], engine_id: str, *, also: Se
     offered = ", ".join([*(f"{each.profile.name} ({each.profile.identifier.code})" for each in components), *also])
     parser = CommandLine(None, description=f"An adapter with {offered}. It serves its gateway until Ctrl-C ends it.")
     parser.add_argument(
-        "--gateway", metavar="URL", help=f"where the gateway takes adapters ({GATEWAY_VARIABLE}, or {GATEWAY})"
+        "--gateway",
+        metavar="URL[,URL]",
+        help=f"where the gateway takes adapters, or each of several ({GATEWAY_VARIABLE}, or {GATEWAY})",
     )
     parser.add_argument(
         "--engine-id", default=engine_id, metavar="ID", help="leads its component_refs; unique there (%(default)s)"
@@ -64,7 +66,7 @@ def read_options(parser: CommandLine, arguments: Sequence[str] | None) -> argpar
     chosen = parser.parse_args(arguments)
     try:
         if chosen.gateway is not None:
-            adapter_url(chosen.gateway)
+            adapter_urls(chosen.gateway)
     except ValueError as error:
         parser.error(f"--gateway: {error}")
     return chosen

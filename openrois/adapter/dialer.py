@@ -1,4 +1,4 @@
-"""The adapter's side of the connection to its parent: dial, serve, and dial again for ever."""
+"""The adapter's side of the connection to its parent: dial one of its gateways, serve it, and dial again for ever."""
 
 import asyncio
 import logging
@@ -10,57 +10,51 @@ from typing import Final
 
 from websockets.exceptions import InvalidHandshake, InvalidMessage, InvalidStatus
 
+from openrois.adapter.rotation import Rotation
 from openrois.remote.serve import serve_engine
 from openrois.session.session import EngineHost
-from openrois.transport.backoff import Backoff, asked_to_wait
+from openrois.transport.backoff import asked_to_wait
 from openrois.transport.credentials import CA_FILE_VARIABLE, NO_CREDENTIALS, TOKEN_FILE_VARIABLE, Credentials
 from openrois.transport.stream import POLICY_VIOLATION
 from openrois.transport.unreachable import unreachable
 from openrois.transport.websocket import dial
 
-__all__ = ["LONGEST_WAIT", "serve_parent"]
+__all__ = ["serve_parent"]
 
 _log = logging.getLogger(__name__)
 
-LONGEST_WAIT: Final = 1.0
-"""Seconds between two attempts at most while there is no gateway: adapters are back before the applications."""
-
-_FIRST_WAIT: Final = 0.25
-_LONGEST_REFUSED: Final = 5.0
 _NOT_NOW: Final = range(500, 600)
 """Status codes of a gateway that is about to end or is full, and of a proxy before one that is not there yet."""
 
 
 async def serve_parent(
     host: EngineHost,
-    url: str,
-    *,
+    *urls: str,
     credentials: Credentials = NO_CREDENTIALS,
     sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
     clock: Callable[[], float] = time.monotonic,
     chance: Callable[[], float] = random.random,
     attached: Callable[[bool], None] = lambda _is_attached: None,
 ) -> None:
-    """Serve an engine to the gateway at `url` until cancelled; a lost connection is made again.
+    """Serve an engine to one gateway at a time until cancelled; where a connection is lost another one is made.
 
     Args:
         host: the engine.
-        url: `ws://host:port/adapter` of the gateway.
+        urls: `ws://host:port/adapter` of each gateway that it may serve; which is dialled when says `Rotation`.
         credentials: what is shown to the gateway; a token is read at every attempt.
-        sleep: waits for some seconds between attempts: up to 0.25 s, then half as long again each time, at most
-            `LONGEST_WAIT`, and by chance less, so that a fleet does not come at once; longer by what a gateway that
-            restarts asks for. Where a gateway answers and refuses the adapter it is up to 1 s, later up to 5 s.
+        sleep: waits for some seconds between attempts.
         clock: monotonic seconds, to tell a connection that lasted from one that did not.
         chance: a number from 0 up to 1.
         attached: called with True when the gateway has attached the engine, with False when that connection ends.
 
     Raises:
-        websockets.exceptions.InvalidURI: `url` is no WebSocket address.
+        websockets.exceptions.InvalidURI: one of `urls` that is dialled is no WebSocket address.
     """
-    absent, refused = Backoff(_FIRST_WAIT, limit=LONGEST_WAIT), Backoff(limit=_LONGEST_REFUSED)
+    rotation = Rotation(urls, chance)
+    url, _ = rotation.next(clock())
     attempts = 0
     while True:
-        lasted, asked, backoff = 0.0, 0.0, absent
+        lasted, asked, is_refused = 0.0, 0.0, False
         attempts += 1
         # The first attempts are shown soon, and later ones rarely: they must not fill a disk.
         news = logging.INFO if attempts.bit_count() == 1 else logging.DEBUG
@@ -72,7 +66,7 @@ async def serve_parent(
                 lasted, asked = clock() - connected, asked_to_wait(closed.reason)
                 if closed.code == POLICY_VIOLATION:
                     _log.warning("the gateway refuses this adapter: %s", closed.reason)
-                    backoff = refused
+                    is_refused = True
                 else:
                     _log.info("the gateway is gone: %s", closed)
         except (InvalidHandshake, ValueError, OSError) as error:
@@ -80,10 +74,14 @@ async def serve_parent(
             may_come = _may_come(error)
             said = unreachable(url, error, remedies=(TOKEN_FILE_VARIABLE, CA_FILE_VARIABLE))
             _log.log(news if may_come else logging.WARNING, "%s", said)
-            backoff = absent if may_come else refused
-        delay = backoff.after(lasted) * chance() + asked
-        _log.log(news, "trying again in %.1f s", delay)
-        await sleep(delay)
+            is_refused = not may_come
+        rotation.failed(clock(), lasted=lasted, asked=asked, is_refused=is_refused)
+        former, (url, delay) = url, rotation.next(clock())
+        if url == former or delay > 0:
+            _log.log(news, "trying again in %.1f s", delay)
+            await sleep(delay)
+        else:
+            _log.log(news, "trying %s", url)
 
 
 def _may_come(error: Exception) -> bool:

@@ -3,7 +3,7 @@
 import asyncio
 import os
 import signal
-from collections.abc import Coroutine
+from collections.abc import Coroutine, Sequence
 from typing import Any
 
 from openrois.adapter.dialer import serve_parent
@@ -48,19 +48,19 @@ class AdapterProcess:
         self._supervisor = Supervisor(os.environ)
         self._was_attached = False
 
-    async def serve(self, host: EngineHost, gateway: str, credentials: Credentials) -> None:
-        """Serve an engine to its gateway until cancelled.
+    async def serve(self, host: EngineHost, gateways: Sequence[str], credentials: Credentials) -> None:
+        """Serve an engine to its gateway, one of several at a time, until cancelled.
 
         Args:
             host: the engine.
-            gateway: `ws://host:port/adapter`.
-            credentials: for the gateway.
+            gateways: `ws://host:port/adapter` of each.
+            credentials: for the gateways.
         """
         async with TaskScope() as tasks:
             tasks.start(self._supervisor.watch())
             tasks.start(returning_memory())
             try:
-                await serve_parent(host, gateway, credentials=credentials, attached=self._set_attached)
+                await serve_parent(host, *gateways, credentials=credentials, attached=self._set_attached)
             finally:
                 self._supervisor.notify_state("STOPPING=1")
 

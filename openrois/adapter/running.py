@@ -4,7 +4,7 @@ import asyncio
 import logging
 import os
 import signal
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager, suppress
 from pathlib import Path
 from typing import Final
@@ -22,7 +22,7 @@ from openrois.engine.registry import LocalRegistry
 from openrois.jsonrpc.heartbeat import Heartbeat
 from openrois.observability.logs import set_up_logging
 from openrois.session.session import EngineHost
-from openrois.transport.address import adapter_url
+from openrois.transport.address import adapter_urls
 from openrois.transport.credentials import Credentials
 
 __all__ = ["GATEWAY", "GATEWAY_VARIABLE", "hosted", "run", "serve"]
@@ -33,7 +33,7 @@ GATEWAY: Final = "ws://127.0.0.1:8765/adapter"
 """Address at which a gateway of this machine takes adapters: the default."""
 
 GATEWAY_VARIABLE: Final = "OPENROIS_GATEWAY"
-"""Environment variable with the gateway's address: one program for every place."""
+"""Environment variable with the gateway's address, or those of several with commas: one program for every place."""
 
 
 _STOP_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
@@ -68,7 +68,7 @@ async def hosted(
 async def serve(
     *components: Component,
     engine_id: str,
-    gateway: str | None = None,
+    gateway: str | Sequence[str] | None = None,
     token_file: Path | str | None = None,
     ca_file: Path | str | None = None,
     extension: AbstractAsyncContextManager[Extension] | None = None,
@@ -79,7 +79,8 @@ async def serve(
         components: each with a name of its own.
         engine_id: unique behind its gateway; leads every component_ref.
         gateway: its address, `ws://host:port/adapter` or the `http://host:port/` that it prints; unless given that of
-            the environment (`OPENROIS_GATEWAY`), or else `ws://127.0.0.1:8765/adapter`.
+            the environment (`OPENROIS_GATEWAY`), or else `ws://127.0.0.1:8765/adapter`. Of several, as a sequence or
+            with commas between them, one at a time is served, and the next when that one is gone.
         token_file: holds the token that the gateway wants, and is read whenever it is needed; unless given that of
             the environment (`OPENROIS_TOKEN_FILE`).
         ca_file: authorities (PEM) that may have signed the gateway's certificate; unless given those of the
@@ -89,23 +90,22 @@ async def serve(
 
     Raises:
         BadParameter: `engine_id` or a component's name cannot be part of a reference, or a name stands twice.
-        ValueError: `gateway` is no address of a gateway.
+        ValueError: `gateway` names something that is no address of a gateway.
     """
-    address = gateway or os.environ.get(GATEWAY_VARIABLE) or GATEWAY
-    url = adapter_url(address)
+    urls = adapter_urls(gateway or os.environ.get(GATEWAY_VARIABLE) or GATEWAY)
     async with AsyncExitStack() as stack:
         added = None if extension is None else await stack.enter_async_context(extension)
         host = await stack.enter_async_context(hosted(engine_id, *components, extension=added))
         tasks = await stack.enter_async_context(TaskScope())
         with told_of_blocking():
-            tasks.start(serve_parent(host, url, credentials=Credentials.of_files(token_file, ca_file)))
+            tasks.start(serve_parent(host, *urls, credentials=Credentials.of_files(token_file, ca_file)))
             yield host
 
 
 def run(
     *components: Component,
     engine_id: str,
-    gateway: str | None = None,
+    gateway: str | Sequence[str] | None = None,
     token_file: Path | str | None = None,
     ca_file: Path | str | None = None,
     extension: AbstractAsyncContextManager[Extension] | None = None,
@@ -119,7 +119,8 @@ def run(
         components: each with a name of its own.
         engine_id: unique behind its gateway; leads every component_ref.
         gateway: its address, `ws://host:port/adapter` or the `http://host:port/` that it prints; unless given that of
-            the environment (`OPENROIS_GATEWAY`), or else `ws://127.0.0.1:8765/adapter`.
+            the environment (`OPENROIS_GATEWAY`), or else `ws://127.0.0.1:8765/adapter`. Of several, as a sequence or
+            with commas between them, one at a time is served, and the next when that one is gone.
         token_file: holds the token that the gateway wants, and is read whenever it is needed; unless given that of
             the environment (`OPENROIS_TOKEN_FILE`).
         ca_file: authorities (PEM) that may have signed the gateway's certificate; unless given those of the
@@ -130,12 +131,12 @@ def run(
 
     Raises:
         BadParameter: `engine_id` or a component's name cannot be part of a reference, or a name stands twice.
-        ValueError: `gateway` is no address of a gateway.
+        ValueError: `gateway` names something that is no address of a gateway.
         SystemExit: what the environment names is none.
     """
     if gateway is None and (named := os.environ.get(GATEWAY_VARIABLE)):
         try:
-            adapter_url(named)
+            adapter_urls(named)
         except ValueError as error:
             raise SystemExit(f"{GATEWAY_VARIABLE}: {error}") from None
     set_up_logging(verbose=verbose)

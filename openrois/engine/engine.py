@@ -89,7 +89,7 @@ class Engine:
         if bus is self:
             raise BadParameter("an engine cannot be attached below itself")
         directory = await bus.discover()
-        self._check(bus, directory, own=own)
+        self.check(bus, directory, own=own)
         self._may_be_own[bus] = own
         if isinstance(bus, FaultSource):
             bus.on_fault = self._notify_fault
@@ -108,7 +108,7 @@ class Engine:
         directory = await bus.discover()
         if self.tree.offer_of(bus) is None:
             return frozenset()
-        self._check(bus, directory, own=self._may_be_own[bus])
+        self.check(bus, directory, own=self._may_be_own[bus])
         return self._replace(bus, directory)
 
     def detach(self, bus: ComponentBus, *, lost: str = "") -> frozenset[str]:
@@ -149,7 +149,12 @@ class Engine:
         self.faults.notify_all(fault)
         self.on_fault(fault)
 
-    def _check(self, bus: ComponentBus, directory: Directory, *, own: bool) -> None:
+    def check(self, bus: ComponentBus, directory: Directory, *, own: bool) -> None:
+        """Check what a bus offers, as `attach` does.
+
+        Raises:
+            BadParameter: it cannot be in this tree.
+        """
         ids = directory.profile.engine_ids()
         taken = set() if own and ids == (self.engine_id,) else {self.engine_id}
         for engine_id in ids:

@@ -8,6 +8,8 @@ from typing import Final
 from openrois.auth.principal import LOCAL, Principal, quota_name
 from openrois.contract import Directory
 from openrois.errors import BadParameter, RoISError
+from openrois.gateway.claims import AdapterClaims, GatewayClaims, NotOwned
+from openrois.gateway.draining import SERVICE_RESTART
 from openrois.gateway.heartbeat import Heartbeat
 from openrois.gateway.renewal import REFRESH, Renewal, expiring
 from openrois.gateway.sign_in import SignIns
@@ -24,7 +26,10 @@ __all__ = ["serve_adapter"]
 
 _log = logging.getLogger(__name__)
 
-_FAREWELLS: Final = frozenset({1000, 1001, 1005, 1008, 1012})
+TRY_AGAIN_LATER: Final = 1013
+"""The close code of a gateway that cannot serve now (IANA registry)."""
+
+_FAREWELLS: Final = frozenset({1000, 1001, 1005, 1008, 1012, TRY_AGAIN_LATER})
 """Close codes after which an adapter is not missed: it disconnected, was refused, or the gateway itself stops."""
 
 CHANGE_PAUSE: Final = 0.1
@@ -39,11 +44,14 @@ async def serve_adapter(
     expiry: TokenExpiry | None = None,
     renewal: Renewal | None = None,
     sign_ins: SignIns | None = None,
+    ownership: GatewayClaims | None = None,
 ) -> StreamClosed:
     """Attach the engine at the other end for as long as the connection lasts; return why it ended.
 
     A profile that is unreadable or not acceptable closes the connection with 1008 and the reason. The same holds for
-    a later one, after the adapter said `rois.system.profile_changed`; said many times at once it counts as few.
+    a later one, after the adapter said `rois.system.profile_changed`; said many times at once it counts as few. Engines
+    that this gateway cannot own now close it with 1013 and `retry_after=<seconds>`, those that another gateway has
+    claimed with 1012.
 
     Args:
         host: the gateway's engine.
@@ -52,6 +60,7 @@ async def serve_adapter(
         expiry: the principal of the connection, and for how long; without it the local one.
         renewal: how that is made longer.
         sign_ins: records that it came and left.
+        ownership: claims the engines, where several gateways share them.
     """
     expiry = expiry or TokenExpiry(LOCAL)
     sign_ins = sign_ins or SignIns(host.audit)
@@ -63,7 +72,28 @@ async def serve_adapter(
     )
     changed = asyncio.Event()
     proxy = RemoteProxy(session, changed.set, host.tasks)
-    proxy.accepts = lambda directory: _require_scope(expiry.principal, directory)
+
+    def detach(lost: str) -> None:
+        attaching.cancel()
+        offer = engine.tree.offer_of(proxy)
+        gone = engine.detach(proxy, lost=lost)
+        proxy.lost("the connection to the engine has ended")
+        host.leases.end_all(gone)
+        for engine_id in () if offer is None else offer.profile.engine_ids():
+            host.epochs.detach(engine_id)
+
+    def evict(reason: str) -> None:
+        detach("")
+        host.tasks.start(session.close(SERVICE_RESTART, reason))
+
+    claims = None if ownership is None else ownership.adapter(proxy, evict)
+
+    async def admit(directory: Directory) -> None:
+        _require_scope(expiry.principal, directory)
+        if claims is not None:
+            await claims.admit(directory)
+
+    proxy.admit = admit
     heartbeat = Heartbeat(session, host.tasks)
     session.notifications = {**proxy.notifications(), **heartbeat.notifications()}
     expiry.on_principal = lambda _principal: None if expiry.is_over else changed.set()
@@ -75,7 +105,7 @@ async def serve_adapter(
             lambda reason: host.audit.refused(expiry.principal, REFRESH, "", reason),
         )
     engine = host.engine
-    attaching = host.tasks.start(_keep_attached(host, session, proxy, changed, expiry))
+    attaching = host.tasks.start(_keep_attached(host, session, proxy, changed, expiry, claims))
     closed = StreamClosed(1006)
     try:
         name = f"adapter-{secrets.token_hex(4)}"
@@ -92,19 +122,24 @@ async def serve_adapter(
     finally:
         if not attaching.done():
             _log.info("%s left: %s", ", ".join(proxy.engine_ids) or "an adapter that told no profile", closed)
-        attaching.cancel()
         heartbeat.stop()
-        well = closed.code in _FAREWELLS
-        gone = engine.detach(proxy, lost="" if well else f"the connection to its engine has ended: {closed}")
-        proxy.lost("the connection to the engine has ended")
-        host.leases.end_all(gone)
+        is_lost = closed.code not in _FAREWELLS
+        detach(f"the connection to its engine has ended: {closed}" if is_lost else "")
+        if claims is not None:
+            claims.end(is_lost=is_lost)
 
 
 async def _keep_attached(
-    host: EngineHost, session: RpcSession, proxy: RemoteProxy, changed: asyncio.Event, expiry: TokenExpiry
+    host: EngineHost,
+    session: RpcSession,
+    proxy: RemoteProxy,
+    changed: asyncio.Event,
+    expiry: TokenExpiry,
+    claims: AdapterClaims | None,
 ) -> None:
     try:
         await host.engine.attach(proxy, own=False)
+        _note_epochs(host, proxy)
         session.peer = ", ".join(proxy.engine_ids)
         _log.info("attached %s", session.peer)
         is_notified = False
@@ -115,12 +150,38 @@ async def _keep_attached(
                 is_notified = True
             await changed.wait()
             changed.clear()
-            host.leases.end_all(await host.engine.refresh(proxy))
+            await _refresh(host, proxy, changed)
+            if claims is not None:
+                claims.settle()
             await host.sleep(CHANGE_PAUSE)
+    except NotOwned as error:
+        _log.warning("an adapter is asked to dial again: %s", error)
+        host.connection_stats.turn_away("ownership")
+        await session.close(TRY_AGAIN_LATER, f"retry_after={error.retry_after:.2f} {error}")
     except BadParameter as error:
         await _refuse(host, session, expiry, str(error))
     except RoISError as error:
         await _refuse(host, session, expiry, f"no usable profile: {error}")
+
+
+async def _refresh(host: EngineHost, proxy: RemoteProxy, changed: asyncio.Event) -> None:
+    try:
+        gone = await host.engine.refresh(proxy)
+    except NotOwned as error:
+        if error.is_refused:
+            raise
+        # What is owned already goes on while the store is away.
+        _log.warning("the new profile of %s waits: %s", ", ".join(proxy.engine_ids), error)
+        await host.sleep(error.retry_after)
+        changed.set()
+        return
+    host.leases.end_all(gone)
+    _note_epochs(host, proxy)
+
+
+def _note_epochs(host: EngineHost, proxy: RemoteProxy) -> None:
+    for engine_id in proxy.engine_ids:
+        host.epochs.attach(engine_id, proxy.epoch)
 
 
 def _require_scope(principal: Principal, directory: Directory) -> None:

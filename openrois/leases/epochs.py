@@ -59,7 +59,7 @@ class CountedEpochs:
     def attach(self, engine_id: str, seen: int) -> None:
         """Note the greatest epoch that the adapter of an engine has seen."""
         if seen >= self._next:
-            self._seen[engine_id] = seen
+            self._seen[engine_id] = max(seen, self._seen.get(engine_id, 0))
 
     def detach(self, engine_id: str) -> None:
         """Forget an engine: its adapter says again what it has seen."""
@@ -81,11 +81,11 @@ class ClaimedEpochs:
         problem: why no further block can be had now; empty where one can.
 
     Attributes:
-        on_low: called once for each block that is nearly used up, with the engine.
+        on_low: called once for each block that is nearly used up, with the engine and the last number of the block.
     """
 
     def __init__(self, problem: Callable[[], str] = lambda: "") -> None:
-        self.on_low: Callable[[str], None] = lambda _engine_id: None
+        self.on_low: Callable[[str, int], object] = lambda _engine_id, _last: None
         self._problem = problem
         self._blocks: dict[str, _Block] = {}
 
@@ -122,7 +122,7 @@ class ClaimedEpochs:
         block.next += 1
         if not block.has_asked and number - block.first >= _ENOUGH * (block.last - block.first):
             block.has_asked = True
-            self.on_low(engine_id)
+            self.on_low(engine_id, block.last)
         return number
 
     def attach(self, engine_id: str, seen: int) -> None:

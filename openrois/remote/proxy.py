@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import Callable, Collection
+from collections.abc import Awaitable, Callable, Collection
 from functools import partial
 from typing import Any, Final
 
@@ -83,7 +83,7 @@ class RemoteProxy:
         tasks: owns the questions that follow from what the other side tells, and stops that several wait for.
 
     Attributes:
-        accepts: raises `BadParameter` where the other side may not offer what it does.
+        admit: called with what the other side offers; raises where it may not offer that here, or not now.
         speaks_extensions: whether the other side has accepted a hello.
     """
 
@@ -106,7 +106,7 @@ class RemoteProxy:
         self._is_reading = False
         """Whether the directory is read, again and again while it changes."""
         self._greeting: Greeting | None = None
-        self.accepts: Callable[[Directory], None] = lambda _directory: None
+        self.admit: Callable[[Directory], Awaitable[None]] = _admit
         self.speaks_extensions = False
 
     def notifications(self) -> dict[str, NotificationHandler]:
@@ -152,7 +152,7 @@ class RemoteProxy:
             await self._greet()
         directory, streaming = await (self._read_directory() if self._has_directory else self._read_profile())
         self._use_greeting(streaming)
-        self.accepts(directory)
+        await self.admit(directory)
         self._remote_profile.directory = directory
         self._subscriptions.keep_only(directory.component_profiles, SubscriptionLost("the component is gone"))
         return directory
@@ -403,6 +403,10 @@ class RemoteProxy:
         self._remote_profile.note(component_ref, "event", event_type, notice.results)
         event = Event(notice.event_id, event_type, component_ref, notice.expire, notice.results)
         self._subscriptions.emit(key, event)
+
+
+async def _admit(_directory: Directory) -> None:
+    """Admit whatever is offered."""
 
 
 async def _error_details(asking: RpcCalls, error_id: str) -> ResultsResult:

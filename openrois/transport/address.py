@@ -1,12 +1,13 @@
 """Addresses of gateways as people give them: what a gateway prints, `http://host:port/`, works everywhere."""
 
+from collections.abc import Sequence
 from typing import Final
 from urllib.parse import urlsplit
 
 from websockets.exceptions import InvalidURI
 from websockets.uri import parse_uri
 
-__all__ = ["adapter_url", "gateway_url"]
+__all__ = ["adapter_url", "adapter_urls", "gateway_url"]
 
 _SCHEMES: Final = {"http": "ws", "https": "wss", "ws": "ws", "wss": "wss"}
 
@@ -45,3 +46,19 @@ def adapter_url(url: str) -> str:
         ValueError: it is no address, or carries a password.
     """
     return gateway_url(url, "/adapter")
+
+
+def adapter_urls(addresses: str | Sequence[str]) -> tuple[str, ...]:
+    """Return the addresses at which several gateways take adapters, each as `adapter_url` does.
+
+    Args:
+        addresses: of the gateways, as a sequence, or as a text with commas between them.
+
+    Raises:
+        ValueError: one of them is no address, or carries a password; or there is none.
+    """
+    named = addresses.split(",") if isinstance(addresses, str) else addresses
+    urls = tuple(adapter_url(address.strip()) for address in named)
+    if not urls:
+        raise ValueError("there is no gateway: name at least one, such as ws://127.0.0.1:8765/adapter")
+    return urls

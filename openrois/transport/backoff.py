@@ -5,7 +5,7 @@ from typing import Final
 
 __all__ = ["Backoff", "asked_to_wait"]
 
-_RETRY_AFTER: Final = re.compile(r"retry_after=(\d{1,4}(?:\.\d{1,6})?)", re.ASCII)
+_RETRY_AFTER: Final = re.compile(r"retry_after=(\d{1,4}(?:\.\d{1,6})?)(?: .*)?", re.ASCII | re.DOTALL)
 
 
 class Backoff:
@@ -34,10 +34,10 @@ class Backoff:
 
 
 def asked_to_wait(reason: str) -> float:
-    """Return the seconds that a gateway which is about to restart asks for when it closes, else 0.
+    """Return the seconds that a gateway asks for when it closes because it restarts, or cannot serve now; else 0.
 
     Args:
-        reason: of its close frame; such a gateway says `retry_after=<seconds>`.
+        reason: of its close frame; such a gateway says `retry_after=<seconds>`, and maybe why behind a space.
     """
     asked = _RETRY_AFTER.fullmatch(reason)
     return float(asked[1]) if asked else 0.0

@@ -1,7 +1,7 @@
 """The process of an adapter that streams: behind its gateway, with metrics and health for those who run it."""
 
 import logging
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import AsyncExitStack
 from functools import partial
 from types import MappingProxyType
@@ -24,7 +24,7 @@ _NOTHING: Final[Mapping[str, Callable[[], bool]]] = MappingProxyType({})
 
 async def serve_process(
     host: EngineHost,
-    gateway: str,
+    gateways: Sequence[str],
     credentials: Credentials,
     collect_figures: Callable[[], Awaitable[Snapshot]],
     metrics: tuple[str, int] | None,
@@ -34,8 +34,8 @@ async def serve_process(
 
     Args:
         host: the engine.
-        gateway: `ws://host:port/adapter`.
-        credentials: for the gateway.
+        gateways: `ws://host:port/adapter` of each that it may serve, one at a time.
+        credentials: for the gateways.
         collect_figures: takes a snapshot of all metrics.
         metrics: host and port of `/metrics`, `/healthz` and `/readyz`; None for nowhere.
         requirements: what `/readyz` requires beside the gateway, as it is named where it does not hold, and whether
@@ -57,4 +57,4 @@ async def serve_process(
                 beside={"/healthz": healthz, "/readyz": partial(readyz, readiness, "")},
             )
             _log.info("metrics: %s", await stack.enter_async_context(serving))
-        await process.serve(host, gateway, credentials)
+        await process.serve(host, gateways, credentials)

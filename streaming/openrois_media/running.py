@@ -1,7 +1,7 @@
 """Running an adapter that streams: `run` and `serve` of `openrois.adapter`, with sources."""
 
 import sys
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Final
@@ -37,7 +37,7 @@ async def serve(
     network: NetworkSettings | None = None,
     max_encoders: int = ENCODERS_LIMIT,
     max_viewer_bitrate: int | None = None,
-    gateway: str | None = None,
+    gateway: str | Sequence[str] | None = None,
     token_file: Path | str | None = None,
     ca_file: Path | str | None = None,
 ) -> AsyncIterator[EngineHost]:
@@ -87,7 +87,7 @@ def run(
     network: NetworkSettings | None = None,
     max_encoders: int = ENCODERS_LIMIT,
     max_viewer_bitrate: int | None = None,
-    gateway: str | None = None,
+    gateway: str | Sequence[str] | None = None,
     token_file: Path | str | None = None,
     ca_file: Path | str | None = None,
     verbose: bool = False,

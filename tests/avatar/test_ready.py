@@ -40,7 +40,7 @@ class Adapter:
     def __init__(self) -> None:
         self.port, self._figures = free_port(), free_port()
         self.settings = AvatarSettings(
-            f"ws://127.0.0.1:{self.port}/adapter", engine="synthetic", metrics=("127.0.0.1", self._figures)
+            (f"ws://127.0.0.1:{self.port}/adapter",), engine="synthetic", metrics=("127.0.0.1", self._figures)
         )
 
     @asynccontextmanager
@@ -110,7 +110,7 @@ async def test_adapter_that_its_gateway_refuses_is_not_ready(
     async with (
         asyncio.timeout(60),
         run_gateway(GatewaySettings(port=adapter.port)) as gateway,
-        serve(Lamp("lamp"), engine_id="avatar", gateway=adapter.settings.gateway),
+        serve(Lamp("lamp"), engine_id="avatar", gateway=adapter.settings.gateways),
     ):
         gateway.engine.on_change(attached.set)
         if "avatar" not in gateway.engine.directory.profile.engine_ids():

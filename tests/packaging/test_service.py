@@ -95,7 +95,7 @@ def test_the_avatar_is_watched_and_bounded_and_runs_with_the_options_of_its_unit
     given = dict(line.split("=", 1) for line in unit["Environment"])
     options = [given.get(each.strip("${}"), each) if each.startswith("$") else each for each in options]
     assert avatar.main([each for each in options if each]) == 0
-    assert settings[0].gateway == "ws://127.0.0.1:8765/adapter"
+    assert settings[0].gateways == ("ws://127.0.0.1:8765/adapter",)
     assert settings[0].metrics == ("127.0.0.1", 9466)
 
 
@@ -126,7 +126,7 @@ def test_a_robot_runs_with_the_options_of_its_unit(
     options = [given.get(each.strip("${}"), each) if each.startswith("$") else each for each in options]
     options = [str(config) if each == f"/etc/openrois/robot-{name}.toml" else each for each in options]
     assert robot.main([each for each in options if each]) == 0
-    assert settings[0][0].gateway == "ws://127.0.0.1:8765/adapter"
+    assert settings[0][0].gateways == ("ws://127.0.0.1:8765/adapter",)
     assert settings[0][0].metrics == ("127.0.0.1", 9467)
     own = settings[0][1]
     read = {

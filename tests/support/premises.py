@@ -25,7 +25,7 @@ async def running_gateway() -> AsyncIterator[Gateway]:
 async def running_avatar(gateway: Gateway) -> AsyncIterator[Avatar]:
     """An adapter with colour bars and a tone, attached to `gateway`."""
     url = gateway.url.replace("http", "ws", 1) + "adapter"
-    async with run_avatar(AvatarSettings(gateway=url, engine="synthetic", stamp=True)) as avatar:
+    async with run_avatar(AvatarSettings((url,), engine="synthetic", stamp=True)) as avatar:
         serving = asyncio.create_task(serve_parent(avatar.host, url))
         try:
             yield avatar

@@ -27,7 +27,7 @@ class AvatarSettings:
     """The settings of one avatar adapter.
 
     Attributes:
-        gateway: `ws://host:port/adapter` of the gateway.
+        gateways: `ws://host:port/adapter` of each gateway that it may serve, one at a time.
         engine_id: leads every ref of this avatar; unique behind its gateway.
         engine: one of `ENGINES`.
         stamp: whether a test picture shows its number and the time of its capture, to be measured.
@@ -42,10 +42,10 @@ class AvatarSettings:
             as much as its path carries.
         max_encoders: encoders of the picture at a time, of all sizes, paces and codecs.
         pixel_streaming: the signaling server of Pixel Streaming that it also serves; None for none.
-        credentials: for the gateway.
+        credentials: for the gateways.
     """
 
-    gateway: str = "ws://127.0.0.1:8765/adapter"
+    gateways: tuple[str, ...] = ("ws://127.0.0.1:8765/adapter",)
     engine_id: str = "avatar"
     engine: str = "auto"
     stamp: bool = False

@@ -12,7 +12,7 @@ from openrois_media.network_options import add_network_options, network_settings
 from openrois_streaming.network.settings import NetworkSettings
 
 from openrois.metrics.server import LOOPBACK, metrics_address
-from openrois.transport.address import adapter_url
+from openrois.transport.address import adapter_urls
 from openrois.transport.credential_options import add_credential_options, credentials
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 
@@ -55,14 +55,14 @@ class AdapterSettings:
 
     Attributes:
         engine_id: leads every ref of the robot; unique behind its gateway.
-        gateway: `ws://host:port/adapter` of the gateway.
+        gateways: `ws://host:port/adapter` of each gateway that it may serve, one at a time.
         network: how its streams use the network.
-        credentials: for the gateway.
+        credentials: for the gateways.
         metrics: host and port of the metrics for Prometheus; None for nowhere.
     """
 
     engine_id: str
-    gateway: str = _GATEWAY
+    gateways: tuple[str, ...] = (_GATEWAY,)
     network: NetworkSettings = field(default_factory=NetworkSettings)
     credentials: Credentials = NO_CREDENTIALS
     metrics: tuple[str, int] | None = None
@@ -106,7 +106,9 @@ def add_adapter_options(parser: argparse.ArgumentParser, engine_id: str, tables:
         engine_id: the default one.
         tables: of the configuration file, and what they hold, for the help: `base and battery: speeds and limits`.
     """
-    parser.add_argument("--gateway", default=_GATEWAY, metavar="URL", help="where it is (%(default)s)")
+    parser.add_argument(
+        "--gateway", default=_GATEWAY, metavar="URL[,URL]", help="where it is, or each of several (%(default)s)"
+    )
     add_credential_options(parser)
     parser.add_argument("--engine-id", default=engine_id, help="unique behind its gateway (%(default)s)")
     parser.add_argument("--config", type=Path, metavar="FILE", help=f"TOML with the tables {tables}")
@@ -128,7 +130,7 @@ def read_adapter_settings(chosen: argparse.Namespace) -> AdapterSettings:
     """
     return AdapterSettings(
         chosen.engine_id,
-        adapter_url(chosen.gateway),
+        adapter_urls(chosen.gateway),
         network_settings(chosen),
         credentials(chosen),
         None if chosen.metrics is None else metrics_address(chosen.metrics),

@@ -63,7 +63,9 @@ class RobotCommand(Generic[_S]):
             parser.error(str(error))
         try:
             # Both are read again whenever they are needed; an error now is most likely a mistake.
-            settings.credentials.newest(), settings.credentials.context(settings.gateway)
+            settings.credentials.newest()
+            for url in settings.gateways:
+                settings.credentials.context(url)
         except ValueError as error:
             print(f"{called}: {error}", file=sys.stderr)
             return 1
@@ -80,7 +82,7 @@ class RobotCommand(Generic[_S]):
         async with self.run(settings, own) as robot:
             await serve_process(
                 robot.host,
-                settings.gateway,
+                settings.gateways,
                 settings.credentials,
                 robot.collect_figures,
                 settings.metrics,

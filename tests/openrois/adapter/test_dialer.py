@@ -9,7 +9,8 @@ import pytest
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import InvalidURI
 
-from openrois.adapter.dialer import LONGEST_WAIT, serve_parent
+from openrois.adapter.dialer import serve_parent
+from openrois.adapter.rotation import LONGEST_WAIT
 from openrois.engine.engine import Engine
 from openrois.session.session import EngineHost
 from tests.support.demo import free_port
@@ -40,8 +41,8 @@ class Time:
 
 
 @asynccontextmanager
-async def dialling(host: EngineHost, url: str, time: Time) -> AsyncIterator[None]:
-    running = asyncio.ensure_future(serve_parent(host, url, sleep=time.sleep, clock=time.clock, chance=lambda: 1.0))
+async def dialling(host: EngineHost, *urls: str, time: Time) -> AsyncIterator[None]:
+    running = asyncio.ensure_future(serve_parent(host, *urls, sleep=time.sleep, clock=time.clock, chance=lambda: 1.0))
     try:
         async with asyncio.timeout(60):
             await time.enough.wait()
@@ -66,7 +67,7 @@ async def test_no_gateway_listens(host: EngineHost, caplog: pytest.LogCaptureFix
     async with serve(never, "127.0.0.1", 0) as server:
         port = server.sockets[0].getsockname()[1]
     time = Time(enough=6)
-    async with dialling(host, f"ws://127.0.0.1:{port}/adapter", time):
+    async with dialling(host, f"ws://127.0.0.1:{port}/adapter", time=time):
         assert time.delays == [0.25, 0.375, 0.5625, 0.84375, 1, 1]
     assert len([line for line in caplog.messages if line.startswith("trying again")]) == 3, "the attempts 1, 2 and 4"
     assert f"no gateway answers at ws://127.0.0.1:{port}/adapter; `openrois gateway` starts one here" in caplog.text
@@ -79,7 +80,7 @@ async def test_something_else_listens(host: EngineHost, caplog: pytest.LogCaptur
 
     async with await asyncio.start_server(not_a_websocket, "127.0.0.1", 0) as server:
         time = Time(enough=2)
-        async with dialling(host, f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter", time):
+        async with dialling(host, f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter", time=time):
             assert time.delays == [1, 1.5]
     assert "/adapter is no gateway" in caplog.text
 
@@ -98,7 +99,7 @@ async def test_a_refusal_counts_as_a_failure_and_a_lasting_connection_as_success
 
     async with serve(refuse, "127.0.0.1", 0) as server:
         url = f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter"
-        async with dialling(host, url, time):
+        async with dialling(host, url, time=time):
             assert time.delays == [1, 1.5, 1, 1.5]
     assert caplog.messages.count("the gateway refuses this adapter: the engine id is taken") == 4
 
@@ -111,7 +112,7 @@ async def test_a_gateway_that_restarts_says_when_to_come_back(host: EngineHost) 
 
     async with serve(restart, "127.0.0.1", 0) as server:
         url = f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter"
-        async with dialling(host, url, time):
+        async with dialling(host, url, time=time):
             assert time.delays == [1.0, 1.125]
 
 
@@ -124,7 +125,7 @@ async def test_an_attempt_that_takes_long_is_no_lasting_connection(host: EngineH
 
     async with await asyncio.start_server(hang_up_at_length, "127.0.0.1", 0) as server:
         url = f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter"
-        async with dialling(host, url, time):
+        async with dialling(host, url, time=time):
             assert time.delays == [0.25, 0.375, 0.5625]
 
 
@@ -169,8 +170,52 @@ async def test_a_gateway_that_ends_is_no_refusal(host: EngineHost, status: int, 
     async with serve(never, "127.0.0.1", 0, process_request=lambda far, _: far.respond(status, "no\n")) as server:
         url = f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter"
         time = Time(enough=2)
-        async with dialling(host, url, time):
+        async with dialling(host, url, time=time):
             assert time.delays == waits
+
+
+class TestSeveralGateways:
+    async def test_one_that_drains_sends_the_adapter_to_the_next_at_once(
+        self, host: EngineHost, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        caplog.set_level(logging.INFO)
+        time, found = Time(enough=1), asyncio.Event()
+
+        async def drain(far: ServerConnection) -> None:
+            await far.close(1012, "retry_after=60")
+
+        async def take(far: ServerConnection) -> None:
+            found.set()
+            await far.wait_closed()
+
+        async with serve(drain, "127.0.0.1", 0) as first, serve(take, "127.0.0.1", 0) as second:
+            urls = [f"ws://127.0.0.1:{each.sockets[0].getsockname()[1]}/adapter" for each in (first, second)]
+            running = asyncio.ensure_future(
+                serve_parent(host, *urls, sleep=time.sleep, clock=time.clock, chance=lambda: 1.0)
+            )
+            async with asyncio.timeout(60):
+                await found.wait()
+            assert (time.delays, running.done()) == ([], False)
+            assert caplog.messages.count(f"trying {urls[1]}") == 1
+            running.cancel()
+            await asyncio.wait({running})
+
+    async def test_there_is_a_pause_after_a_round_in_which_none_was_there(self, host: EngineHost) -> None:
+        urls = [f"ws://127.0.0.1:{free_port()}/adapter" for _ in range(3)]
+        time = Time(enough=3)
+        async with dialling(host, *urls, time=time):
+            assert time.delays == [0.25, 0.375, 0.5625]
+
+    async def test_one_that_cannot_own_its_engine_says_when_to_come_back(self, host: EngineHost) -> None:
+        time = Time(enough=1)
+
+        async def refuse(far: ServerConnection) -> None:
+            await far.close(1013, "retry_after=2.00 robot is owned by gateway a")
+
+        async with serve(refuse, "127.0.0.1", 0) as server:
+            url = f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter"
+            async with dialling(host, url, time=time):
+                assert time.delays == [2.25]
 
 
 async def test_an_address_that_is_none_is_a_mistake(host: EngineHost) -> None:

@@ -6,7 +6,7 @@ import re
 import signal
 import sys
 from collections.abc import AsyncIterator, Mapping
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +65,11 @@ async def said(process: asyncio.subprocess.Process, pattern: str) -> str:
 async def ended(process: asyncio.subprocess.Process) -> int:
     async with asyncio.timeout(60):
         return await process.wait()
+
+
+async def robot_at(running: Gateway) -> None:
+    """Wait until a gateway has attached the adapter."""
+    await until(running.engine, lambda ids: "robot" in ids)
 
 
 class TestServe:
@@ -128,6 +133,22 @@ class TestServe:
             async with serve(Lamp(), engine_id="robot"):
                 await until(running.engine, lambda ids: "robot" in ids)
 
+    @pytest.mark.parametrize("is_environment", [True, False])
+    async def test_of_several_gateways_the_next_is_served_when_one_has_gone(
+        self, monkeypatch: pytest.MonkeyPatch, is_environment: bool
+    ) -> None:
+        async with AsyncExitStack() as one, AsyncExitStack() as two:
+            stacks = {await stack.enter_async_context(gateway()): stack for stack in (one, two)}
+            named = [each.url for each in stacks]
+            if is_environment:
+                monkeypatch.setenv("OPENROIS_GATEWAY", ",".join(named))
+            async with serve(Lamp(), engine_id="robot", gateway=None if is_environment else named):
+                attached = {asyncio.ensure_future(robot_at(each)): each for each in stacks}
+                done, waiting = await asyncio.wait(attached, return_when=asyncio.FIRST_COMPLETED)
+                (served,) = (attached[each] for each in done)
+                await stacks[served].aclose()
+                await asyncio.wait(waiting)
+
     async def test_what_the_gateway_prints_is_its_address(self) -> None:
         async with gateway() as running, serve(Lamp(), engine_id="robot", gateway=running.url):
             await until(running.engine, lambda ids: "robot" in ids)
@@ -165,8 +186,9 @@ class TestExample:
     @pytest.mark.parametrize(
         ("options", "status", "words"),
         [
-            (["--help"], 0, ("An adapter with lamp (Lamp)", "--gateway URL", "OPENROIS_GATEWAY", "--engine-id")),
+            (["--help"], 0, ("An adapter with lamp (Lamp)", "--gateway URL[,URL]", "OPENROIS_GATEWAY", "--engine-id")),
             (["--gateway", "lamp"], 2, ("--gateway: ", "no address of a gateway")),
+            (["--gateway", "ws://a,lamp"], 2, ("--gateway: 'lamp'", "no address of a gateway")),
             (["--gatway", "x"], 2, ("--gatway is not known here; is it --gateway?",)),
         ],
     )

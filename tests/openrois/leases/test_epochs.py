@@ -18,9 +18,11 @@ class TestCounted:
         epochs.attach("r", 100)
         epochs.attach("s", 6)
         assert [epochs.next(ref) for ref in (LAMP, LAMP, BELL)] == [101, 102, 9]
+        epochs.attach("r", 101)
+        assert epochs.next(LAMP) == 103
         epochs.detach("r")
         epochs.detach("unknown")
-        assert epochs.next(LAMP) == 10
+        assert epochs.next(LAMP) == 11
 
     def test_the_counter_goes_on_where_it_overtakes_what_was_seen(self) -> None:
         epochs = CountedEpochs(7)
@@ -54,20 +56,20 @@ class TestClaimed:
         assert epochs.next(LAMP) == 121
 
     def test_another_block_is_asked_for_once_and_in_time(self) -> None:
-        epochs, asked = ClaimedEpochs(), list[tuple[str, int]]()
+        epochs, asked = ClaimedEpochs(), list[tuple[str, int, int]]()
         given = 0
-        epochs.on_low = lambda engine_id: asked.append((engine_id, given))
+        epochs.on_low = lambda engine_id, last: asked.append((engine_id, last, given))
         epochs.grant("r", 1, 101)
         for given in range(1, 102):
             assert epochs.next(LAMP) == given
-        assert asked == [("r", 91)]
+        assert asked == [("r", 101, 91)]
 
     def test_a_block_that_is_used_up_says_why_there_is_no_other(self) -> None:
         problem = "the store did not answer"
         epochs = ClaimedEpochs(lambda: problem)
         epochs.grant("r", 1, 1)
         assert epochs.next(LAMP) == 1
-        with pytest.raises(OutOfResources, match="the epochs of r are used up .* the store did not answer"):
+        with pytest.raises(OutOfResources, match=r"the epochs of r are used up .* the store did not answer"):
             epochs.next(LAMP)
         problem = ""
         with pytest.raises(OutOfResources, match="used up until it is claimed again: the claim is being made"):

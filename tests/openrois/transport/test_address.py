@@ -2,7 +2,7 @@
 
 import pytest
 
-from openrois.transport.address import adapter_url, gateway_url
+from openrois.transport.address import adapter_url, adapter_urls, gateway_url
 
 
 @pytest.mark.parametrize(
@@ -40,3 +40,16 @@ def test_what_is_no_address_is_said(given: str) -> None:
         gateway_url(given)
     with pytest.raises(ValueError, match=r"is no address of a gateway, such as ws://127.0.0.1:8765/adapter$"):
         adapter_url(given)
+
+
+@pytest.mark.parametrize("given", ["http://a/, ws://b:1", ["http://a/", "ws://b:1"], ("http://a/", "ws://b:1/adapter")])
+def test_addresses_of_several_gateways(given: str | list[str] | tuple[str, ...]) -> None:
+    assert adapter_urls(given) == ("ws://a/adapter", "ws://b:1/adapter")
+
+
+@pytest.mark.parametrize(
+    ("given", "problem"), [("ws://a,", "'' is no address"), ("ws://a,lamp", "'lamp' is no address"), ((), "no gateway")]
+)
+def test_one_wrong_address_of_several_is_named(given: str | tuple[str, ...], problem: str) -> None:
+    with pytest.raises(ValueError, match=problem):
+        adapter_urls(given)

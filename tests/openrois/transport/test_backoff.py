@@ -20,7 +20,10 @@ def test_its_numbers_can_be_chosen() -> None:
 
 @pytest.mark.parametrize(
     ("reason", "seconds"),
-    [("retry_after=7", 7.0), ("retry_after=0.25", 0.25), ("retry_after=99999", 0.0), ("going away", 0.0), ("", 0.0)],
+    [
+        *(("retry_after=7", 7.0), ("retry_after=0.25", 0.25), ("retry_after=2.00 the store is\naway", 2.0)),
+        *(("retry_after=99999", 0.0), ("retry_after=2s", 0.0), ("going away", 0.0), ("", 0.0)),
+    ],
 )
 def test_a_gateway_that_restarts_may_say_when_to_come_back(reason: str, seconds: float) -> None:
     assert asked_to_wait(reason) == seconds

@@ -35,7 +35,7 @@ def config(tmp_path: Path) -> Path:
 
 def test_defaults() -> None:
     assert settings() == SimulationSettings()
-    assert adapter_settings().gateway == "ws://127.0.0.1:8765/adapter"
+    assert adapter_settings().gateways == ("ws://127.0.0.1:8765/adapter",)
     assert (adapter_settings().engine_id, adapter_settings().metrics) == ("robot", None)
 
 
@@ -54,10 +54,10 @@ def test_options_come_before_the_file(config: Path) -> None:
 
 def test_network_and_gateway_are_those_of_every_adapter() -> None:
     chosen = adapter_settings(
-        "--gateway", "https://robots.example", "--engine-id", "anna", "--udp-ports", "50000-50100"
+        "--gateway", "https://robots.example,wss://b/adapter", "--engine-id", "anna", "--udp-ports", "50000-50100"
     )
     assert adapter_settings("--metrics", "9470").metrics == ("127.0.0.1", 9470)
-    assert (chosen.gateway, chosen.engine_id) == ("wss://robots.example/adapter", "anna")
+    assert (chosen.gateways, chosen.engine_id) == (("wss://robots.example/adapter", "wss://b/adapter"), "anna")
     assert chosen.network.ports is not None
     assert chosen.network.ports.first == 50_000
 

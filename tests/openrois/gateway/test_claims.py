@@ -1,0 +1,453 @@
+"""Two gateways that share a store: which of them has an adapter, and with which epochs its holders are numbered."""
+
+import asyncio
+import json
+from collections.abc import AsyncIterator, Callable
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+
+from openrois.aio.tasks import TaskScope
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
+from openrois.gateway.adapters import serve_adapter
+from openrois.gateway.claims import KEPT, RETRY, GatewayClaims
+from openrois.leases.changes import Why
+from openrois.leases.epochs import ClaimedEpochs, CountedEpochs
+from openrois.ownership.directorate import Directorate
+from openrois.ownership.memory_store import MemoryStore
+from openrois.remote.serve import serve_engine
+from openrois.session.session import EngineHost
+from openrois.transport.memory import MemoryStream, memory_pair
+from openrois.transport.stream import StreamClosed
+from tests.support.clock import Clock
+from tests.support.components import Lamp
+from tests.support.lossy_store import LossyStore
+from tests.support.ownership import never
+from tests.support.plain import profile_result
+from tests.support.session import settle
+from tests.support.wire import application
+
+pytestmark = pytest.mark.extra(name="gateway")
+
+LAMP = "robot/lamp"
+
+
+async def until(condition: Callable[[], object]) -> None:
+    """Let everything run until a condition holds."""
+    async with asyncio.timeout(30):
+        while not condition():
+            await settle()
+
+
+@dataclass
+class Site:
+    """A gateway, without its port.
+
+    Attributes:
+        waits: the seconds that its claims wait for, until `wake` is set.
+    """
+
+    host: EngineHost
+    directorate: Directorate
+    claims: GatewayClaims
+    epochs: ClaimedEpochs
+    store: LossyStore
+    wake: asyncio.Event
+    waits: list[float] = field(default_factory=list)
+
+    @property
+    def engines(self) -> tuple[str, ...]:
+        return self.host.engine.directory.profile.engine_ids()[1:]
+
+
+@dataclass
+class Robot:
+    """The process of an adapter."""
+
+    host: EngineHost
+
+    @asynccontextmanager
+    async def connected(self, site: Site) -> AsyncIterator["Link"]:
+        """Serve it to a gateway while the block runs."""
+        near, far = memory_pair()
+        gateway = asyncio.ensure_future(serve_adapter(site.host, near, ownership=site.claims))
+        link = Link(far, gateway, asyncio.ensure_future(serve_engine(self.host, far)))
+        try:
+            yield link
+        finally:
+            await link.leave()
+
+
+@dataclass
+class Link:
+    """A connection of an adapter with a gateway."""
+
+    stream: MemoryStream
+    gateway: "asyncio.Future[StreamClosed]"
+    adapter: "asyncio.Future[StreamClosed]"
+
+    async def leave(self) -> None:
+        """Disconnect in good order."""
+        await self.stream.close()
+        await self.ended()
+
+    async def lose(self) -> None:
+        """Lose the connection."""
+        self.stream.abort()
+        await self.ended()
+
+    async def ended(self) -> StreamClosed:
+        """Wait until both sides know that it has ended; return what the adapter was told."""
+        async with asyncio.timeout(30):
+            await asyncio.wait({self.gateway})
+            return await asyncio.shield(self.adapter)
+
+
+class World:
+    """Gateways and adapters in one process."""
+
+    def __init__(self, stack: AsyncExitStack, store: MemoryStore) -> None:
+        self.store = store
+        self._stack = stack
+
+    async def site(self, gateway_id: str) -> Site:
+        """Begin as a gateway, which renews when it is told to."""
+        wake, waits = asyncio.Event(), list[float]()
+
+        async def sleep(seconds: float) -> None:
+            waits.append(seconds)
+            await wake.wait()
+
+        async def soon(_seconds: float) -> None:
+            await asyncio.sleep(0)
+
+        store = LossyStore(self.store)
+        directorate = Directorate(store, gateway_id, patience=60.0, clock=Clock(1000.0), sleep=never)
+        await self._stack.enter_async_context(directorate)
+        tasks = await self._stack.enter_async_context(TaskScope())
+        epochs = ClaimedEpochs(lambda: directorate.problem)
+        host = EngineHost(Engine("gateway"), tasks, sleep=soon, epochs=epochs)
+        claims = GatewayClaims(host.engine, directorate, epochs, sleep=sleep)
+        await self._stack.enter_async_context(claims)
+        return Site(host, directorate, claims, epochs, store, wake, waits)
+
+    async def robot(self, *engine_ids: str) -> Robot:
+        """Start an adapter process with a lamp on each of its engines."""
+        engine = Engine(engine_ids[0] if engine_ids else "robot")
+        for engine_id in engine_ids or ("robot",):
+            await engine.attach(LocalRegistry(engine_id, [Lamp()]))
+        return Robot(EngineHost(engine, await self._stack.enter_async_context(TaskScope())))
+
+
+@pytest.fixture
+async def world() -> AsyncIterator[World]:
+    async with AsyncExitStack() as stack:
+        yield World(stack, MemoryStore(Clock(1_900_000_000.0)))
+
+
+@pytest.fixture
+async def a(world: World) -> Site:
+    return await world.site("a")
+
+
+@pytest.fixture
+async def b(world: World) -> Site:
+    return await world.site("b")
+
+
+@pytest.fixture
+async def robot(world: World) -> Robot:
+    return await world.robot()
+
+
+async def bound(site: Site, component_ref: str = LAMP) -> int:
+    """Bind a component by an application that leaves again; return the epoch of its lease."""
+    async with application(site.host) as app:
+        await app.ask("rois.system.connect")
+        assert (await app.ask("rois.command.bind", component_ref=component_ref))["return_code"] == "OK"
+        held = site.host.leases.model.holding.holder(component_ref)
+        assert held is not None
+        return held[1]
+
+
+class TestAttaching:
+    async def test_the_engines_of_an_adapter_are_claimed_and_its_leases_have_the_epochs_of_the_claim(
+        self, world: World, a: Site
+    ) -> None:
+        robot = await world.robot("robot", "arm")
+        async with robot.connected(a):
+            await until(lambda: a.engines == ("robot", "arm"))
+            claims = a.directorate.claims
+            assert claims.keys() == {"robot", "arm"}
+            assert {each.instance for each in claims.values()} != {robot.host.instance}, "the store has a digest"
+            first = claims["robot"].first_epoch
+            assert [await bound(a), await bound(a)] == [first, first + 1]
+            assert await bound(a, "arm/lamp") == claims["arm"].first_epoch
+            await until(lambda: robot.host.epoch_fence.greatest == first + 1)
+
+    async def test_a_claim_lies_above_all_epochs_that_the_adapter_has_seen(self, a: Site, robot: Robot) -> None:
+        seen = 3_000_000_000_000
+        robot.host.epoch_fence.note("a gateway of before", LAMP, seen)
+        async with robot.connected(a):
+            await until(lambda: a.engines)
+            assert a.directorate.claims["robot"].first_epoch > seen
+            assert await bound(a) > seen
+
+    async def test_what_cannot_be_attached_is_not_claimed(self, world: World, a: Site) -> None:
+        robot = await world.robot("gateway")
+        async with robot.connected(a) as link:
+            closed = await link.ended()
+            assert (closed.code, "taken already" in closed.reason) == (1008, True)
+        assert "write" not in a.store.calls
+
+    async def test_an_adapter_of_the_base_wire_has_another_instance_with_each_connection(self, a: Site) -> None:
+        instances = set()
+        for _ in range(2):
+            near, far = memory_pair()
+            serving = asyncio.ensure_future(serve_adapter(a.host, near, ownership=a.claims))
+            for result in (profile_result("toy"), None):
+                request = json.loads(await far.receive())
+                outcome: dict[str, Any] = {"error": {"code": -32601, "message": "Method not found"}}
+                if result is not None:
+                    outcome = {"result": {"return_code": "OK", **result}}
+                await far.send(json.dumps({"jsonrpc": "2.0", "id": request["id"], **outcome}))
+            await until(lambda: a.engines == ("plain",))
+            instances.add(a.directorate.claims["plain"].instance)
+            far.abort()
+            await serving
+        assert len(instances) == 2
+
+
+class TestEnding:
+    async def test_an_adapter_that_leaves_well_releases_its_engines(self, world: World, a: Site, b: Site) -> None:
+        first, second = await world.robot(), await world.robot()
+        async with first.connected(a):
+            await until(lambda: a.engines)
+        await until(lambda: not a.directorate.claims)
+        async with second.connected(b):
+            await until(lambda: b.engines)
+
+    async def test_a_lost_adapter_that_dials_its_owner_again_needs_no_store(self, a: Site, robot: Robot) -> None:
+        async with robot.connected(a) as link:
+            await until(lambda: a.engines)
+            epoch, claim = await bound(a), a.directorate.claims["robot"]
+            await link.lose()
+        a.store.is_cut = True
+        assert (a.engines, a.waits) == ((), [KEPT])
+        async with robot.connected(a):
+            await until(lambda: a.engines)
+            assert a.directorate.claims["robot"] == claim
+            assert await bound(a) == epoch + 1
+
+    async def test_a_lost_adapter_that_does_not_come_back_is_released_after_a_while(
+        self, world: World, a: Site, b: Site, robot: Robot
+    ) -> None:
+        async with robot.connected(a) as link:
+            await until(lambda: a.engines)
+            await link.lose()
+        a.wake.set()
+        await until(lambda: not a.directorate.claims)
+        async with (await world.robot()).connected(b):
+            await until(lambda: b.engines)
+
+    async def test_its_owner_takes_another_process_in_its_place_at_once(
+        self, world: World, a: Site, robot: Robot
+    ) -> None:
+        async with robot.connected(a) as link:
+            await until(lambda: a.engines)
+            former = a.directorate.claims["robot"]
+            await link.lose()
+        async with (await world.robot()).connected(a):
+            await until(lambda: a.engines)
+            assert a.directorate.claims["robot"].first_epoch > former.last_epoch
+            a.wake.set()
+            assert await bound(a) == a.directorate.claims["robot"].first_epoch
+
+    async def test_a_gateway_that_ends_releases_everything(self, world: World, b: Site) -> None:
+        async with AsyncExitStack() as stack:
+            other = World(stack, world.store)
+            site, robot = await other.site("c"), await other.robot()
+            await stack.enter_async_context(robot.connected(site))
+            await until(lambda: site.engines)
+        async with (await world.robot()).connected(b):
+            await until(lambda: b.engines)
+
+
+class TestRefusing:
+    async def test_another_process_is_asked_to_dial_again(self, world: World, a: Site, b: Site, robot: Robot) -> None:
+        async with robot.connected(a), (await world.robot()).connected(b) as link:
+            await until(lambda: a.engines or link.adapter.done())
+            closed = await link.ended()
+            assert closed.code == 1013
+            assert closed.reason.startswith(f"retry_after={RETRY:.2f} robot is owned by gateway a")
+            assert (a.engines, b.engines) == (("robot",), ())
+            assert b.host.connection_stats.turned_away == {"ownership": 1}
+
+    async def test_a_second_process_at_the_owner_itself_is_refused(self, world: World, a: Site, robot: Robot) -> None:
+        async with robot.connected(a):
+            await until(lambda: a.engines)
+            async with (await world.robot()).connected(a) as link:
+                closed = await link.ended()
+            assert (closed.code, "taken already" in closed.reason) == (1008, True)
+            assert a.engines == ("robot",)
+            assert await bound(a) == a.directorate.claims["robot"].first_epoch
+
+    async def test_two_processes_that_come_at_once(self, world: World, a: Site) -> None:
+        one, two = await world.robot(), await world.robot()
+        async with one.connected(a) as first, two.connected(a) as second:
+            await until(lambda: a.engines and (first.adapter.done() or second.adapter.done()))
+            refused = first if first.adapter.done() else second
+            assert (await refused.ended()).code == 1008
+            assert a.directorate.claims.keys() == {"robot"}
+
+    async def test_where_the_store_is_away_the_adapter_is_told_so(self, a: Site, robot: Robot) -> None:
+        a.store.is_cut = True
+        async with robot.connected(a) as link:
+            closed = await link.ended()
+        assert closed.code == 1013
+        assert closed.reason.startswith(f"retry_after={RETRY:.2f} ")
+        assert "lost" in closed.reason
+        assert a.engines == ()
+
+    async def test_an_adapter_that_claims_to_have_seen_the_last_epoch_is_refused(self, a: Site, robot: Robot) -> None:
+        robot.host.epoch_fence.note("nonsense", LAMP, 2**53 - 1)
+        async with robot.connected(a) as link:
+            closed = await link.ended()
+        assert (closed.code, "no epochs left" in closed.reason) == (1008, True)
+
+
+class TestMoving:
+    async def test_the_same_process_at_another_gateway_is_let_go_by_the_first(
+        self, a: Site, b: Site, robot: Robot
+    ) -> None:
+        async with robot.connected(a) as former:
+            await until(lambda: a.engines)
+            async with application(a.host) as app:
+                await app.ask("rois.system.connect")
+                assert (await app.ask("rois.command.bind", component_ref=LAMP))["return_code"] == "OK"
+                async with robot.connected(b):
+                    await until(lambda: b.engines)
+                    closed = await former.ended()
+                    assert (closed.code, closed.reason) == (1012, "robot: gateway b owns it now")
+                    assert a.engines == ()
+                    assert a.host.leases.model.holding.held() == frozenset()
+                    assert a.host.leases.ended == {Why.GONE: 1}
+                    seen = robot.host.epoch_fence.greatest
+                    assert await bound(b) > seen > 0
+                    assert b.directorate.claims.keys() == {"robot"}
+
+    async def test_a_claim_that_is_kept_is_given_up_where_the_adapter_has_gone_elsewhere(
+        self, a: Site, b: Site, robot: Robot
+    ) -> None:
+        async with robot.connected(a) as link:
+            await until(lambda: a.engines)
+            await link.lose()
+        async with robot.connected(b):
+            await until(lambda: b.engines and not a.directorate.claims)
+            a.wake.set()
+            await settle()
+            assert b.directorate.owners["robot"].gateway_id == "b"
+
+    async def test_a_second_connection_of_the_same_process_takes_the_place_of_the_first(
+        self, a: Site, robot: Robot
+    ) -> None:
+        async with robot.connected(a) as former:
+            await until(lambda: a.engines)
+            claim, epoch = a.directorate.claims["robot"], await bound(a)
+            async with robot.connected(a):
+                closed = await former.ended()
+                assert (closed.code, closed.reason) == (1012, "the same adapter has connected again")
+                await until(lambda: a.engines)
+                assert a.directorate.claims["robot"] == claim
+                assert await bound(a) == epoch + 1
+
+    async def test_a_gateway_whose_id_another_process_has_lets_its_adapters_go(
+        self, world: World, a: Site, robot: Robot
+    ) -> None:
+        async with robot.connected(a) as link:
+            await until(lambda: a.engines)
+            await world.site("a")
+            with pytest.raises(Exception, match="another process has started as gateway a"):
+                await a.directorate.renew()
+            closed = await link.ended()
+        assert (closed.code, closed.reason) == (1012, "robot: this gateway has lost it")
+
+
+class TestChanging:
+    async def test_a_new_profile_claims_what_has_come_and_releases_what_has_gone(self, world: World, a: Site) -> None:
+        robot = await world.robot("robot", "arm")
+        (arm,) = (bus for bus in robot.host.engine.tree.buses() if robot.host.engine.tree.bus_of("arm") is bus)
+        async with robot.connected(a):
+            await until(lambda: a.engines == ("robot", "arm"))
+            robot.host.engine.detach(arm)
+            await robot.host.engine.attach(LocalRegistry("head", [Lamp()]))
+            await until(lambda: a.engines == ("robot", "head"))
+            await until(lambda: a.directorate.claims.keys() == {"robot", "head"})
+
+    async def test_a_new_profile_waits_for_the_store_and_the_old_one_goes_on(self, a: Site, robot: Robot) -> None:
+        async with robot.connected(a) as link:
+            await until(lambda: a.engines)
+            a.store.is_cut = True
+            await robot.host.engine.attach(LocalRegistry("head", [Lamp()]))
+            await until(lambda: a.directorate.problem)
+            assert await bound(a)
+            assert not link.adapter.done()
+            a.store.is_cut = False
+            await until(lambda: a.engines == ("robot", "head"))
+
+    async def test_a_new_profile_with_the_engine_of_another_process_ends_the_connection(
+        self, world: World, a: Site, b: Site, robot: Robot
+    ) -> None:
+        async with robot.connected(a) as link, (await world.robot("head")).connected(b):
+            await until(lambda: a.engines and b.engines)
+            await robot.host.engine.attach(LocalRegistry("head", [Lamp()]))
+            assert (await link.ended()).code == 1013
+            await until(lambda: not a.directorate.claims)
+
+
+class TestEpochs:
+    async def test_a_block_that_is_nearly_used_up_is_followed_by_another_in_time(self, a: Site, robot: Robot) -> None:
+        async with robot.connected(a):
+            await until(lambda: a.engines)
+            claim = a.directorate.claims["robot"]
+            a.epochs.attach("robot", claim.last_epoch - 5)
+            assert await bound(a) == claim.last_epoch - 4
+            await until(lambda: a.directorate.claims["robot"].first_epoch > claim.last_epoch)
+            assert await bound(a) == a.directorate.claims["robot"].first_epoch
+            assert a.engines == ("robot",)
+
+    async def test_without_the_store_a_block_lasts_to_its_end_and_then_says_why(self, a: Site, robot: Robot) -> None:
+        async with robot.connected(a), application(a.host) as app:
+            await until(lambda: a.engines)
+            claim = a.directorate.claims["robot"]
+            a.epochs.attach("robot", claim.last_epoch - 1)
+            a.store.is_cut = True
+            assert await bound(a) == claim.last_epoch
+            await until(lambda: a.waits == [RETRY])
+            await app.ask("rois.system.connect")
+            refused = await app.ask("rois.command.bind", component_ref=LAMP)
+            assert refused["return_code"] == "OUT_OF_RESOURCES"
+            with pytest.raises(Exception, match=r"used up until it is claimed again: .*lost"):
+                a.epochs.next(LAMP)
+            a.store.is_cut = False
+            a.wake.set()
+            await until(lambda: a.directorate.claims["robot"].first_epoch > claim.last_epoch)
+            assert await bound(a) > claim.last_epoch
+
+    async def test_a_gateway_that_is_alone_counts_above_what_an_adapter_has_seen(self, robot: Robot) -> None:
+        robot.host.epoch_fence.note("a gateway whose clock was ahead", LAMP, 5000)
+        async with TaskScope() as tasks:
+            host = EngineHost(Engine("gateway"), tasks, epochs=CountedEpochs(100))
+            near, far = memory_pair()
+            serving = {
+                asyncio.ensure_future(serve_adapter(host, near)),
+                asyncio.ensure_future(serve_engine(robot.host, far)),
+            }
+            await until(lambda: host.engine.tree.has_engine("robot"))
+            assert host.epochs.next(LAMP) == 5001
+            await far.close()
+            await asyncio.wait(serving)
+            assert host.epochs.next(LAMP) == 101
