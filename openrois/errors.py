@@ -15,6 +15,7 @@ __all__ = [
     "NotResponding",
     "OutOfResources",
     "RoISError",
+    "StoreUnreachable",
     "TimedOut",
     "Unsupported",
     "error_for",
@@ -70,6 +71,13 @@ class ComponentFailed(RoISError):
 
 class EngineUnreachable(RoISError):
     """The connection to the engine that owns the component is gone."""
+
+
+class StoreUnreachable(RoISError):
+    """The store that gateways share did not do what was asked, or did not answer: a change may have been made.
+
+    Nothing is repeated by itself. What a gateway owns goes on; what is new needs the store.
+    """
 
 
 class Aborted(RoISError):

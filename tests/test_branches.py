@@ -23,7 +23,7 @@ TESTS = (
     *(
         f"tests/openrois/{part}"
         for part in (
-            *("aio", "catalog", "commands", "component", "engine", "jsonrpc", "leases", "ownership"),
+            *("aio", "catalog", "commands", "component", "engine", "jsonrpc", "leases", "ownership", "resumption"),
             *("observability", "profiles/xml", "scope", "session", "types"),
         )
     ),

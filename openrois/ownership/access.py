@@ -6,8 +6,9 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from typing import Final, TypeVar
 
+from openrois.errors import StoreUnreachable
 from openrois.ownership.contact import Contact
-from openrois.ownership.errors import GatewayReplaced, StoreUnreachable
+from openrois.ownership.errors import GatewayReplaced
 
 __all__ = ["StoreAccess"]
 

@@ -16,9 +16,10 @@ from types import MappingProxyType, TracebackType
 from typing import Final, Self
 
 from openrois.aio.tasks import TaskScope
+from openrois.errors import StoreUnreachable
 from openrois.ownership.access import StoreAccess
 from openrois.ownership.claims import Claim, Owner
-from openrois.ownership.errors import ClaimRefused, GatewayReplaced, StoreUnreachable
+from openrois.ownership.errors import ClaimRefused, GatewayReplaced
 from openrois.ownership.owners import OwnerChanges, Owners
 from openrois.ownership.rules import BLOCK, TTL, Reading, Record, Waiting, judge_claim
 from openrois.ownership.store import Digest, OwnershipStore, Renewed

@@ -2,7 +2,7 @@
 
 from openrois.errors import OutOfResources, RoISError
 
-__all__ = ["ClaimRefused", "GatewayReplaced", "StoreUnreachable"]
+__all__ = ["ClaimRefused", "GatewayReplaced"]
 
 
 class ClaimRefused(OutOfResources):
@@ -22,13 +22,6 @@ class ClaimRefused(OutOfResources):
         self.engine_id = engine_id
         self.gateway_id = gateway_id
         self.wait = wait
-
-
-class StoreUnreachable(RoISError):
-    """The store of ownership did not do what was asked, or did not answer: whether a change was made is not known.
-
-    Nothing is repeated by itself. Claims that hold go on; a new one needs the store.
-    """
 
 
 class GatewayReplaced(RoISError):

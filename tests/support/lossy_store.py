@@ -4,8 +4,8 @@ from collections.abc import Awaitable, Callable, Iterable
 from enum import StrEnum
 from typing import TypeVar
 
+from openrois.errors import StoreUnreachable
 from openrois.ownership.claims import Owner
-from openrois.ownership.errors import StoreUnreachable
 from openrois.ownership.rules import Reading, Record
 from openrois.ownership.store import Hint, OwnershipStore, Renewed
 

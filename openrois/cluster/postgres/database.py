@@ -15,8 +15,8 @@ from openrois.aio.listeners import Listeners
 from openrois.aio.tasks import TaskScope
 from openrois.cluster.postgres.address import parse_store_url
 from openrois.cluster.postgres.schema import migrate
+from openrois.errors import StoreUnreachable
 from openrois.extras import needing_extra
-from openrois.ownership.errors import StoreUnreachable
 from openrois.transport.backoff import Backoff
 
 with needing_extra("cluster"):
@@ -27,12 +27,15 @@ if TYPE_CHECKING:
 
     from asyncpg import Connection
 
-__all__ = ["CONNECTIONS", "Database"]
+__all__ = ["CONNECTIONS", "NOW", "Database"]
 
 _log = logging.getLogger(__name__)
 
-CONNECTIONS: Final = 6
+CONNECTIONS: Final = 10
 """Connections for calls of one gateway; one more stays open beside them."""
+
+NOW: Final = "(extract(epoch FROM clock_timestamp()) * 1000)::bigint"
+"""The server's clock in epoch milliseconds."""
 
 _OPENING: Final = 2.0
 """Seconds in which a connection is made."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Final
 
-from openrois.cluster.postgres.database import Database
+from openrois.cluster.postgres.database import NOW, Database
 from openrois.ownership.claims import Owner
 from openrois.ownership.rules import Reading, Record
 from openrois.ownership.store import Digest, Hint, Renewed
@@ -12,9 +12,6 @@ if TYPE_CHECKING:
     from asyncpg import Connection
 
 __all__ = ["PostgresStore"]
-
-_NOW: Final = "(extract(epoch FROM clock_timestamp()) * 1000)::bigint"
-"""The server's clock in epoch milliseconds."""
 
 _TOPIC: Final = "owner"
 _FORGOTTEN: Final = 86_400_000
@@ -97,7 +94,7 @@ class PostgresStore:
         now: the SQL of epoch milliseconds, as one bigint.
     """
 
-    def __init__(self, database: Database, *, now: str = _NOW) -> None:
+    def __init__(self, database: Database, *, now: str = NOW) -> None:
         self.name = database.name
         self._database = database
         self._register = _REGISTER.format(now=now)

@@ -56,6 +56,28 @@ STEPS: Final = (
         """,
         back="DROP TABLE openrois.claim; DROP FUNCTION openrois.notify_owner; DROP TABLE openrois.gateway;",
     ),
+    Step(
+        forward="""
+            CREATE TABLE openrois.resume_line (
+                line_id text PRIMARY KEY, subject text NOT NULL, generation bigint NOT NULL, good bytea,
+                is_revoked boolean NOT NULL DEFAULT false, touched_ms bigint NOT NULL
+            );
+            CREATE INDEX resume_line_by_touch ON openrois.resume_line (touched_ms);
+            CREATE TABLE openrois.resume_token (
+                digest bytea PRIMARY KEY, number bigint GENERATED ALWAYS AS IDENTITY,
+                line_id text NOT NULL REFERENCES openrois.resume_line ON DELETE CASCADE
+            );
+            CREATE INDEX resume_token_by_line ON openrois.resume_token (line_id, number);
+            CREATE TABLE openrois.holding (
+                component_ref text PRIMARY KEY, engine_id text NOT NULL, line_id text NOT NULL,
+                epoch bigint NOT NULL, touched_ms bigint NOT NULL
+            );
+            CREATE INDEX holding_by_engine ON openrois.holding (engine_id);
+            CREATE INDEX holding_by_line ON openrois.holding (line_id);
+            CREATE INDEX holding_by_touch ON openrois.holding (touched_ms);
+        """,
+        back="DROP TABLE openrois.holding; DROP TABLE openrois.resume_token; DROP TABLE openrois.resume_line;",
+    ),
 )
 """What leads from each version to the next; version 0 is an empty schema."""
 

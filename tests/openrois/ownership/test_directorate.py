@@ -7,9 +7,10 @@ from contextlib import AsyncExitStack, suppress
 
 import pytest
 
+from openrois.errors import StoreUnreachable
 from openrois.ownership.claims import Owner
 from openrois.ownership.directorate import PATIENCE, Directorate
-from openrois.ownership.errors import ClaimRefused, StoreUnreachable
+from openrois.ownership.errors import ClaimRefused
 from openrois.ownership.memory_store import MemoryStore
 from openrois.ownership.rules import Record
 from openrois.ownership.store import Renewed

@@ -14,9 +14,10 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule, run_state_machine_as_test
 
+from openrois.errors import StoreUnreachable
 from openrois.ownership.claims import Claim
 from openrois.ownership.directorate import Directorate
-from openrois.ownership.errors import ClaimRefused, StoreUnreachable
+from openrois.ownership.errors import ClaimRefused
 from openrois.ownership.memory_store import Gateway as StoredGateway
 from openrois.ownership.memory_store import MemoryStore
 from openrois.ownership.rules import BLOCK, Record

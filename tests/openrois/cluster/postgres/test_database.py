@@ -10,7 +10,7 @@ import pytest
 
 from openrois.cluster.postgres.database import CONNECTIONS, Database
 from openrois.cluster.postgres.schema import STEPS, Step, StoreUnusable, migrate
-from openrois.ownership.errors import StoreUnreachable
+from openrois.errors import StoreUnreachable
 from tests.support.certificates import Authority
 from tests.support.demo import free_port
 from tests.support.ownership import PATIENT

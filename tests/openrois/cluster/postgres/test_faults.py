@@ -9,8 +9,9 @@ import pytest
 
 from openrois.cluster.postgres.database import Database
 from openrois.cluster.postgres.ownership import PostgresStore
+from openrois.errors import StoreUnreachable
 from openrois.ownership.directorate import Directorate
-from openrois.ownership.errors import ClaimRefused, StoreUnreachable
+from openrois.ownership.errors import ClaimRefused
 from tests.support.ownership import PATIENT, blocks_overlap, never, until_owned
 from tests.support.postgres import Server
 
