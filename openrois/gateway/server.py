@@ -44,7 +44,8 @@ from openrois.gateway.token_expiry import TokenExpiry
 from openrois.http_limits.header_timeout import OPTIONS, HeaderTimeouts
 from openrois.http_limits.http_connection import HttpConnection
 from openrois.http_limits.tcp_server import serving_tcp
-from openrois.journal.journal import Journal
+from openrois.journal.journal import Journal, NoJournal
+from openrois.journal.sqlite_journal import SqliteJournal
 from openrois.jsonrpc.unread import UnreadBudget
 from openrois.leases.epochs import CountedEpochs
 from openrois.leases.model import Rules
@@ -109,7 +110,9 @@ async def run_gateway(
         ice = IceServers(settings.ice_servers, settings.turn, settings.turn_secret, settings.turn_ttl, time.time)
         parts = await stack.enter_async_context(Clustering.opened(settings))
         audit = stack.enter_context(Audit(settings.audit_file, redact=Redaction(settings.secrets())))
-        journal = stack.enter_context(Journal(settings.journal))
+        journal: Journal = NoJournal()
+        if settings.journal is not None:
+            journal = stack.enter_context(SqliteJournal(settings.journal))
         # What runs ends before that is written down no more.
         tasks = await stack.enter_async_context(TaskScope())
         lag = LoopLag()

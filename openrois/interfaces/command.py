@@ -11,7 +11,7 @@ from openrois.commands.history import MAX_ID, STOP_RESERVE
 from openrois.commands.pending import PendingCommand
 from openrois.commands.sequence import commands_of, run_sequence, size_of
 from openrois.component.authoring.parameters import check_arguments
-from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
+from openrois.errors import BadParameter, OutOfResources, RoISError, TimedOut, Unsupported
 from openrois.interfaces import stream
 from openrois.interfaces.operation import operation
 from openrois.interfaces.overload_rules import is_stop
@@ -45,6 +45,10 @@ _log = logging.getLogger(__name__)
 
 MAX_BOUND: Final = 256
 """Components that one application has bound at a time."""
+
+_LOOKS_ELSEWHERE: Final = 20
+_LOOK_AGAIN: Final = 0.25
+"""Seconds between two looks whether a command that runs at another gateway has ended."""
 
 
 def methods(app: ApplicationSession) -> dict[str, Handler]:
@@ -278,9 +282,10 @@ class _Commands:
     async def get_command_result(self, params: CommandResultParams) -> ResultsResult | Reply:
         if params.condition:
             raise BadParameter("the condition of get_command_result must be empty")
-        former = None if params.command_id in self._app.commands else _former_command(self._app, params.command_id)
-        if former is not None:
-            return former
+        if params.command_id not in self._app.commands:
+            former = await _former_command(self._app, params.command_id)
+            if former is not None:
+                return former
         return ResultsResult(results=self._app.commands.results(params.command_id, self._app.engine.sees))
 
 
@@ -303,16 +308,27 @@ def _require_still(app: ApplicationSession, unit: CommandUnit) -> None:
     raise error(reason)
 
 
-def _former_command(app: ApplicationSession, command_id: str) -> Reply | None:
+async def _former_command(app: ApplicationSession, command_id: str) -> Reply | None:
     """Return the reply of `get_command_result`, or None where the journal knows no such command of this principal's.
 
-    A notification of its end follows the reply, unless that was notified before.
+    A notification of its end follows the reply, unless that was notified before. For the end of a command that runs at
+    another gateway the application waits a while: no reply without an end would be followed by `completed`.
+
+    Raises:
+        TimedOut: it still runs there.
+        StoreUnreachable: the journal is elsewhere, and did not answer.
     """
     journal, subject = app.host.journal, app.principal.subject
-    former = journal.find(subject, command_id)
-    if former is None or not app.principal.sees(former.component_ref):
-        return None
-    told = journal.deliver_outcome(subject, command_id)
+    for _ in range(_LOOKS_ELSEWHERE):
+        former = await journal.find(subject, command_id)
+        if former is None or not app.principal.sees(former.component_ref):
+            return None
+        if not former.is_running:
+            break
+        await app.host.sleep(_LOOK_AGAIN)
+    else:
+        raise TimedOut("the command still runs, at another gateway: ask again")
+    told = await journal.deliver_outcome(subject, command_id)
     then = None if told is None else lambda: app.completed(command_id, former.completed_status, former.reason)
     try:
         return Reply(ResultsResult(results=former.results()), then)

@@ -7,32 +7,31 @@ import sqlite3
 import time
 from collections.abc import Callable, Iterable
 from contextlib import closing, suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from pydantic import TypeAdapter, ValidationError
-
-from openrois.journal.former import RESTARTED, FormerCommand, FormerCommands, storable
+from openrois.journal.former import RESTARTED, FormerCommand, FormerCommands
+from openrois.journal.records import (
+    KEPT_FOR,
+    MAX_ENDED,
+    Accepted,
+    Ended,
+    Presence,
+    Record,
+    Told,
+    read_results,
+    storable,
+    written_results,
+)
 from openrois.journal.schema import APPLICATION_ID, VERSION, create, migrate, version_of
 from openrois.types.codes import CompletedStatus
-from openrois.types.messages import Result
 
-__all__ = ["Accepted", "Ended", "JournalFile", "JournalUnusable", "Presence", "Record", "Told"]
+__all__ = ["JournalFile", "JournalUnusable"]
 
 _log = logging.getLogger(__name__)
 
-MAX_ENDED: Final = 4096
-"""Ended commands that are kept, for applications that were not notified; of more the oldest are dropped."""
-
-MAX_RESULTS: Final = 2048
-"""Characters of the results of one command that are kept."""
-
 MAX_PAGES: Final = 16_384
 """Of 4 KiB: a bound that what is kept does not come near to."""
-
-KEPT_FOR: Final = 7 * 86_400.0
-"""Seconds for which commands are kept that no application asks about."""
 
 _MAGIC: Final = b"SQLite format 3\0"
 _SQLITE: Final = (3, 38)
@@ -43,7 +42,6 @@ _PRUNE: Final = """
     DELETE FROM command WHERE status IS NOT NULL AND number <=
     (SELECT number FROM command WHERE status IS NOT NULL ORDER BY number DESC LIMIT 1 OFFSET ?)
 """
-_RESULTS: Final = TypeAdapter(tuple[Result, ...])
 _OF_THE_PLACE: Final = frozenset(
     {
         sqlite3.SQLITE_PERM,
@@ -62,46 +60,6 @@ _OF_THE_PLACE: Final = frozenset(
 class JournalUnusable(Exception):
     """The file cannot be a journal; the text says why, in one line."""
 
-
-@dataclass(frozen=True, slots=True)
-class Accepted:
-    """A command was accepted, at epoch seconds `at`."""
-
-    session: str
-    command_id: str
-    subject: str
-    component_ref: str
-    at: float
-
-
-@dataclass(frozen=True, slots=True)
-class Ended:
-    """A command has ended."""
-
-    session: str
-    command_id: str
-    status: CompletedStatus
-    reason: str
-    results: tuple[Result, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Told:
-    """The application of a former run's command was notified how it ended."""
-
-    subject: str
-    command_id: str
-
-
-@dataclass(frozen=True, slots=True)
-class Presence:
-    """An engine was attached or detached."""
-
-    engine_id: str
-    is_there: bool
-
-
-Record = Accepted | Ended | Told | Presence
 
 _STATEMENTS: Final[dict[type[Record], str]] = {
     Accepted: """
@@ -251,7 +209,7 @@ class JournalFile:
             for _, _, command_id, subject, component_ref, _, status, reason, results in rows:
                 ended = None if status in (None, _INTERRUPTED) else CompletedStatus(status)
                 reason = RESTARTED if ended is None else reason
-                command = FormerCommand(component_ref, ended, reason, _read(results))
+                command = FormerCommand(component_ref, ended, reason, read_results(results))
                 self.former.put(subject, command_id, command)
         with closing(self._database.execute("SELECT engine_id FROM engine WHERE typeof(engine_id) = 'text'")) as rows:
             self.engines = frozenset(engine_id for (engine_id,) in rows)
@@ -290,21 +248,8 @@ def _row(record: Record) -> tuple[object, ...]:
         case Accepted(session, command_id, subject, component_ref, at):
             return session, storable(command_id), storable(subject), storable(component_ref), at
         case Ended(session, command_id, status, reason, results):
-            return session, storable(command_id), status.value, storable(reason), _written(results)
+            return session, storable(command_id), status.value, storable(reason), written_results(results)
         case Told(subject, command_id):
             return storable(subject), storable(command_id)
         case Presence(engine_id, is_there):
             return engine_id, is_there
-
-
-def _written(results: tuple[Result, ...]) -> str | None:
-    text = json.dumps([result.model_dump(mode="json") for result in results])
-    return text if len(text) <= MAX_RESULTS else None
-
-
-def _read(text: str | None) -> tuple[Result, ...] | None:
-    if text is None:
-        return None
-    with suppress(ValidationError):
-        return _RESULTS.validate_json(text)
-    return None

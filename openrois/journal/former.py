@@ -1,14 +1,15 @@
-"""Commands of a former run of the gateway: how each ended, for the application that started it. Pure."""
+"""Commands that another run accepted: a former one of this gateway, or another gateway; how each ended. Pure."""
 
 from collections import OrderedDict
 from dataclasses import dataclass
 from typing import Final
 
 from openrois.errors import ComponentFailed
+from openrois.journal.records import storable
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Result
 
-__all__ = ["MAX_FORMER", "RESTARTED", "FormerCommand", "FormerCommands", "storable"]
+__all__ = ["GATEWAY_LOST", "MAX_FORMER", "RESTARTED", "FormerCommand", "FormerCommands"]
 
 MAX_FORMER: Final = 16_384
 """Commands of former runs that are kept; of more the oldest are dropped."""
@@ -16,7 +17,10 @@ MAX_FORMER: Final = 16_384
 RESTARTED: Final = "the gateway was restarted"
 """The reason of the end of a command that ran then."""
 
-_NOT_KEPT: Final = "the command ended OK before the gateway was restarted, and what it gave was too long to be kept"
+GATEWAY_LOST: Final = "the gateway that ran the command was lost"
+"""The same, where gateways are several."""
+
+_NOT_KEPT: Final = "the command ended OK, and what it gave was too long for the journal"
 
 
 @dataclass(slots=True)
@@ -25,10 +29,11 @@ class FormerCommand:
 
     Attributes:
         component_ref: what it was for.
-        status: how it ended; None where the gateway ended first.
+        status: how it ended; None where its gateway ended first, or where it runs.
         reason: why not OK, or empty.
         kept: what it gave; None where that was too long to be kept.
         is_notified: its end was notified, which happens once.
+        is_running: it has no end yet, and runs at a gateway that is there.
     """
 
     component_ref: str
@@ -36,6 +41,7 @@ class FormerCommand:
     reason: str
     kept: tuple[Result, ...] | None
     is_notified: bool = False
+    is_running: bool = False
 
     @property
     def completed_status(self) -> CompletedStatus:
@@ -46,10 +52,10 @@ class FormerCommand:
         """Return its results: none where it failed.
 
         Raises:
-            ComponentFailed: they are lost, because the gateway was restarted while it ran, or they were too long.
+            ComponentFailed: they are lost, because its gateway ended while it ran, or they were too long.
         """
         if self.status is None:
-            raise ComponentFailed(RESTARTED)
+            raise ComponentFailed(self.reason)
         if self.kept is None:
             raise ComponentFailed(_NOT_KEPT)
         return self.kept
@@ -75,8 +81,3 @@ class FormerCommands:
     def find(self, subject: str, command_id: str) -> FormerCommand | None:
         """Return the command that `subject` started under this id, if there is one."""
         return self._commands.get((storable(subject), storable(command_id)))
-
-
-def storable(text: str) -> str:
-    """Return a text that a file can hold in the place of one that it cannot: with half a surrogate pair, or a NUL."""
-    return text.encode("utf-8", "backslashreplace").decode().replace("\0", "\\x00")

@@ -191,6 +191,16 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
         """Why nothing can be claimed now; empty where it can."""
         return self._access.problem
 
+    @property
+    def run(self) -> int:
+        """The number of the process that runs as this gateway: of two processes the later has the greater one."""
+        return self._run
+
+    @property
+    def contact(self) -> float:
+        """Seconds for which this gateway has been in contact with the store without a break."""
+        return self._access.contact
+
     def holds(self, engine_id: str) -> bool:
         """Tell whether a claim of this gateway holds, by its own clock: it was renewed less than a time-out ago."""
         return engine_id in self._claims and self._clock() < self._renewed + self._ttl

@@ -19,7 +19,7 @@ from openrois.commands.pending import PendingCommands
 from openrois.commands.quota import MAX_UNFINISHED, MAX_UNFINISHED_TEXT, CommandQuota
 from openrois.contract import Client, Fault
 from openrois.engine.engine import Engine
-from openrois.journal.journal import Journal
+from openrois.journal.journal import Journal, NoJournal
 from openrois.jsonrpc.connection_stats import ConnectionStats
 from openrois.jsonrpc.heartbeat import Heartbeat
 from openrois.jsonrpc.protocol import Peer, RequestId
@@ -94,7 +94,7 @@ class EngineHost:
     ice_ttl: int = 3600
     audit: Audit = field(default_factory=Audit)
     connection_stats: ConnectionStats = field(default_factory=ConnectionStats)
-    journal: Journal = field(default_factory=Journal)
+    journal: Journal = field(default_factory=NoJournal)
     pending: PendingCommands = field(default_factory=PendingCommands)
     lease_rules: Rules = field(default_factory=Rules)
     epochs: Epochs = field(default_factory=CountedEpochs)

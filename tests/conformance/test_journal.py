@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from openrois.gateway.server import Gateway
-from openrois.journal.journal import Journal
+from openrois.journal.sqlite_journal import SqliteJournal
 from tests.support import deployment
 from tests.support.deployment import Application, Robot, adapter, application
 
@@ -45,7 +45,7 @@ async def killed(path: Path, robot: Robot, monkeypatch: pytest.MonkeyPatch) -> N
         units = [unit("start", "running"), unit("switch", "waiting")]
         assert await app.code("rois.command.execute", command_unit_list=units) == "OK"
         # As when the process is killed: what the end of the gateway does to commands is not written down.
-        monkeypatch.setattr(Journal, "ended", lambda *_ended: None)
+        monkeypatch.setattr(SqliteJournal, "ended", lambda *_ended: None)
     monkeypatch.undo()
 
 

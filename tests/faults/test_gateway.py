@@ -21,8 +21,11 @@ from openrois.adapter.running import hosted, serve
 from openrois.aio.tasks import TaskScope
 from openrois.client import Client, ConnectionState, Reconnect
 from openrois.errors import ComponentFailed
+from openrois.gateway import server
 from openrois.journal import file as journal_file
-from openrois.journal.file import JournalFile, Record
+from openrois.journal.file import JournalFile
+from openrois.journal.records import Record
+from openrois.journal.sqlite_journal import SqliteJournal
 from tests.support.components import Bell, Lamp
 from tests.support.demo import free_port
 from tests.support.ground import gateway_program, ground, turns
@@ -220,8 +223,8 @@ async def test_f25_a_disk_that_is_full_or_fails(
         monkeypatch.setattr(journal_file, "MAX_PAGES", 6)
     else:
         FailingDisk.chance = random.Random(seed)
-        monkeypatch.setattr("openrois.journal.journal.JournalFile", FailingDisk)
-    monkeypatch.setattr("openrois.journal.journal._RETRY", 0.01)
+        monkeypatch.setattr(server, "SqliteJournal", partial(SqliteJournal, open_file=FailingDisk))
+    monkeypatch.setattr("openrois.journal.sqlite_journal._RETRY", 0.01)
     full: dict[str, Any] = {"audit_file": Path("/dev/full"), "journal": tmp_path / "journal"}
     async with ground(seed, tmp_path, caplog, audited=False, ready=False, **full) as place:
         await place.robot()

@@ -43,7 +43,7 @@ FOLLOWS: Final = {
     "openrois/gateway/auth_setup.py": "when tokens begin and end",
     "openrois/gateway/server.py": "TURN credentials, and the first epoch of a process",
     "openrois/journal/file.py": "what a former process left is forgotten after a week",
-    "openrois/journal/journal.py": "the times of records",
+    "openrois/journal/sqlite_journal.py": "the times of records",
     "openrois/engine/registry.py": "the end that an event says of itself",
     "openrois/remote/faults.py": "the time of a fault that comes without one",
 }

@@ -5,7 +5,7 @@ from typing import Final
 
 from openrois.cluster.postgres.calls import CALL_TIME, Calls
 from openrois.cluster.postgres.database import NOW, Database
-from openrois.journal.former import storable
+from openrois.journal.records import storable
 from openrois.resumption.lines import MAX_SPENT, Change, Held, Holding, Redemption, last_changes
 from openrois.resumption.store import KEPT_FOR, MAX_PRUNED
 

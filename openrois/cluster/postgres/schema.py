@@ -78,6 +78,20 @@ STEPS: Final = (
         """,
         back="DROP TABLE openrois.holding; DROP TABLE openrois.resume_token; DROP TABLE openrois.resume_line;",
     ),
+    Step(
+        forward="""
+            CREATE TABLE openrois.command (
+                gateway_id text NOT NULL, run bigint NOT NULL, number bigint NOT NULL, session text NOT NULL,
+                command_key bytea NOT NULL, subject_key bytea NOT NULL, component_ref text NOT NULL,
+                accepted_ms bigint NOT NULL, status text, reason text NOT NULL DEFAULT '', results text,
+                is_told boolean NOT NULL DEFAULT false,
+                PRIMARY KEY (gateway_id, run, number), UNIQUE (gateway_id, run, session, command_key)
+            );
+            CREATE INDEX command_by_subject ON openrois.command (subject_key, command_key);
+            CREATE INDEX command_by_age ON openrois.command (accepted_ms);
+        """,
+        back="DROP TABLE openrois.command;",
+    ),
 )
 """What leads from each version to the next; version 0 is an empty schema."""
 

@@ -25,7 +25,7 @@ from openrois.client import (
 from openrois.errors import Aborted, ComponentFailed, OutOfResources, Unsupported
 from openrois.gateway.applications import serve_application
 from openrois.gateway.token_expiry import TokenExpiry
-from openrois.journal.journal import Journal
+from openrois.journal.sqlite_journal import SqliteJournal
 from openrois.session.session import EngineHost
 from openrois.transport.stream import StreamClosed
 from openrois.types.leases import LeaseState
@@ -239,7 +239,7 @@ class TestRestart:
             running = await ann.component(LAMP).command("start").execute()
             await line.lamp.glowing.wait()
             await restart()
-            line.host.journal.deliver_outcome("local", running.command_id)
+            await line.host.journal.deliver_outcome("local", running.command_id)
             await clock.pass_time()
             with pytest.raises(ConnectionLost, match="was notified over the lost connection, and never arrived"):
                 await running
@@ -263,13 +263,14 @@ class TestRestart:
 async def restarted(line: Line, folder: Path) -> AsyncIterator[Callable[[], Awaitable[None]]]:
     """Give a gateway a journal; what comes back lets it crash and be there again."""
     async with AsyncExitStack() as stack:
-        line.host.journal = stack.enter_context(Journal(folder / "journal"))
+        journal = line.host.journal = stack.enter_context(SqliteJournal(folder / "journal"))
 
         async def restart() -> None:
-            line.host.journal.__exit__(None, None, None)
+            nonlocal journal
+            journal.__exit__(None, None, None)
             line.cut()
             tasks = await stack.enter_async_context(TaskScope())
-            journal = stack.enter_context(Journal(folder / "journal"))
+            journal = stack.enter_context(SqliteJournal(folder / "journal"))
             line.host = EngineHost(line.host.engine, tasks, journal=journal, lease_rules=line.host.lease_rules)
 
         yield restart

@@ -10,7 +10,8 @@ import pytest
 
 from openrois.gateway import restart_barrier as module
 from openrois.gateway.server import Gateway
-from openrois.journal.file import JournalFile, Presence
+from openrois.journal.file import JournalFile
+from openrois.journal.records import Presence
 from tests.support import deployment
 from tests.support.deployment import Robot, adapter, application, until
 

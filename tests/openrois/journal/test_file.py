@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from openrois.journal import file as file_module
-from openrois.journal.file import Accepted, Ended, JournalFile, JournalUnusable, Presence, Record, Told
+from openrois.journal.file import JournalFile, JournalUnusable
+from openrois.journal.records import MAX_RESULTS, Accepted, Ended, Presence, Record, Told
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Result
 
@@ -80,7 +81,7 @@ def test_a_journal_from_before_engines_were_noted_goes_on(path: Path) -> None:
 
 
 def test_results_beyond_the_bound_are_not_kept(path: Path) -> None:
-    write(path, accepted("one"), ended("one", "x" * file_module.MAX_RESULTS))
+    write(path, accepted("one"), ended("one", "x" * MAX_RESULTS))
     journal = JournalFile(path)
     journal.close()
     assert (former := journal.former.find("ann", "one")) is not None

@@ -10,8 +10,9 @@ from typing import Any
 
 import pytest
 
-from openrois.journal.file import Accepted, JournalFile, JournalUnusable, Presence
+from openrois.journal.file import JournalFile, JournalUnusable
 from openrois.journal.former import RESTARTED
+from openrois.journal.records import Accepted, Presence
 from openrois.journal.schema import migrate
 from openrois.types.codes import CompletedStatus
 

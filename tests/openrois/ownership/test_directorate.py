@@ -58,6 +58,19 @@ async def b(network: Network) -> AsyncIterator[Directorate]:
         yield made
 
 
+async def test_a_process_has_a_number_and_a_contact_without_breaks(network: Network, a: Directorate) -> None:
+    assert a.run == network.store.gateways["a"].run
+    network.advance(3.0)
+    await a.renew()
+    assert a.contact == 3.0
+    network.a.fates = [Fate.LOST]
+    with pytest.raises(StoreUnreachable):
+        await a.renew()
+    assert a.contact == 0.0
+    async with network.gateway("a") as later:
+        assert later.run > a.run
+
+
 class TestUnknownWrites:
     async def test_a_claim_whose_answer_is_lost_is_read_again(self, network: Network, a: Directorate) -> None:
         network.a.fates = [Fate.ARRIVES, Fate.ANSWER_LOST]

@@ -118,6 +118,9 @@ class TestTokens:
         assert await kept.store.held(["robot"]) == ()
         assert await kept.store.redeem(digest("one"), "ann") == Redemption()
         assert await kept.store.redeem(digest("two"), "ann") == Redemption()
+        await kept.store.issue("resumed", 0, "ann", digest("three"))
+        await kept.store.redeem(digest("three"), "ann")
+        await kept.store.end_line("resumed")
         assert (await kept.count())[:2] == (0, 0)
 
 
