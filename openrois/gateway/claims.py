@@ -12,11 +12,11 @@ from typing import Any, Final, Self
 from openrois.aio.tasks import TaskScope
 from openrois.contract import Directory
 from openrois.engine.engine import Engine
-from openrois.errors import BadParameter, RoISError
+from openrois.errors import BadParameter, RoISError, StoreUnreachable
 from openrois.leases.epochs import ClaimedEpochs
 from openrois.ownership.claims import Owner
 from openrois.ownership.directorate import Directorate
-from openrois.ownership.errors import ClaimRefused, GatewayReplaced, StoreUnreachable
+from openrois.ownership.errors import ClaimRefused, GatewayReplaced
 from openrois.ownership.rules import TTL
 from openrois.remote.proxy import RemoteProxy
 

@@ -197,7 +197,7 @@ async def attached(gateway: Gateway, engine_id: str = "plain") -> None:
 
 def gateway_url(gateway: Gateway) -> str:
     """Return where adapters connect."""
-    return gateway.url.replace("http", "ws") + "adapter"
+    return deployment_url(gateway)
 
 
 async def refusal(adapter: PlainAdapter) -> tuple[int, str]:

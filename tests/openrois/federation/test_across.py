@@ -1,8 +1,7 @@
 """An adapter at one gateway, an application at another: what the application asks and is told passes both."""
 
-import pytest
 
-from tests.support.cluster import Cluster, cluster, seen_by
+from tests.support.cluster import cluster, seen_by
 from tests.support.deployment import Robot, adapter, application
 from tests.support.nats import NatsServer
 from tests.support.postgres import Server
