@@ -149,7 +149,9 @@ def nats() -> None:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
-        "--across", action="store_true", help="let each gateway of a test be two: one for applications, one for adapters"
+        "--across",
+        action="store_true",
+        help="let each gateway of a test be two: one for applications, one for adapters",
     )
 
 

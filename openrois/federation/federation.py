@@ -2,26 +2,31 @@
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator
-from contextlib import ExitStack, asynccontextmanager
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import ExitStack, asynccontextmanager, suppress
 from typing import Final
 
 from openrois.aio.tasks import TaskScope
 from openrois.cluster.dial_failed import DialFailed
 from openrois.engine.engine import Engine
 from openrois.engine.tree import TreeChange
-from openrois.errors import EngineUnreachable
+from openrois.errors import EngineUnreachable, StoreUnreachable
 from openrois.federation.assertion import Assertion
 from openrois.federation.cluster_directory import ClusterDirectory, Offer
 from openrois.federation.gateway_link import GatewayLink
+from openrois.federation.lines import Lines
 from openrois.federation.neighbours import Neighbours
 from openrois.ownership.directorate import Directorate
+from openrois.resumption.store import ResumeStore
 from openrois.scope.views import Views
 from openrois.transport.stream import MessageStream
 
 __all__ = ["Federation"]
 
 _log = logging.getLogger(__name__)
+
+TOUCH_INTERVAL: Final = 3600.0
+"""Seconds between two signs to the store that the sessions of this gateway live: it forgets others after a day."""
 
 _NOT_LISTED: Final = "and has not told yet what it offers"
 
@@ -33,6 +38,9 @@ class Federation:
         link: to the other gateways.
         directorate: which gateway owns which engine.
         engine: this gateway's own: it has the adapters that are connected here.
+        lines: the sessions here that can be resumed.
+        resume_store: has the tokens of all gateways.
+        sleep: waits for some seconds.
 
     Attributes:
         gateway_id: of this gateway.
@@ -40,7 +48,19 @@ class Federation:
         views: what applications of each scope see of them.
     """
 
-    def __init__(self, link: GatewayLink, directorate: Directorate, engine: Engine) -> None:
+    def __init__(
+        self,
+        link: GatewayLink,
+        directorate: Directorate,
+        engine: Engine,
+        lines: Lines,
+        resume_store: ResumeStore,
+        sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
+    ) -> None:
+        self.lines = lines
+        self.resume_store = resume_store
+        self._sleep = sleep
+        self._kept: dict[str, object] = {}
         self.gateway_id = link.gateway_id
         self.directory = ClusterDirectory(engine.engine_id, self._owner_of)
         self.views = Views(self.directory)
@@ -55,6 +75,7 @@ class Federation:
             with ExitStack() as stack:
                 stack.callback(self._engine.changes.add(self._offer_own))
                 tasks.start(self._follow_owners())
+                tasks.start(self._touch_lines())
                 neighbours = Neighbours(self._link, self.directory, tasks)
                 stack.enter_context(neighbours.watching())
                 yield
@@ -69,6 +90,26 @@ class Federation:
             return await self._link.dial(gateway_id, assertion.hello())
         except DialFailed as error:
             raise EngineUnreachable(str(error)) from None
+
+    @property
+    def others(self) -> tuple[str, ...]:
+        """The other gateways that are there now."""
+        return tuple(sorted(self._link.present.keys() - {self.gateway_id}))
+
+    def keep_alive(self, line_id: str, owner: object) -> None:
+        """Keep a line in the store until `forget` is called with the same owner."""
+        self._kept[line_id] = owner
+
+    def forget(self, line_id: str, owner: object) -> None:
+        """Keep a line no longer, unless another session goes on with it here."""
+        if self._kept.get(line_id) is owner:
+            del self._kept[line_id]
+
+    async def _touch_lines(self) -> None:
+        while True:
+            await self._sleep(TOUCH_INTERVAL)
+            with suppress(StoreUnreachable):
+                await self.resume_store.touch(tuple(self._kept))
 
     def require_reachable(self, engine_id: str) -> None:
         """Do nothing where no other gateway owns an engine that is not in the directory.

@@ -8,6 +8,7 @@ from openrois.aio.bounded_history import BoundedHistory
 from openrois.errors import BadParameter, OutOfResources
 from openrois.types.codes import StreamStatus
 from openrois.types.leases import LeaseRequestedNotification
+from openrois.types.reasons import ReasonNotification
 from openrois.types.streams import StreamStatusNotification
 
 __all__ = ["ForeignWork", "Lost"]
@@ -82,18 +83,35 @@ class ForeignWork:
         """Note a stream that was connected."""
         self._streams[stream_id] = gateway_id, component_ref
 
-    def note_notification(self, gateway_id: str, method: str, params: Mapping[str, Any]) -> None:
-        """Note what a notification of a gateway says of commands, streams and requests."""
+    @property
+    def has_commands(self) -> bool:
+        """Whether commands run at other gateways."""
+        return bool(self._running)
+
+    def adopt(self, gateway_id: str, command_ids: Iterable[str]) -> None:
+        """Note commands of a session in whose place this one goes on."""
+        self._running.update(dict.fromkeys(command_ids, (gateway_id, "")))
+
+    def note_notification(self, gateway_id: str, method: str, params: Mapping[str, Any]) -> bool:
+        """Note what a notification of a gateway says of commands, streams and requests.
+
+        Returns:
+            Whether it goes on to the application: a command has one end, and what was lost has had it.
+        """
         if method == "rois.command.completed":
-            command_id = params.get("command_id")
-            if isinstance(command_id, str) and self._running.pop(command_id, None) is not None:
-                self._finished.put(command_id, gateway_id, ())
+            command_id = str(params.get("command_id"))
+            if self._running.pop(command_id, None) is None:
+                return False
+            self._finished.put(command_id, gateway_id, ())
+        elif method == ReasonNotification.method and "command_id" in params:
+            return params["command_id"] in self._running
         elif method == LeaseRequestedNotification.method:
             request_id = params.get("request_id")
             if isinstance(request_id, str):
                 self._requests.put(request_id, gateway_id, ())
         elif method == StreamStatusNotification.method and params.get("status") == _ENDED:
             self._streams.pop(str(params.get("stream_id")), None)
+        return True
 
     def lose(self, gateway_id: str) -> Lost:
         """Drop what the application has at a gateway, and return it."""

@@ -57,7 +57,7 @@ class SubSession:
         gateway_id: of the other gateway.
         stream: to it.
         notify: sends the application a notification: method, params, `droppable`, `dispensable`.
-        seen: sees each notification before it goes on.
+        seen: sees each notification, and tells whether it goes on.
 
     Attributes:
         gateway_id: of the other gateway.
@@ -69,7 +69,7 @@ class SubSession:
         gateway_id: str,
         stream: MessageStream,
         notify: Callable[..., None],
-        seen: Callable[[str, Mapping[str, Any]], None],
+        seen: Callable[[str, Mapping[str, Any]], bool],
     ) -> None:
         self.gateway_id = gateway_id
         self.refs: dict[str, None] = {}
@@ -141,15 +141,36 @@ class SubSession:
         return Reply(result, self._sent, line.text)
 
     async def ask(
-        self, method: str, params: Mapping[str, Any], *, timeout: float | None = None, urgent: bool = False
+        self,
+        method: str,
+        params: Mapping[str, Any],
+        *,
+        timeout: float | None = None,
+        urgent: bool = False,
+        accepted: Callable[[Mapping[str, Any]], None] = lambda _result: None,
     ) -> tuple[dict[str, Any], str]:
         """Ask the other gateway something for a reply that is made here; return its result and the reason in it.
+
+        Args:
+            method: what is asked.
+            params: of it.
+            timeout: seconds to wait at most.
+            urgent: whether it is asked also where there is no room for questions.
+            accepted: called with the result before any later message of the other gateway is read.
 
         Raises:
             RoISError: the other gateway was lost, or did not answer in time or properly.
         """
         line = _LastLine()
-        result = await self._call(method, params, timeout=timeout, urgent=urgent, on_reason=line.keep)
+
+        def note_result(result: Any) -> Any:
+            if isinstance(result, dict):
+                accepted(result)
+            return result
+
+        result = await self._call(
+            method, params, timeout=timeout, urgent=urgent, on_result=note_result, on_reason=line.keep
+        )
         if not isinstance(result, dict):
             raise ComponentFailed(f"gateway {self.gateway_id} answers {method} with what is no object")
         return result, line.text
@@ -192,5 +213,5 @@ class SubSession:
             self._pass_on(name, params)
 
     def _pass_on(self, name: str, params: Mapping[str, Any]) -> None:
-        self._seen(name, params)
-        self._notify(name, params, droppable=name in _EVENTS, dispensable=name == ReasonNotification.method)
+        if self._seen(name, params):
+            self._notify(name, params, droppable=name in _EVENTS, dispensable=name == ReasonNotification.method)

@@ -30,7 +30,7 @@ class SubSessions:
         tasks: owns what serves them.
         assertion: returns what is asserted of the application now.
         notify: sends the application a notification.
-        seen: sees each notification, with its gateway, before it goes on.
+        seen: sees each notification, with its gateway, and tells whether it goes on.
         on_lost: called when a sub-session has ended, with it and the reason.
     """
 
@@ -40,7 +40,7 @@ class SubSessions:
         tasks: TaskScope,
         assertion: Callable[[], Assertion],
         notify: Callable[..., None],
-        seen: Callable[[str, str, Mapping[str, Any]], None],
+        seen: Callable[[str, str, Mapping[str, Any]], bool],
         on_lost: Callable[[SubSession, StreamClosed], None],
     ) -> None:
         self._dial = dial

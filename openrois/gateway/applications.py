@@ -3,15 +3,16 @@
 import asyncio
 import logging
 import time
+from collections import ChainMap
 from collections.abc import Mapping
 from functools import partial
-from typing import Any, Final
+from typing import Any, Final, cast
 
 from openrois_signaling.messages import Answer, Bye, Candidate, CaptureClocks, IceServer, Offer, Restart
 from openrois_signaling.methods import IceServers, TooLong, signaling_methods
 from openrois_signaling.methods import InvalidParams as InvalidSignaling
 from openrois_signaling.relay import PEERS_PER_OWNER, Refused, Relay, Upward
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 
 from openrois.aio.rate import RateLimit
 from openrois.auth.principal import LOCAL
@@ -19,6 +20,8 @@ from openrois.contract import Client
 from openrois.errors import RoISError
 from openrois.federation.assertion import Assertion
 from openrois.federation.federation import Federation
+from openrois.federation.lines import Lines, SessionLine
+from openrois.federation.resumption import KEEP, REPORT
 from openrois.federation.router import Router, without_directory
 from openrois.federation.sub_sessions import PRINCIPAL
 from openrois.gateway.refusals import RefusalNotes
@@ -27,7 +30,8 @@ from openrois.gateway.sign_in import SignIns
 from openrois.gateway.token_expiry import TokenExpiry
 from openrois.interfaces import base_methods, directory_methods, lease_methods, stream_methods
 from openrois.interfaces.enforcement import enforced
-from openrois.interfaces.operation import reply_first
+from openrois.interfaces.lease import held_leases, tell_missed
+from openrois.interfaces.operation import operation, reply_first
 from openrois.interfaces.overload_rules import queue_rules
 from openrois.jsonrpc.session import Handler, InvalidParams, Reply, RpcSession
 from openrois.observability.correlation import connection
@@ -35,6 +39,8 @@ from openrois.observability.logs import Tally
 from openrois.scope.views import ViewChange
 from openrois.session.session import ApplicationSession, EngineHost
 from openrois.transport.stream import MessageStream, StreamClosed
+from openrois.types.leases import MAX_RESUMED, ResumeResult
+from openrois.types.model import Model
 from openrois.types.references import engine_of
 
 __all__ = ["RESUMED", "SUB_SESSION", "serve_application", "serve_sub_session"]
@@ -46,6 +52,8 @@ _WITHOUT_HANDSHAKE: Final = 1006
 
 SUB_SESSION: Final = "sub_session"
 """The kind, for figures, of a session whose application is connected to another gateway."""
+
+_NO_METHODS: Final[Mapping[str, Handler]] = {}
 
 RESUMED: Final = 4409
 """The close code of a connection whose session another one has resumed."""
@@ -90,7 +98,12 @@ async def serve_application(
 
 
 async def serve_sub_session(
-    host: EngineHost, stream: MessageStream, expiry: TokenExpiry, sign_ins: SignIns
+    host: EngineHost,
+    stream: MessageStream,
+    expiry: TokenExpiry,
+    sign_ins: SignIns,
+    lines: Lines,
+    assertion: Assertion,
 ) -> StreamClosed:
     """Serve one application that is connected to another gateway; return why that ended.
 
@@ -99,16 +112,47 @@ async def serve_sub_session(
         stream: to the other gateway.
         expiry: the principal that it asserts, and for how long.
         sign_ins: records that it came and left.
+        lines: the sessions here that can be resumed.
+        assertion: of the other gateway.
     """
     served = _Served(host, stream, expiry, None)
+    app = served.app
 
     def replace(params: Mapping[str, Any]) -> None:
         principal = Assertion.parse(params).principal
         if principal.subject == expiry.principal.subject and not expiry.is_over:
             expiry.replace(principal)
 
-    served.session.notifications = {PRINCIPAL: replace}
-    return await served.run(served.methods, sign_ins, SUB_SESSION)
+    def keep(params: Mapping[str, Any]) -> None:
+        said = Assertion.parse(params)
+        try:
+            lines.adopt(app, SessionLine(said.line, said.generation))
+        except RoISError as error:
+            served.session.end_session(RESUMED, str(error))
+
+    async def report(params: ResumeReportParams) -> Reply:
+        known = app.commands
+        result = ResumeResult(
+            leases=held_leases(app), forgotten=tuple(each for each in params.command_ids if each not in known)
+        )
+        return Reply(result, lambda: tell_missed(app, params.command_ids))
+
+    if assertion.line:
+        try:
+            lines.adopt(app, SessionLine(assertion.line, assertion.generation))
+        except RoISError as error:
+            await app.close()
+            await stream.close(RESUMED, str(error))
+            return StreamClosed(RESUMED, str(error))
+    served.session.notifications = {PRINCIPAL: replace, KEEP: keep}
+    reporting = {REPORT: operation(ResumeReportParams, ResumeResult, report)}
+    return await served.run(served.methods, sign_ins, SUB_SESSION, reporting)
+
+
+class ResumeReportParams(Model):
+    """Params of `openrois.cluster.report`; `command_ids` are the commands whose end is not known."""
+
+    command_ids: tuple[str, ...] = Field(default=(), max_length=MAX_RESUMED, strict=False)
 
 
 class _Served:
@@ -148,10 +192,19 @@ class _Served:
         expiry.on_expiring = expiring(session.notify, lambda: app.extended)
         app.end_connection = partial(session.end_session, RESUMED, "another connection has resumed this session")
 
-    async def run(self, methods: Mapping[str, Handler], sign_ins: SignIns, kind: str) -> StreamClosed:
-        """Serve until the connection ends; return why it did."""
+    async def run(
+        self, methods: Mapping[str, Handler], sign_ins: SignIns, kind: str, more: Mapping[str, Handler] = _NO_METHODS
+    ) -> StreamClosed:
+        """Serve until the connection ends; return why it did.
+
+        Args:
+            methods: those of the application, as far as its roles allow them.
+            sign_ins: records that it came and left.
+            kind: of the connection, for figures.
+            more: methods of the gateway behind which the application is.
+        """
         host, app, session, expiry = self._host, self.app, self.session, self.expiry
-        session.methods = enforced(app, methods)
+        session.methods = ChainMap(dict(more), cast(Any, enforced(app, methods)))
         stop_listening = app.engine.on_change(self._signaling.tree_changed)
         closed = StreamClosed(_WITHOUT_HANDSHAKE)
         lost = False

@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import secrets
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Awaitable, Callable, Collection, Coroutine
 from contextlib import AbstractAsyncContextManager, suppress
 from hashlib import sha256
 from types import TracebackType
@@ -55,6 +55,9 @@ class GatewayClaims(AbstractAsyncContextManager["GatewayClaims"]):
         directorate: of this gateway.
         epochs: the epochs of this gateway's leases.
         sleep: waits for some seconds.
+
+    Attributes:
+        on_claimed: called with engines that were claimed, before they are attached.
     """
 
     def __init__(
@@ -65,6 +68,7 @@ class GatewayClaims(AbstractAsyncContextManager["GatewayClaims"]):
         *,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
     ) -> None:
+        self.on_claimed: Callable[[Collection[str]], Awaitable[None]] = _nothing
         self._engine = engine
         self._directorate = directorate
         self._epochs = epochs
@@ -231,9 +235,11 @@ class AdapterClaims:
         # An adapter that answers the hello late has its name by then.
         self.instance = self.instance or _digest(self.proxy.instance or secrets.token_hex(16))
         self._claims.check(self, directory)
-        for engine_id in directory.profile.engine_ids():
-            if engine_id not in self.claimed:
-                await self._claim(engine_id)
+        claimed = [engine_id for engine_id in directory.profile.engine_ids() if engine_id not in self.claimed]
+        for engine_id in claimed:
+            await self._claim(engine_id)
+        if claimed:
+            await self._claims.on_claimed(claimed)
 
     async def _claim(self, engine_id: str) -> None:
         self._claims.reserve(engine_id, self)
@@ -264,6 +270,10 @@ class AdapterClaims:
         reserved, self._reserved, self.claimed = self._reserved, set(), set()
         for engine_id in reserved:
             self._claims.drop(engine_id, is_lost=is_lost)
+
+
+async def _nothing(_engine_ids: Collection[str]) -> None:
+    """Stand in where claims are of no further interest."""
 
 
 def _digest(text: str) -> str:

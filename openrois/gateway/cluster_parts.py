@@ -5,7 +5,9 @@ from contextlib import AsyncExitStack, asynccontextmanager
 
 from openrois.cluster.link import NatsLink, NatsSettings
 from openrois.cluster.postgres.database import Database
+from openrois.cluster.postgres.journal import PostgresJournal
 from openrois.cluster.postgres.ownership import PostgresStore
+from openrois.cluster.postgres.resumption import PostgresResumeStore
 from openrois.gateway.clustering import ClusterParts
 from openrois.gateway.settings import GatewaySettings
 from openrois.ownership.directorate import Directorate
@@ -35,4 +37,7 @@ async def open_parts(settings: GatewaySettings) -> AsyncIterator[ClusterParts]:
         await stack.enter_async_context(database)
         store = PostgresStore(database)
         directorate = await stack.enter_async_context(Directorate(store, settings.gateway_id))
-        yield ClusterParts(NatsLink(nats, settings.gateway_id), directorate)
+        journal = PostgresJournal(database, settings.gateway_id, directorate.run, lambda: directorate.contact)
+        await stack.enter_async_context(journal)
+        link = NatsLink(nats, settings.gateway_id)
+        yield ClusterParts(link, directorate, journal, PostgresResumeStore(database))

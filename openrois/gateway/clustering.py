@@ -1,23 +1,29 @@
 """A gateway of a cluster: what it shares with the others, and its sessions for the applications of these."""
 
 import logging
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable, Collection, Mapping
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, cast
 
-from openrois.errors import BadParameter
+from openrois.errors import BadParameter, StoreUnreachable
 from openrois.federation.assertion import Assertion
 from openrois.federation.federation import Federation
 from openrois.federation.gateway_link import GatewayLink
+from openrois.federation.lines import Lines
 from openrois.gateway.applications import serve_sub_session
 from openrois.gateway.auth_setup import AuthSetup
+from openrois.gateway.claims import GatewayClaims
 from openrois.gateway.draining import RETRY_AFTER, SERVICE_RESTART
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.token_expiry import TokenExpiry
+from openrois.journal.journal import Journal
+from openrois.leases.epochs import ClaimedEpochs
 from openrois.observability.health import Readiness
 from openrois.ownership.directorate import Directorate
+from openrois.resumption.holdings_writer import HoldingsWriter
+from openrois.resumption.store import ResumeStore
 from openrois.session.session import EngineHost
 from openrois.transport.stream import POLICY_VIOLATION, MessageStream
 
@@ -33,10 +39,14 @@ class ClusterParts:
     Attributes:
         link: to the other gateways, which is entered when this one serves them.
         directorate: which gateway owns which engine.
+        journal: which commands were accepted, and how they ended.
+        resume_store: which sessions can be resumed, and what they hold.
     """
 
     link: GatewayLink
     directorate: Directorate
+    journal: Journal
+    resume_store: ResumeStore
 
 
 class Clustering:
@@ -48,10 +58,14 @@ class Clustering:
 
     Attributes:
         federation: the engines of all gateways, and the way to these.
+        claims: of the engines whose adapters are here.
     """
 
-    def __init__(self, parts: ClusterParts, host: EngineHost) -> None:
-        self.federation = Federation(parts.link, parts.directorate, host.engine)
+    def __init__(self, parts: ClusterParts, host: EngineHost, epochs: ClaimedEpochs) -> None:
+        self._writer = HoldingsWriter(parts.resume_store)
+        self._lines = Lines(host, self._writer)
+        self.federation = Federation(parts.link, parts.directorate, host.engine, self._lines, parts.resume_store)
+        self.claims = GatewayClaims(host.engine, parts.directorate, epochs)
         self._parts = parts
         self._host = host
 
@@ -82,10 +96,21 @@ class Clustering:
         readiness.require("NATS, which joins the gateways", lambda: not link.trouble)
         readiness.require("the store that the gateways share", lambda: not directorate.problem)
         async with AsyncExitStack() as stack:
+            await stack.enter_async_context(self._writer)
+            await stack.enter_async_context(self.claims)
+            self.claims.on_claimed = self._look_for_holders
+            stack.callback(self._host.engine.changes.add(lambda change: self._lines.restore(change.engines_now)))
             await stack.enter_async_context(link)
             await stack.enter_async_context(self.federation.running())
             await link.listen(lambda stream, said: self._handle(auth_setup, stream, said))
             yield
+
+    async def _look_for_holders(self, engine_ids: Collection[str]) -> None:
+        """Look which sessions have held components of engines at another gateway, before these are attached here."""
+        try:
+            self._lines.await_engines(await self._parts.resume_store.held(engine_ids))
+        except StoreUnreachable as error:
+            _log.warning("%s: nothing of %s is kept for former holders", error, ", ".join(sorted(engine_ids)))
 
     async def _handle(self, auth_setup: AuthSetup, stream: MessageStream, said: Mapping[str, Any]) -> None:
         """Serve an application of another gateway, as that gateway asserts it."""
@@ -102,4 +127,4 @@ class Clustering:
             return
         expiry = TokenExpiry(assertion.principal, address=assertion.address)
         with auth_setup.expiries.holding(expiry, stream):
-            await serve_sub_session(self._host, stream, expiry, auth_setup.sign_ins)
+            await serve_sub_session(self._host, stream, expiry, auth_setup.sign_ins, self._lines, assertion)

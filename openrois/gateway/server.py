@@ -47,7 +47,7 @@ from openrois.http_limits.tcp_server import serving_tcp
 from openrois.journal.journal import Journal, NoJournal
 from openrois.journal.sqlite_journal import SqliteJournal
 from openrois.jsonrpc.unread import UnreadBudget
-from openrois.leases.epochs import CountedEpochs
+from openrois.leases.epochs import ClaimedEpochs, CountedEpochs
 from openrois.leases.model import Rules
 from openrois.metrics.server import metrics_address, serving_metrics
 from openrois.observability.audit import Audit
@@ -110,13 +110,14 @@ async def run_gateway(
         ice = IceServers(settings.ice_servers, settings.turn, settings.turn_secret, settings.turn_ttl, time.time)
         parts = await stack.enter_async_context(Clustering.opened(settings))
         audit = stack.enter_context(Audit(settings.audit_file, redact=Redaction(settings.secrets())))
-        journal: Journal = NoJournal()
+        journal: Journal = NoJournal() if parts is None else parts.journal
         if settings.journal is not None:
             journal = stack.enter_context(SqliteJournal(settings.journal))
         # What runs ends before that is written down no more.
         tasks = await stack.enter_async_context(TaskScope())
         lag = LoopLag()
         tasks.start(lag.watch())
+        claimed_epochs = None if parts is None else ClaimedEpochs(lambda: parts.directorate.problem)
         host = EngineHost(
             Engine(settings.engine_id),
             tasks,
@@ -126,7 +127,7 @@ async def run_gateway(
             journal=journal,
             lease_rules=Rules(settings.lease_grace, settings.lease_answer),
             # Greater than those of a process before this one, as long as the wall clock is not set back.
-            epochs=CountedEpochs(round(time.time() * 1000)),
+            epochs=CountedEpochs(round(time.time() * 1000)) if claimed_epochs is None else claimed_epochs,
             unread=UnreadBudget(settings.unread),
             quotas=SubjectQuotas(settings.subject_connections, settings.subject_sessions, settings.subject_streams),
         )
@@ -148,13 +149,12 @@ async def run_gateway(
             restart_barrier.wait,
         )
         readiness.require("room for connections", lambda: not connection_limits.is_full)
-        federation = None
-        if parts is not None:
-            clustering = Clustering(parts, host)
-            federation = clustering.federation
+        clustering = None
+        if parts is not None and claimed_epochs is not None:
+            clustering = Clustering(parts, host, claimed_epochs)
             await stack.enter_async_context(clustering.serving(auth_setup, readiness))
         server = _Server(
-            settings, host, auth_setup, connection_limits, header_timeouts, readiness, application, adapter, federation
+            settings, host, auth_setup, connection_limits, header_timeouts, readiness, application, adapter, clustering
         )
         runner = web.AppRunner(server.app, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()
@@ -188,7 +188,7 @@ async def run_gateway(
             metrics,
             lambda: auth_setup.reloader.reload_changed(at_all=True),
             Drain(host, settings.drain).run,
-            federation,
+            None if clustering is None else clustering.federation,
         )
 
 
@@ -205,10 +205,11 @@ class _Server:
         readiness: Readiness,
         application: SocketProfile,
         adapter: SocketProfile,
-        federation: Federation | None,
+        clustering: Clustering | None,
     ) -> None:
         self._host = host
-        self._federation = federation
+        self._federation = None if clustering is None else clustering.federation
+        self._claims = None if clustering is None else clustering.claims
         self._auth_setup = auth_setup
         self._connection_limits = connection_limits
         self._adapter_timeout = settings.adapter_timeout
@@ -277,6 +278,7 @@ class _Server:
                 expiry=expiry,
                 renewal=self._auth_setup.renewal,
                 sign_ins=self._auth_setup.sign_ins,
+                ownership=self._claims,
             ),
         )
 

@@ -222,6 +222,12 @@ class GatewaySettings(Listening, Authentication, Encryption, Streams, Adapters, 
     """
 
     @model_validator(mode="after")
+    def _check_journal(self) -> Self:
+        if self.store and self.journal is not None:
+            raise ValueError("--journal is of no use with --store, which keeps what runs")
+        return self
+
+    @model_validator(mode="after")
     def _check_exposure(self) -> Self:
         if self.tls_elsewhere and not self.is_authenticated:
             raise ValueError(

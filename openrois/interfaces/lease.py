@@ -1,5 +1,6 @@
 """`openrois.lease.*`: holding a component, requesting it, handing it over, resuming after a lost connection."""
 
+from collections.abc import Iterable
 from typing import Any, Final
 
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
@@ -22,7 +23,7 @@ from openrois.types.leases import (
 )
 from openrois.types.messages import NoParams, ReturnResult
 
-__all__ = ["methods"]
+__all__ = ["held_leases", "methods", "tell_missed"]
 
 _PUT_OUT: Final = "in the place of a connection that was not known to be lost"
 
@@ -49,6 +50,20 @@ def _extending(app: ApplicationSession, handler: Handler) -> Handler:
         return await handler(params)
 
     return answer
+
+
+def held_leases(app: ApplicationSession) -> tuple[Lease, ...]:
+    """Return what a session holds."""
+    held = app.host.leases.model.holding.held_by(app)
+    return tuple(Lease(component_ref=ref, epoch=epoch) for ref, epoch in held.items())
+
+
+def tell_missed(app: ApplicationSession, command_ids: Iterable[str]) -> None:
+    """Notify how commands ended in the meantime; those that run are notified when they end."""
+    for command_id in command_ids:
+        ending = app.commands.ending(command_id)
+        if ending is not None:
+            app.completed(command_id, *ending)
 
 
 class _Leases:
@@ -125,24 +140,20 @@ class _Leases:
         for component_ref in Entitlements(self._app.principal).lost_bindings(tuple(self._app.bound)):
             self._app.give_back(component_ref)
             self._app.bound.discard(component_ref)
-        held = self._keeper.model.holding.held_by(self._app)
+        held = held_leases(self._app)
         self._app.host.audit.acted(
-            self._app.principal, "openrois.lease.resume", " ".join(sorted(held)), "" if was_lost else _PUT_OUT
+            self._app.principal,
+            "openrois.lease.resume",
+            " ".join(sorted(each.component_ref for each in held)),
+            "" if was_lost else _PUT_OUT,
         )
         result = ResumeResult(
             token=self._keeper.token(self._app),
             grace_ms=self._grace_ms,
-            leases=tuple(Lease(component_ref=ref, epoch=epoch) for ref, epoch in held.items()),
+            leases=held,
             forgotten=tuple(command_id for command_id in params.command_ids if command_id not in self._app.commands),
         )
-        return Reply(result, lambda: self._tell_missed(params.command_ids))
-
-    def _tell_missed(self, command_ids: tuple[str, ...]) -> None:
-        """Notify how commands ended in the meantime; those that run are notified when they end."""
-        for command_id in command_ids:
-            ending = self._app.commands.ending(command_id)
-            if ending is not None:
-                self._app.completed(command_id, *ending)
+        return Reply(result, lambda: tell_missed(self._app, params.command_ids))
 
     def _acted(self, method: str, component_ref: str) -> None:
         self._app.host.audit.acted(self._app.principal, method, component_ref)

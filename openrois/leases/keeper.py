@@ -18,6 +18,11 @@ from openrois.leases.model import LeaseModel, Replayed, Rules
 
 __all__ = ["LeaseKeeper"]
 
+
+def _ignore(_change: Change) -> None:
+    """Stand in where changes are of no interest."""
+
+
 _HANDED: Final = frozenset({Why.GRANTED, Why.TAKEN})
 
 
@@ -40,6 +45,7 @@ class LeaseKeeper:
         model: the rules, and how things stand.
         notifications: sends them.
         ended: how many leases ended, by the reason.
+        on_change: called with each change, in their order.
     """
 
     def __init__(
@@ -56,6 +62,7 @@ class LeaseKeeper:
         on_lost: Callable[[str, Holder], None] = lambda _component_ref, _holder: None,
     ) -> None:
         self.ended: dict[Why, int] = {}
+        self.on_change: Callable[[Change], None] = _ignore
         self._acted = acted
         self._on_lost = on_lost
         self.model = LeaseModel(rules, epochs)
@@ -172,13 +179,28 @@ class LeaseKeeper:
         except Replayed as replayed:
             self._carry(replayed.changes)
             raise
+        self._go_on(successor, changes)
+        return former
+
+    def succeed(self, former: Holder, successor: Holder) -> None:
+        """Let a session go on in the place of another, whose token was shown elsewhere."""
+        self._go_on(successor, self.model.succeed(former, successor, self._now()))
+
+    def reserve(self, component_ref: str, holder: Holder) -> None:
+        """Keep a free component for a session that has held it at another gateway, for the grace.
+
+        Raises:
+            OutOfResources: there is no epoch for it.
+        """
+        self._carry(self.model.reserve(component_ref, holder, holder.principal.subject, self._now()))
+
+    def _go_on(self, successor: Holder, changes: list[Change]) -> None:
         begun = {change.component_ref for change in changes if isinstance(change, Gained)}
         for component_ref, epoch in self.model.holding.held_by(successor).items():
             successor.bound.add(component_ref)
             if component_ref not in begun:
                 self.notifications.adapter(component_ref, successor, epoch, holds=True)
         self._carry(changes, by=successor)
-        return former
 
     # How it is done.
 
@@ -186,6 +208,7 @@ class LeaseKeeper:
         """Carry out changes, and notify all that they concern but the session whose answer contains them."""
         changed: dict[str, tuple[Holder | None, str]] = {}
         for change in changes:
+            self.on_change(change)
             match change:
                 case Lost(component_ref, holder, epoch, why):
                     self._lost(component_ref, session_of(holder), epoch, why)

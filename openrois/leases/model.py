@@ -218,6 +218,23 @@ class LeaseModel:
             raise Replayed(former, self.leave(former, now, Why.EXPIRED) if former in self.absent else [])
         if former is successor:
             raise Unsupported("this token is the session's own: resume a former one")
+        return former, self.succeed(former, successor, now)
+
+    def may_go_on(self, holder: object) -> bool:
+        """Tell whether another session may go on in the place of this one: it has had a token, and has not left."""
+        return self._tokens.knows(holder)
+
+    def succeed(self, former: object, successor: object, now: float) -> list[Change]:
+        """Let a session hold what another one held, as `resume` does; that it may was found out elsewhere.
+
+        Args:
+            former: the session, which may go on.
+            successor: goes on in its place.
+            now: monotonic seconds.
+
+        Raises:
+            OutOfResources: there is no epoch left.
+        """
         was_lost, held = former in self.absent, self.holding.held_by(former)
         begun = {} if was_lost else {component_ref: self.holding.next_epoch(component_ref) for component_ref in held}
         self._tokens.succeed(former, successor)
@@ -236,7 +253,29 @@ class LeaseModel:
             queue = self.waiting.queue(component_ref)
             changes.append(Queued(component_ref))
             changes += [Asked(request, successor) for request in queue if request.deadline is not None]
-        return former, changes
+        return changes
+
+    def reserve(self, component_ref: str, holder: object, subject: str, now: float) -> list[Change]:
+        """Keep a free component for a session that has held it at another engine, as if its connection had been lost.
+
+        Nothing changes where another session holds the component already.
+
+        Args:
+            component_ref: the component.
+            holder: stands for the session until that comes, or the grace is over.
+            subject: of the session.
+            now: monotonic seconds.
+
+        Raises:
+            OutOfResources: there is no epoch for it.
+        """
+        if self.rules.grace <= 0 or self.holding.holder(component_ref) is not None:
+            return []
+        self.holding.move(component_ref, holder)
+        if not self._tokens.has_one(holder):
+            self._tokens.issue(holder, subject)
+        self.absent[holder] = now + self.rules.grace
+        return [Queued(component_ref)]
 
     def advance(self, now: float) -> list[Change]:
         """Do what is due: graces that are over, and answers that did not come."""

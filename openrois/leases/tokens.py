@@ -71,6 +71,10 @@ class ResumeTokens:
         line = self._lines.get(holder)
         return line is not None and line.valid is not None
 
+    def knows(self, holder: object) -> bool:
+        """Tell whether a session has had a token, and has not left."""
+        return holder in self._lines
+
     def find(self, token: str, subject: str) -> Redeemed:
         """Return whose token this is, and whether it comes a second time: then its line is over."""
         digest = _digest(token)

@@ -64,10 +64,12 @@ class MemoryResumeStore:
             if line_id in self._lines:
                 self._touch(line_id)
 
-    async def end_line(self, line_id: str) -> None:
+    async def end_line(self, line_id: str, generation: int) -> None:
         """Remove a line."""
-        self._remove(line_id)
-        self._free(line_id)
+        line = self._lines.get(line_id)
+        if line is not None and line.generation <= generation:
+            self._remove(line_id)
+            self._free(line_id)
 
     async def write(self, changes: Iterable[Change]) -> None:
         """Write which components are held and freed."""

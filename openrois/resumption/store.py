@@ -48,8 +48,11 @@ class ResumeStore(Protocol):
         """Keep lines whose sessions are still there for another while; unknown ones are left out."""
         ...
 
-    async def end_line(self, line_id: str) -> None:
-        """Remove a line, because its session has left for good: what it holds is freed, and its tokens are unknown."""
+    async def end_line(self, line_id: str, generation: int) -> None:
+        """Remove a line, because its session has left for good: what it holds is freed, and its tokens are unknown.
+
+        Nothing happens where it was resumed since, and so has a greater generation.
+        """
         ...
 
     async def write(self, changes: Iterable[Change]) -> None:

@@ -365,9 +365,13 @@ class ApplicationSession:
 
     async def close(self, *, lost: bool = False) -> None:
         """Leave for good; a session whose connection was lost may have a successor."""
+        self.detach()
+        await self.leave(lost=lost)
+
+    def detach(self) -> None:
+        """Have no connection any more, and be notified of nothing; what is held is another matter."""
         self.closed = True
         self._stop_listening()
         self._stop_watching()
         self.change_notice.close()
         self.engine.close()
-        await self.leave(lost=lost)

@@ -11,7 +11,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 
 from openrois.gateway.server import Gateway
-from tests.support.deployment import PATIENCE, patience, until
+from tests.support.deployment import PATIENCE, adapter_url, patience, told_across, until
 
 TOY = "plain/toy"
 
@@ -193,11 +193,12 @@ async def plain_adapter(
 async def attached(gateway: Gateway, engine_id: str = "plain") -> None:
     """Wait until an engine is part of the gateway's tree."""
     await until(gateway.engine, lambda ids: engine_id in ids)
+    await told_across(gateway, lambda ids: engine_id in ids)
 
 
 def gateway_url(gateway: Gateway) -> str:
     """Return where adapters connect."""
-    return deployment_url(gateway)
+    return adapter_url(gateway)
 
 
 async def refusal(adapter: PlainAdapter) -> tuple[int, str]:

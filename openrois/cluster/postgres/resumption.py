@@ -66,8 +66,7 @@ _TOUCH: Final = """
     UPDATE openrois.resume_line AS line SET touched_ms = {now} FROM known WHERE line.line_id = known.line_id
 """
 _END: Final = """
-    WITH over AS (SELECT $1::text AS line_id),
-    line AS (DELETE FROM openrois.resume_line WHERE line_id = $1),
+    WITH over AS (DELETE FROM openrois.resume_line WHERE line_id = $1 AND generation <= $2 RETURNING line_id),
     {free}
     SELECT
 """
@@ -154,10 +153,10 @@ class PostgresResumeStore:
         async with self._calls.connection() as connection:
             await connection.execute(self._touch, list(line_ids))
 
-    async def end_line(self, line_id: str) -> None:
+    async def end_line(self, line_id: str, generation: int) -> None:
         """Remove a line."""
         async with self._calls.connection() as connection:
-            await connection.execute(self._end, line_id)
+            await connection.execute(self._end, line_id, generation)
 
     async def write(self, changes: Iterable[Change]) -> None:
         """Write which components are held and freed; some that were freed long ago are removed."""

@@ -1,6 +1,5 @@
 """An adapter at one gateway, an application at another: what the application asks and is told passes both."""
 
-
 from tests.support.cluster import cluster, seen_by
 from tests.support.deployment import Robot, adapter, application
 from tests.support.nats import NatsServer

@@ -114,13 +114,15 @@ class TestTokens:
         await kept.store.issue("line", 0, "ann", digest("two"))
         await kept.store.write([LAMP])
         for _ in range(2):
-            await kept.other.end_line("line")
+            await kept.other.end_line("line", 0)
         assert await kept.store.held(["robot"]) == ()
         assert await kept.store.redeem(digest("one"), "ann") == Redemption()
         assert await kept.store.redeem(digest("two"), "ann") == Redemption()
         await kept.store.issue("resumed", 0, "ann", digest("three"))
         await kept.store.redeem(digest("three"), "ann")
-        await kept.store.end_line("resumed")
+        await kept.store.end_line("resumed", 0)
+        assert (await kept.count())[0] == 1, "it was resumed since"
+        await kept.store.end_line("resumed", 1)
         assert (await kept.count())[:2] == (0, 0)
 
 

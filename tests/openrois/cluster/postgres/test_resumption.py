@@ -51,7 +51,7 @@ async def test_a_call_ends_in_time_where_the_server_stands_still(postgres_server
             *(store.redeem(b"other", "ann") for _ in range(20)),
             *(store.issue(str(number), 0, "ann", bytes([number])) for number in range(20)),
             *(store.write([Held("robot/lamp", "robot", "line", 7)]), store.held(["robot"])),
-            *(store.touch(["line"]), store.end_line("other")),
+            *(store.touch(["line"]), store.end_line("other", 0)),
         ]
         found = await asyncio.gather(*calls, return_exceptions=True)
         assert asyncio.get_running_loop().time() - began < PATIENT / 2

@@ -1,0 +1,109 @@
+"""The ways of one application's requests: to the session here, or to one at the gateway that owns the engine."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from openrois.federation.assertion import Assertion
+from openrois.federation.federation import Federation
+from openrois.federation.foreign_work import ForeignWork
+from openrois.federation.lines import SessionLine
+from openrois.federation.sub_session import SubSession
+from openrois.federation.sub_sessions import SubSessions
+from openrois.jsonrpc.session import Handler, Reply
+from openrois.scope.scoped_tree import ScopedTree
+from openrois.session.session import ApplicationSession
+from openrois.transport.stream import StreamClosed
+from openrois.types.references import engine_of
+
+__all__ = ["Routes", "fitting"]
+
+
+class Routes:
+    """The sessions of one application.
+
+    Args:
+        federation: the gateway among the others of its cluster.
+        app: the session at the engines of this gateway.
+        local: its methods.
+        notify: sends the application a notification.
+        address: where the application comes from.
+        on_lost: called when a session at another gateway has ended.
+
+    Attributes:
+        engine: all engines of the cluster that the application sees.
+        work: what it has at other gateways.
+        subs: its sessions there.
+        line: the line of its sessions, once it can be resumed.
+    """
+
+    def __init__(
+        self,
+        federation: Federation,
+        app: ApplicationSession,
+        local: Mapping[str, Handler],
+        notify: Callable[..., None],
+        address: str,
+        on_lost: Callable[[SubSession, StreamClosed], None],
+    ) -> None:
+        self.federation = federation
+        self.app = app
+        self.local = local
+        self.notify = notify
+        self.address = address
+        self.engine = ScopedTree(federation.directory, app.principal, federation.views)
+        self.work = ForeignWork()
+        self.line = SessionLine()
+        self.subs = SubSessions(
+            federation.dial, app.host.tasks, self.assertion, notify, self.work.note_notification, on_lost
+        )
+
+    def assertion(self) -> Assertion:
+        """Return what is asserted of the application to other gateways now."""
+        line = self.line
+        return Assertion.of(self.app.principal, address=self.address, line=line.line_id, generation=line.generation)
+
+    def gateway(self, engine_id: str, component_ref: object = None) -> str | None:
+        """Return the other gateway that owns an engine; None where the session here answers.
+
+        Raises:
+            EngineUnreachable: the application would see the component that is named, and its gateway is not reached.
+        """
+        if self.engine.tree.has_engine(engine_id):
+            gateway_id = self.federation.directory.gateway_of(engine_id)
+            return None if gateway_id == self.federation.gateway_id else gateway_id
+        if isinstance(component_ref, str) and self.engine.sees(component_ref):
+            self.federation.require_reachable(engine_id)
+        return None
+
+    async def sub(self, engine_id: str, component_ref: object = None) -> SubSession | None:
+        """Return the session at the other gateway that owns an engine; None where the session here answers.
+
+        Raises:
+            EngineUnreachable: that gateway is not reached.
+        """
+        gateway_id = self.gateway(engine_id, component_ref)
+        return None if gateway_id is None else await self.subs.to(gateway_id)
+
+    async def lead_to(self, component_ref: str, name: str, params: dict[str, Any]) -> Any:
+        """Ask the session that has a component, and return its reply."""
+        sub = await self.sub(engine_of(component_ref), component_ref)
+        if sub is None:
+            return await self.local[name](params)
+        sub.note_ref(component_ref)
+        return await sub.relay(name, params)
+
+    async def ask_here(self, name: str, params: dict[str, Any]) -> tuple[Any, str, Reply]:
+        """Ask the session here; return the result, the reason of a refusal, and both as a reply."""
+        said = await self.local[name](params)
+        reply = said if isinstance(said, Reply) else Reply(said)
+        return reply.result, reply.reason, reply
+
+
+def fitting(model: type[BaseModel], params: dict[str, Any]) -> Any:
+    """Return params as their model; None where they do not fit, which the session here explains."""
+    try:
+        return model.model_validate(params)
+    except ValidationError:
+        return None
