@@ -26,6 +26,7 @@ class Assertion(Model):
         expires: epoch seconds at which its token ends; None for never.
         token_id: the id of its token, so that a revocation reaches this session too.
         address: where the application comes from.
+        client_id: the id that adapters know the application by; empty where it needs none.
         line: names the session over all its connections; empty where it cannot be resumed.
         generation: how often the line was resumed.
     """
@@ -37,12 +38,13 @@ class Assertion(Model):
     expires: float | None = None
     token_id: Annotated[str, Field(max_length=1024)] = ""
     address: Annotated[str, Field(max_length=256)] = ""
+    client_id: Annotated[str, Field(max_length=64)] = ""
     line: Annotated[str, Field(max_length=64)] = ""
     generation: Annotated[int, Field(ge=0)] = 0
 
     @classmethod
-    def of(cls, principal: Principal, *, address: str = "", line: str = "", generation: int = 0) -> Self:
-        """Return what is asserted of a principal.
+    def of(cls, principal: Principal, **more: Any) -> Self:
+        """Return what is asserted of a principal, and of its session.
 
         Raises:
             BadParameter: its scope is too long for that.
@@ -56,9 +58,7 @@ class Assertion(Model):
             scope=principal.scope,
             expires=principal.expires,
             token_id=principal.token_id,
-            address=address,
-            line=line,
-            generation=generation,
+            **more,
         )
 
     @classmethod

@@ -128,7 +128,18 @@ class Router:
             **self._resumption.methods(),
         }
         refusing = {name: _refusing(name, handler) for name, handler in table.items()}
-        return {**self._routes.local, **directory_methods(self), **refusing}
+        whole = {**self._routes.local, **directory_methods(self), **refusing}
+        return {name: self._extending(handler) if _extends(name) else handler for name, handler in whole.items()}
+
+    def _extending(self, handler: Handler) -> Handler:
+        """Return the handler of an extension's method, after which the sessions elsewhere speak the extensions too."""
+
+        async def answer(params: dict[str, Any]) -> Any:
+            said = await handler(params)
+            self._routes.extend()
+            return said
+
+        return answer
 
     def _leading(self, name: str) -> Handler:
         is_urgent = name == "rois.command.release"
@@ -202,6 +213,11 @@ class Router:
         self._resumption.note_loss(refs)
         for fault in app.host.engine.mint.make_each(ErrorType.COMPONENT_NOT_RESPONDING, refs, reason):
             app.tell_fault(fault)
+
+
+def _extends(name: str) -> bool:
+    """Tell whether a method is an extension's; an application that calls one gets its notifications."""
+    return name.startswith(("signaling.", "rois.stream.", "openrois."))
 
 
 def _refusing(name: str, handler: Handler) -> Handler:

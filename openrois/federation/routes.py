@@ -16,6 +16,7 @@ from openrois.scope.scoped_tree import ScopedTree
 from openrois.session.session import ApplicationSession
 from openrois.transport.stream import StreamClosed
 from openrois.types.references import engine_of
+from openrois.types.streams import EXTENSION_VERSION
 
 __all__ = ["Routes", "fitting"]
 
@@ -61,8 +62,18 @@ class Routes:
 
     def assertion(self) -> Assertion:
         """Return what is asserted of the application to other gateways now."""
-        line = self.line
-        return Assertion.of(self.app.principal, address=self.address, line=line.line_id, generation=line.generation)
+        return Assertion.of(
+            self.app.principal,
+            address=self.address,
+            client_id=self.app.client_id,
+            line=self.line.line_id,
+            generation=self.line.generation,
+        )
+
+    def extend(self) -> None:
+        """Let the sessions elsewhere send the notifications of extensions, where the one here does."""
+        if self.app.extended and not self.subs.says("openrois.hello"):
+            self.subs.say("openrois.hello", {"version": EXTENSION_VERSION, "extensions": []})
 
     def gateway(self, engine_id: str, component_ref: object = None) -> str | None:
         """Return the other gateway that owns an engine; None where the session here answers.

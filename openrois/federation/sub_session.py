@@ -2,7 +2,7 @@
 
 import logging
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Final
 
 from openrois.errors import ComponentFailed, EngineUnreachable, NotResponding
@@ -18,7 +18,6 @@ from openrois.jsonrpc.session import (
 )
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.directory import DirectoryChangedNotification
-from openrois.types.methods import NOTIFICATIONS
 from openrois.types.reasons import ReasonNotification, sentence
 
 __all__ = ["SubSession"]
@@ -79,7 +78,7 @@ class SubSession:
         self._unsent = 0
         self._held: deque[tuple[str, Mapping[str, Any]]] = deque()
         self._session = RpcSession(
-            stream, notifications=self._notifications(), call_timeout=ANSWER_TIMEOUT, peer=f"gateway {gateway_id}"
+            stream, notifications=_Relayed(self), call_timeout=ANSWER_TIMEOUT, peer=f"gateway {gateway_id}"
         )
 
     async def run(self) -> StreamClosed:
@@ -192,22 +191,12 @@ class SubSession:
         while self._held and not self._unsent:
             self._pass_on(*self._held.popleft())
 
-    def _notifications(self) -> dict[str, NotificationHandler]:
-        def passing(name: str) -> NotificationHandler:
-            return lambda params: self._take(name, params)
-
-        table = {each.name: passing(each.name) for each in NOTIFICATIONS if each.name not in _OF_HERE}
-        return {**table, ReasonNotification.method: self._take_reason}
-
-    def _take_reason(self, params: dict[str, Any]) -> None:
-        notice = ReasonNotification.model_validate(params)
-        if notice.request_id is not None:
+    def take(self, name: str, params: Mapping[str, Any]) -> None:
+        """Take a notification of the other gateway, and pass it on in its turn."""
+        if name == ReasonNotification.method and "request_id" in params:
+            notice = ReasonNotification.model_validate(params)
             self._session.handle_reason(notice.request_id, sentence(notice.reason))
-        else:
-            self._take(ReasonNotification.method, params)
-
-    def _take(self, name: str, params: Mapping[str, Any]) -> None:
-        if self._unsent:
+        elif self._unsent:
             self._held.append((name, params))
         else:
             self._pass_on(name, params)
@@ -215,3 +204,21 @@ class SubSession:
     def _pass_on(self, name: str, params: Mapping[str, Any]) -> None:
         if self._seen(name, params):
             self._notify(name, params, droppable=name in _EVENTS, dispensable=name == ReasonNotification.method)
+
+
+class _Relayed(Mapping[str, NotificationHandler]):
+    """Handlers of whatever the other gateway notifies: it is about the application, which knows what it asked for."""
+
+    def __init__(self, sub: SubSession) -> None:
+        self._sub = sub
+
+    def __getitem__(self, name: str) -> NotificationHandler:
+        if name in _OF_HERE:
+            raise KeyError(name)
+        return lambda params: self._sub.take(name, params)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(())
+
+    def __len__(self) -> int:
+        return 0

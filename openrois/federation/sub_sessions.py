@@ -65,6 +65,10 @@ class SubSessions:
         for sub in self.open:
             sub.post(method, params)
 
+    def says(self, method: str) -> bool:
+        """Tell whether something is said at the beginning of each sub-session."""
+        return method in self._said
+
     def unsay(self, method: str) -> None:
         """Say it no more."""
         self._said.pop(method, None)

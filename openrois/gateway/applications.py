@@ -115,7 +115,7 @@ async def serve_sub_session(
         lines: the sessions here that can be resumed.
         assertion: of the other gateway.
     """
-    served = _Served(host, stream, expiry, None)
+    served = _Served(host, stream, expiry, None, assertion.client_id)
     app = served.app
 
     def replace(params: Mapping[str, Any]) -> None:
@@ -159,7 +159,12 @@ class _Served:
     """One connection of an application: its session, and the methods that it has."""
 
     def __init__(
-        self, host: EngineHost, stream: MessageStream, expiry: TokenExpiry, federation: Federation | None
+        self,
+        host: EngineHost,
+        stream: MessageStream,
+        expiry: TokenExpiry,
+        federation: Federation | None,
+        client_id: str = "",
     ) -> None:
         rate = RateLimit(REQUESTS_AT_ONCE, REQUESTS_PER_SECOND, time.monotonic)
         self.expiry = expiry
@@ -175,6 +180,7 @@ class _Served:
             passes=self._signaling.passes,
             left=self._signaling.forget_peers,
             principal=expiry.principal,
+            client_id=client_id,
         )
         self._signaling.app = app
         session.explain = app.explain

@@ -143,6 +143,7 @@ class ApplicationSession:
         passes: sees every extension notification on its way to the application, and says whether it goes on.
         left: called when the application has left and its streams and peer connections are over.
         principal: of the application; another one takes its place when it shows a new token.
+        client_id: the application's id; random unless another gateway has given it one.
 
     Attributes:
         engine: the part of the engine in the principal's scope: every name in a request is looked up there.
@@ -161,6 +162,7 @@ class ApplicationSession:
         passes: Callable[[str, Mapping[str, Any]], bool] = lambda _method, _params: True,
         left: Callable[[], None] = lambda: None,
         principal: Principal = LOCAL,
+        client_id: str = "",
     ) -> None:
         self.host = host
         self.engine = ScopedEngine(host.engine, principal, host.views)
@@ -172,7 +174,7 @@ class ApplicationSession:
         self.errors = ErrorLog()
         self.bound: set[str] = set()
         self.connected = trusted
-        self.client_id = secrets.token_hex(16)
+        self.client_id = client_id or secrets.token_hex(16)
         self.client = self._new_client()
         self.streams: dict[str, str] = {}
         self.uplinks: dict[str, str] = {}
