@@ -30,7 +30,7 @@ from tests.support.streams import Camera, FakeStreams
 
 REASON = "openrois.reason"
 
-PATIENCE = 5.0
+PATIENCE = 30.0
 """Seconds after which a test gives up waiting for something that comes at once."""
 
 
