@@ -29,13 +29,13 @@ TESTS = (
     ),
     *(f"tests/openrois/gateway/test_{part}.py" for part in ("origins", "stalling")),
     *(f"tests/openrois/cluster/test_{part}.py" for part in ("flow", "frames", "presence", "subjects", "wire")),
-    "tests/openrois/cluster/postgres/test_address.py",
+    *(f"tests/openrois/cluster/postgres/test_{part}.py" for part in ("address", "stop_messages")),
     "tests/openrois/adapter/test_rotation.py",
     "tests/openrois/http_limits/test_websocket_frames.py",
     "tests/openrois/transport/test_backoff.py",
     "tests/bench/measuring/test_figures.py",
     "tests/bench/measuring/test_table.py",
-    "tests/openrois/journal/test_former.py",
+    *(f"tests/openrois/journal/test_{part}.py" for part in ("former", "records")),
     *(
         f"tests/openrois/auth/test_{part}.py"
         for part in ("claims", "keys", "loopback", "principal", "revocations", "subject_quotas", "tokens")
