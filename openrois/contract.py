@@ -94,7 +94,11 @@ class ComponentBus(Protocol):
     """Components that can be discovered, queried, commanded and subscribed to."""
 
     async def discover(self) -> Directory:
-        """Return the profiles of the components that are there now."""
+        """Return the profiles of the components that are there now.
+
+        The profile of an engine below the bus's own that is the same object as in the directory before says that this
+        engine, and all below it, have neither changed nor left since, nor have the profiles of their components.
+        """
         ...
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:

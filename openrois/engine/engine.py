@@ -6,7 +6,7 @@ never rewrites it. The ids of a tree are unique, so the tree has no cycle and a 
 
 import asyncio
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -25,6 +25,7 @@ from openrois.contract import (
 from openrois.engine.extension_users import ExtensionUsers
 from openrois.engine.faults import FaultMint
 from openrois.engine.lost_components import LostComponents
+from openrois.engine.offers import ComparedOffers
 from openrois.engine.tree import Tree, TreeChange
 from openrois.errors import BadParameter, NotResponding, TimedOut, Unsupported
 from openrois.types.codes import ErrorType
@@ -89,11 +90,11 @@ class Engine:
         if bus is self:
             raise BadParameter("an engine cannot be attached below itself")
         directory = await bus.discover()
-        self.check(bus, directory, own=own)
+        compared = self.check(bus, directory, own=own)
         self._may_be_own[bus] = own
         if isinstance(bus, FaultSource):
             bus.on_fault = self._notify_fault
-        self._replace(bus, directory)
+        self._replace(bus, directory, compared)
 
     async def refresh(self, bus: ComponentBus) -> frozenset[str]:
         """Read again what an attached bus offers and notify the listeners; a bus that is not attached is ignored.
@@ -108,8 +109,8 @@ class Engine:
         directory = await bus.discover()
         if self.tree.offer_of(bus) is None:
             return frozenset()
-        self.check(bus, directory, own=self._may_be_own[bus])
-        return self._replace(bus, directory)
+        compared = self.check(bus, directory, own=self._may_be_own[bus])
+        return self._replace(bus, directory, compared)
 
     def detach(self, bus: ComponentBus, *, lost: str = "") -> frozenset[str]:
         """Remove a bus and notify the listeners; a bus that is not attached is ignored.
@@ -149,32 +150,57 @@ class Engine:
         self.faults.notify_all(fault)
         self.on_fault(fault)
 
-    def check(self, bus: ComponentBus, directory: Directory, *, own: bool) -> None:
-        """Check what a bus offers, as `attach` does.
+    def check(self, bus: ComponentBus, directory: Directory, *, own: bool) -> ComparedOffers:
+        """Compare what a bus offers with its former offer, and check what is new, as `attach` does.
 
         Raises:
             BadParameter: it cannot be in this tree.
         """
-        ids = directory.profile.engine_ids()
-        taken = set() if own and ids == (self.engine_id,) else {self.engine_id}
-        for engine_id in ids:
+        compared = self.tree.compare(bus, directory.profile)
+        for engine_id in compared.now:
             if flaw := flaw_of_name(engine_id):
                 raise BadParameter(f"{engine_id[:200]!r} is no engine id: {flaw}")
-            if engine_id in taken or self.tree.bus_of(engine_id) not in (None, bus):
+            is_own = own and engine_id == directory.profile.identifier.code and not directory.profile.sub_profiles
+            is_ours = engine_id == self.engine_id and not is_own
+            if is_ours or engine_id in compared.twice or self._is_taken(engine_id, bus, compared):
                 raise BadParameter(f"the engine id {engine_id!r} is taken already: each engine needs one of its own")
-            taken.add(engine_id)
         if _depth(directory.profile) >= MAX_DEPTH:
             raise BadParameter(f"engines may be nested {MAX_DEPTH} deep at most")
-        offering, repeated = frozenset(ids), frozenset(directory.profile.repeated_refs())
-        for ref in directory.profile.component_refs():
-            if flaw := _flaw_of(ref, offering, directory) or ("it stands twice" if ref in repeated else ""):
+        for ref in self._refs_in_question(compared):
+            if flaw := self._flaw_of(ref, bus, directory, compared):
                 raise BadParameter(f"the component {ref[:300]!r} cannot be in this tree: {flaw}")
+        return compared
 
-    def _replace(self, bus: ComponentBus, directory: Directory | None) -> frozenset[str]:
+    def _is_taken(self, engine_id: str, bus: ComponentBus, compared: ComparedOffers) -> bool:
+        """Tell whether an engine of another bus has an id, or one of this bus that stays as it is."""
+        there = self.tree.bus_of(engine_id)
+        return there is not None and (there is not bus or engine_id not in compared.before)
+
+    def _refs_in_question(self, compared: ComparedOffers) -> Iterator[str]:
+        """Yield the components of an offer that are new, and those whose engine is not there any more."""
+        for place in compared.now.values():
+            yield from place.component_refs
+        yield from compared.repeated
+        places = (self.tree.place_of(engine_id) for engine_id in compared.before)
+        before = {ref for place in places if place is not None for ref in place.component_refs}
+        for engine_id in compared.before - compared.now.keys():
+            yield from (ref for ref in self.tree.refs_of(engine_id) if ref not in before)
+
+    def _flaw_of(self, ref: str, bus: ComponentBus, directory: Directory, compared: ComparedOffers) -> str:
+        """Return what is wrong with a component that a bus offers; empty where nothing is."""
+        engine_id, _, name = ref.partition("/")
+        stays = self.tree.bus_of(engine_id) is bus and engine_id not in compared.before
+        if engine_id not in compared.now and not stays:
+            return "it does not begin with the id of an engine that offers it"
+        flaw = flaw_of_name(name) or ("" if ref in directory.component_profiles else "it has no profile")
+        return flaw or ("it stands twice" if ref in compared.repeated else "")
+
+    def _replace(
+        self, bus: ComponentBus, directory: Directory | None, compared: ComparedOffers | None = None
+    ) -> frozenset[str]:
         """Set what a bus offers, notify the listeners, and return the components that are not there any more."""
-        change = self.tree.replace(bus, directory)
-        if change.latter is not None:
-            self.lost.found(change.latter.component_profiles)
+        change = self.tree.replace(bus, directory, compared)
+        self.lost.found(change.refs_now)
         gone = change.gone_refs
         for ref in gone:
             for subscribe_id in self._subscribed.pop(ref, ()):
@@ -273,14 +299,6 @@ def leads_to(engine: Engine, ref_or_id: str, bus: ComponentBus) -> bool:
         return engine.route(ref_or_id) is bus
     except Unsupported:
         return False
-
-
-def _flaw_of(ref: str, engine_ids: frozenset[str], directory: Directory) -> str:
-    """Return what is wrong with a component that an engine offers; empty where nothing is."""
-    engine_id, _, name = ref.partition("/")
-    if engine_id not in engine_ids:
-        return "it does not begin with the id of an engine that offers it"
-    return flaw_of_name(name) or ("" if ref in directory.component_profiles else "it has no profile")
 
 
 def _depth(profile: HRIEngineProfile) -> int:

@@ -4,39 +4,22 @@ from bisect import bisect_left, bisect_right, insort
 from collections.abc import Collection, Iterable, Iterator, KeysView, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
-from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Final, Generic, TypeVar
 
 from openrois.contract import Directory
 from openrois.engine.component_index import ComponentIndex
 from openrois.engine.condition import Condition
-from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, ParameterProfile, RoISIdentifier
+from openrois.engine.offers import ComparedOffers, Place, compare_offers
+from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, RoISIdentifier
 from openrois.types.references import engine_of
 
-__all__ = ["AUTHORITY", "Place", "Tree", "TreeChange"]
+__all__ = ["AUTHORITY", "Tree", "TreeChange"]
 
 AUTHORITY: Final = "OpenRoIS"
 """Gives the ids of engines of this product their meaning."""
 
 Bus = TypeVar("Bus")
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """The place of an engine in a tree.
-
-    Attributes:
-        parent_id: the engine right above it.
-        component_refs: the components that it owns, and no engine below it.
-        identifier: of its profile.
-        parameter_profiles: of its profile.
-    """
-
-    parent_id: str
-    component_refs: tuple[str, ...]
-    identifier: RoISIdentifier
-    parameter_profiles: tuple[ParameterProfile, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,26 +30,19 @@ class TreeChange:
         bus: which one.
         former: its offer before; None where it was not there.
         latter: its offer now; None where it is gone.
+        engines_before: the engines of its former offer that may be others now, or are gone.
+        engines_now: the engines of its offer that are new or may be others.
+        gone_refs: the components that are not there any more.
+        refs_now: the components of `engines_now`.
     """
 
     bus: Any
     former: Directory | None
     latter: Directory | None
-
-    @cached_property
-    def gone_refs(self) -> frozenset[str]:
-        """The components that are not there any more."""
-        return frozenset(_refs(self.former) - _refs(self.latter))
-
-    @cached_property
-    def engines_before(self) -> frozenset[str]:
-        """The ids of the engines behind the bus before."""
-        return _engines(self.former)
-
-    @cached_property
-    def engines_now(self) -> frozenset[str]:
-        """The ids of the engines behind the bus now."""
-        return _engines(self.latter)
+    engines_before: frozenset[str]
+    engines_now: frozenset[str]
+    gone_refs: frozenset[str]
+    refs_now: tuple[str, ...]
 
     @property
     def engine_ids(self) -> frozenset[str]:
@@ -75,14 +51,6 @@ class TreeChange:
         What is as it was is among them: of engines behind another one, one may have left and come back meanwhile.
         """
         return self.engines_before | self.engines_now
-
-
-def _refs(offer: Directory | None) -> AbstractSet[str]:
-    return frozenset() if offer is None else offer.component_profiles.keys()
-
-
-def _engines(offer: Directory | None) -> frozenset[str]:
-    return frozenset() if offer is None else frozenset(offer.profile.engine_ids())
 
 
 class Tree(Generic[Bus]):
@@ -140,43 +108,60 @@ class Tree(Generic[Bus]):
         """Return the components whose references an engine leads."""
         return self._index.refs_of(engine_id)
 
-    def replace(self, bus: Bus, latter: Directory | None) -> TreeChange:
+    def compare(self, bus: Bus, profile: HRIEngineProfile) -> ComparedOffers:
+        """Compare what a bus offers now with what it offered before."""
+        former = self._offers.get(bus)
+        return compare_offers(self.engine_id, None if former is None else former.profile, profile)
+
+    def replace(self, bus: Bus, latter: Directory | None, compared: ComparedOffers | None = None) -> TreeChange:
         """Set what a bus offers, and return the change.
 
         Args:
             bus: which one.
             latter: its offer, of which only components that it lists count; None: it has gone.
+            compared: how its profile differs from the former offer's; it is found out unless given.
         """
         former = self._offers.get(bus)
         if latter is None:
             self._offers.pop(bus, None)
+            before = frozenset(() if former is None else former.profile.engine_ids())
+            now: Mapping[str, Place] = {}
         else:
-            latter = self._offers[bus] = _completed(latter)
-        change = TreeChange(bus, former, latter)
-        for engine_id in change.engines_before - change.engines_now:
+            compared = compared or self.compare(bus, latter.profile)
+            profile, before, now = compared.profile, compared.before, compared.now
+            latter = self._offers[bus] = Directory(
+                profile, {ref: latter.component_profiles[ref] for ref in profile.component_ids}
+            )
+        gone = before - now.keys()
+        refs_before = frozenset(ref for engine_id in before for ref in self._places[engine_id].component_refs)
+        for engine_id in gone:
             del self._buses[engine_id]
             del self._places[engine_id]
-        self._buses.update(dict.fromkeys(change.engines_now, bus))
-        self._places.update(() if latter is None else _places(latter.profile, self.engine_id))
-        self._sort(change)
-        self._replace_components(change)
+        self._buses.update(dict.fromkeys(now, bus))
+        self._places.update(now)
+        self._sort(gone, now.keys() - before)
+        refs_now = tuple(ref for place in now.values() for ref in place.component_refs)
+        gone_refs = refs_before.difference(refs_now)
+        self._replace_components(gone_refs, {} if latter is None else latter.component_profiles)
         self._directory = None
-        return change
+        return TreeChange(bus, former, latter, before, frozenset(now), gone_refs, refs_now)
 
-    def _sort(self, change: TreeChange) -> None:
+    def _sort(self, gone: AbstractSet[str], came: AbstractSet[str]) -> None:
         """Keep the order of the ids, once it was asked for."""
         if self._sorted is None:
             return
-        for engine_id in change.engines_before - change.engines_now - {self.engine_id}:
+        for engine_id in gone - {self.engine_id}:
             del self._sorted[bisect_left(self._sorted, engine_id)]
-        for engine_id in change.engines_now - change.engines_before - {self.engine_id}:
+        for engine_id in came - {self.engine_id}:
             insort(self._sorted, engine_id)
 
-    def _replace_components(self, change: TreeChange) -> None:
-        for ref in change.gone_refs:
+    def _replace_components(self, gone_refs: Iterable[str], offered: Mapping[str, HRIComponentProfile]) -> None:
+        for ref in gone_refs:
             self._index.remove(ref, self._components.pop(ref))
-        for ref, profile in () if change.latter is None else change.latter.component_profiles.items():
+        for ref, profile in offered.items():
             known = self._components.get(ref)
+            if known is profile:
+                continue
             if known is not None and known.component_type != profile.component_type:
                 self._index.remove(ref, known)
                 known = None
@@ -237,22 +222,8 @@ class Tree(Generic[Bus]):
         return Directory(profile, {ref: self._components[ref] for ref in refs})
 
 
-def _places(profile: HRIEngineProfile, root_id: str) -> Iterator[tuple[str, Place]]:
-    """Yield the place of each engine of an offer below an engine."""
-    engine_id = profile.identifier.code
-    yield engine_id, Place(root_id, profile.own_refs(), profile.identifier, profile.parameter_profiles)
-    for below in profile.sub_profiles:
-        yield from _places(below, engine_id)
-
-
 def _listed(offers: Iterable[Directory]) -> Iterator[str]:
     return (ref for offer in offers for ref in offer.profile.component_ids)
-
-
-def _completed(offer: Directory) -> Directory:
-    """Return an offer with, at every level, all that is reachable through that engine, and nothing that none lists."""
-    profile = offer.profile.completed()
-    return Directory(profile, {ref: offer.component_profiles[ref] for ref in profile.component_ids})
 
 
 def _restricted(profile: HRIEngineProfile, kept: AbstractSet[str]) -> HRIEngineProfile:

@@ -5,7 +5,8 @@ from hypothesis import strategies as st
 
 from openrois.contract import Directory
 from openrois.engine.condition import Condition
-from openrois.engine.tree import AUTHORITY, Place, Tree
+from openrois.engine.offers import Place
+from openrois.engine.tree import AUTHORITY, Tree
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, RoISIdentifier
 
 

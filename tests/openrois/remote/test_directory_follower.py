@@ -178,7 +178,7 @@ class TestFollowing:
     async def test_changes_that_are_not_named_are_listed(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(change_notice, "MAX_CHANGED", 2)
         monkeypatch.setattr(change_notice, "CHANGES_AT_ONCE", 1)
-        monkeypatch.setattr(change_notice, "CHANGES_PER_SECOND", 1000)
+        monkeypatch.setattr(change_notice, "CHANGES_PER_SECOND", 20)
         async with gateway() as host:
             buses = await attach(host.engine, *bodies(8))
             async with following(host) as followed:
