@@ -124,7 +124,9 @@ class Views:
                 continue
             seen = view.show(change.bus, change.latter)
             if seen.former is not None or seen.latter is not None:
-                view.changes.notify_all(ViewChange(seen.former != seen.latter, seen.engine_ids, seen.gone_refs))
+                # What is seen is a copy in which all engines are new; those that have not changed are not named.
+                engine_ids = seen.engine_ids & change.engine_ids
+                view.changes.notify_all(ViewChange(seen.former != seen.latter, engine_ids, seen.gone_refs))
 
     def _concerned(self, change: TreeChange) -> Iterator[View]:
         yield from self._others

@@ -1,6 +1,7 @@
 """Views that follow an engine show what its whole directory would show."""
 
 import asyncio
+from typing import cast
 
 import pytest
 from hypothesis import given
@@ -13,6 +14,8 @@ from openrois.engine.registry import LocalRegistry
 from openrois.scope.filter import scoped_directory
 from openrois.scope.views import ViewChange, Views
 from tests.support.components import Bell, Lamp
+from tests.support.offers import Bus, offer
+from tests.support.offers import engine as described
 
 
 def viewer(*scope: str, role: Role = Role.VIEWER) -> Principal:
@@ -68,6 +71,21 @@ async def test_a_view_hears_of_what_can_be_seen_and_of_nothing_else() -> None:
     came, same = ViewChange(True, robots), ViewChange(False, robots)
     gone = ViewChange(True, robots, frozenset({"robot/lamp"}))
     assert heard == {"robot/lamp": [came, same, gone], "*/lamp": [came, same, gone], "other/*": []}
+
+
+async def test_a_view_names_those_engines_of_a_bus_that_have_changed() -> None:
+    engine = Engine("gateway")
+    bodies = [described("a", "lamp"), described("b", "lamp"), described("c", "lamp")]
+    bus = Bus(offer(described("inner", below=tuple(bodies))))
+    await engine.attach(cast(ComponentBus, bus))
+    heard: list[ViewChange] = []
+    Views(engine).enter(viewer("*/lamp")).changes.add(heard.append)
+    former = engine.tree.offer_of(cast(ComponentBus, bus))
+    assert former is not None
+    kept = former.profile.sub_profiles[:2]
+    bus.offered = offer(described("inner", below=(*kept, described("c", "lamp", "bell"), described("d", "lamp"))))
+    await engine.refresh(cast(ComponentBus, bus))
+    assert heard == [ViewChange(True, frozenset({"inner", "c", "d"}))]
 
 
 SCOPES = [(), ("*",), ("a/*",), ("a/lamp", "b/bell"), ("*/lamp",), ("c/x",), ("b",), ("a/*", "?/bell")]
