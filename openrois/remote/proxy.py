@@ -148,7 +148,7 @@ class RemoteProxy:
 
     async def discover(self) -> Directory:
         """Ask for the other side's extensions, unless it seems to have none, and read its directory or profile."""
-        if not self._is_plain and not self._has_directory:
+        if not self._is_plain:
             await self._greet()
         directory, streaming = await (self._read_directory() if self._has_directory else self._read_profile())
         self._use_greeting(streaming)

@@ -146,13 +146,16 @@ class _ServedExtension:
             self._attachment.greet(params.extensions)
             if LEASES in params.extensions:
                 self._host.heartbeat.attach(lambda wanted: self._notify(WATCH, {"wanted": wanted}))
+            extensions: tuple[str, ...]
             if DIRECTORY in params.extensions:
                 # Each entry of the directory says whether its engine has streams.
                 self._parent.change_notice.name_engines()
-                return HelloResult(extensions=(*EXTENSIONS, DIRECTORY, LEASES, MAY_BIND))
-            engines = tuple(sorted(self._host.engine.extension.engines()))
+                extensions, engines = (*EXTENSIONS, DIRECTORY, LEASES, MAY_BIND), tuple[str, ...]()
+            else:
+                engines = tuple(sorted(self._host.engine.extension.engines()))
+                extensions = (*EXTENSIONS, LEASES, MAY_BIND) if engines else (LEASES,)
             return HelloResult(
-                extensions=(*EXTENSIONS, LEASES, MAY_BIND) if engines else (LEASES,),
+                extensions=extensions,
                 engines=engines,
                 instance=self._host.instance,
                 epoch=self._host.epoch_fence.greatest,

@@ -208,7 +208,7 @@ class TestAttaching:
         for _ in range(2):
             near, far = memory_pair()
             serving = asyncio.ensure_future(serve_adapter(a.host, near, ownership=a.claims))
-            for result in (profile_result("toy"), None):
+            for result in (None, profile_result("toy")):
                 request = json.loads(await far.receive())
                 outcome: dict[str, Any] = {"error": {"code": -32601, "message": "Method not found"}}
                 if result is not None:

@@ -96,7 +96,7 @@ async def test_one_change_behind_it_is_one_read() -> None:
         buses[7].offered = offer(engine("body7", "arm"))
         await inner.refresh(cast(ComponentBus, buses[7]))
         await until(outer, lambda: "body7/eye" not in outer.engine.components)
-        assert ["directory.read" in text for text in asked if "directory" in text] == [True]
+        assert ["directory.read" in text for text in asked if "openrois.directory." in text] == [True]
         assert behind(outer, inner) == offered(inner)
 
 

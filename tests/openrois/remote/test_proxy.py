@@ -166,16 +166,14 @@ class TestDiscover:
         await far.answer(await far.asked("openrois.hello"), version="1", extensions=["openrois.directory"])
         await far.answer(await far.asked("openrois.directory.list"), engines=[entry("main", "")])
         assert (await discovering).profile.engine_ids() == ("main",)
-        await far.tell("openrois.directory.changed", changed=["calm", "busy"])
+        await far.tell("openrois.directory.changed", changed=["calm", "busy0"])
         discovering = asyncio.ensure_future(far.proxy.discover())
-        asked, engines = await far.asked("openrois.directory.read"), [entry("calm", "main"), entry("busy", "main")]
+        await far.answer(await far.asked("openrois.hello"), version="1", extensions=["openrois.directory"])
         for number in range(READS):
-            if number:
-                asked = await far.asked("openrois.directory.read")
-            await far.tell("openrois.directory.changed", changed=["busy"])
-            await far.answer(asked, engines=engines[min(number, 1) :])
-            await far.tell("openrois.directory.changed", changed=["busy"])
-        assert (await discovering).profile.engine_ids() == ("main", "calm")
+            asked = await far.asked("openrois.directory.read")
+            await far.tell("openrois.directory.changed", changed=[f"busy{1 - number % 2}"])
+            await far.answer(asked, engines=[entry(each, "main") for each in asked["params"]["engine_ids"]])
+        assert set((await discovering).profile.engine_ids()) == {"main", "calm", "busy0", "busy1"}
         # The notification before, and what is left to be read.
         assert far.changes == 2
 
