@@ -126,7 +126,7 @@ async def serve_adapter(
         is_lost = closed.code not in _FAREWELLS
         detach(f"the connection to its engine has ended: {closed}" if is_lost else "")
         if claims is not None:
-            claims.end(is_lost=is_lost)
+            claims.end_claims(is_lost=is_lost)
 
 
 async def _keep_attached(
@@ -181,7 +181,7 @@ async def _refresh(host: EngineHost, proxy: RemoteProxy, changed: asyncio.Event)
 
 def _note_epochs(host: EngineHost, proxy: RemoteProxy) -> None:
     for engine_id in proxy.engine_ids:
-        host.epochs.attach(engine_id, proxy.epoch)
+        host.epochs.attach(engine_id, proxy.identity.epoch)
 
 
 def _require_scope(principal: Principal, directory: Directory) -> None:

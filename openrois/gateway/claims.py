@@ -137,7 +137,7 @@ class GatewayClaims(AbstractAsyncContextManager["GatewayClaims"]):
                 self._release(engine_id)
         if (releasing := self._releasing.get(engine_id)) is not None:
             await asyncio.wait({releasing})
-        claim = await self._directorate.claim(engine_id, adapter.instance, above=adapter.proxy.epoch)
+        claim = await self._directorate.claim(engine_id, adapter.instance, above=adapter.proxy.identity.epoch)
         self._epochs.grant(engine_id, claim.first_epoch, claim.last_epoch)
 
     def drop(self, engine_id: str, *, is_lost: bool) -> None:
@@ -180,7 +180,8 @@ class GatewayClaims(AbstractAsyncContextManager["GatewayClaims"]):
         adapter = self._adapters.get(engine_id)
         while adapter is not None and self._adapters.get(engine_id) is adapter:
             try:
-                claim = await self._directorate.claim(engine_id, adapter.instance, above=last)
+                above = max(last, adapter.proxy.identity.epoch)
+                claim = await self._directorate.claim(engine_id, adapter.instance, above=above)
             except (StoreUnreachable, GatewayReplaced) as error:
                 _log.warning("%s gets no further epochs yet: %s", engine_id, error)
                 await self._sleep(RETRY)
@@ -233,7 +234,7 @@ class AdapterClaims:
             NotOwned: one of them cannot be claimed now.
         """
         # An adapter that answers the hello late has its name by then.
-        self.instance = self.instance or _digest(self.proxy.instance or secrets.token_hex(16))
+        self.instance = self.instance or _digest(self.proxy.identity.instance or secrets.token_hex(16))
         self._claims.check(self, directory)
         claimed = [engine_id for engine_id in directory.profile.engine_ids() if engine_id not in self.claimed]
         for engine_id in claimed:
@@ -263,9 +264,9 @@ class AdapterClaims:
         """End the connection, and the claims with it."""
         _log.warning("an adapter is sent away: %s", reason)
         self._evict(reason)
-        self.end(is_lost=is_lost)
+        self.end_claims(is_lost=is_lost)
 
-    def end(self, *, is_lost: bool) -> None:
+    def end_claims(self, *, is_lost: bool) -> None:
         """End the claims; those of a lost connection last a while longer."""
         reserved, self._reserved, self.claimed = self._reserved, set(), set()
         for engine_id in reserved:

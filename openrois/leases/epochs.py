@@ -116,13 +116,13 @@ class ClaimedEpochs:
         if block is None:
             raise OutOfResources(f"this gateway does not own {engine_id[:200]}, so that it gives no leases there")
         number = block.next
+        if not block.has_asked and number - block.first >= _ENOUGH * (block.last - block.first):
+            block.has_asked = True
+            self.on_low(engine_id, block.last)
         if number > block.last:
             problem = self._problem() or "the claim is being made"
             raise OutOfResources(f"the epochs of {engine_id} are used up until it is claimed again: {problem}")
         block.next += 1
-        if not block.has_asked and number - block.first >= _ENOUGH * (block.last - block.first):
-            block.has_asked = True
-            self.on_low(engine_id, block.last)
         return number
 
     def attach(self, engine_id: str, seen: int) -> None:

@@ -3,6 +3,7 @@
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Collection
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Final
 
@@ -54,7 +55,7 @@ from openrois.types.messages import (
 from openrois.types.reasons import ReasonNotification, sentence
 from openrois.types.streams import EXTENSION_VERSION, EXTENSIONS
 
-__all__ = ["RemoteProxy"]
+__all__ = ["Identity", "RemoteProxy"]
 
 _log = logging.getLogger(__name__)
 
@@ -72,6 +73,19 @@ READS: Final = 8
 """Times in a row that the directory of an engine is read because it has changed meanwhile."""
 
 _READ_EVENT: Final = EventNotification.__pydantic_validator__.validate_python
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """Who an adapter is.
+
+    Attributes:
+        instance: the random text of its process; empty where it sends none.
+        epoch: the greatest epoch that it has ever seen; 0 for none.
+    """
+
+    instance: str = field(default="", repr=False)
+    epoch: int = 0
 
 
 class RemoteProxy:
@@ -137,14 +151,10 @@ class RemoteProxy:
         return () if directory is None else directory.profile.engine_ids()
 
     @property
-    def instance(self) -> str:
-        """The random text of the other side's process; empty where it sends none."""
-        return "" if self._greeting is None else self._greeting.instance
-
-    @property
-    def epoch(self) -> int:
-        """The greatest epoch that the other side has ever seen; 0 where it has seen none."""
-        return 0 if self._greeting is None else self._greeting.epoch
+    def identity(self) -> Identity:
+        """Who the other side is, as far as it says so."""
+        greeting = self._greeting
+        return Identity() if greeting is None else Identity(greeting.instance, greeting.epoch)
 
     async def discover(self) -> Directory:
         """Ask for the other side's extensions, unless it seems to have none, and read its directory or profile."""

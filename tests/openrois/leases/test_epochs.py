@@ -64,6 +64,15 @@ class TestClaimed:
             assert epochs.next(LAMP) == given
         assert asked == [("r", 101, 91)]
 
+    def test_a_block_that_the_adapter_has_seen_to_its_end_is_followed_by_another(self) -> None:
+        epochs, asked = ClaimedEpochs(), list[str]()
+        epochs.on_low = lambda engine_id, _last: asked.append(engine_id)
+        epochs.grant("r", 1, 101)
+        epochs.attach("r", 5000)
+        with pytest.raises(OutOfResources, match="used up"):
+            epochs.next(LAMP)
+        assert asked == ["r"]
+
     def test_a_block_that_is_used_up_says_why_there_is_no_other(self) -> None:
         problem = "the store did not answer"
         epochs = ClaimedEpochs(lambda: problem)

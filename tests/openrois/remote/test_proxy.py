@@ -13,7 +13,7 @@ from openrois.contract import Client, Event, SubscriptionLost
 from openrois.errors import Aborted, ComponentFailed, EngineUnreachable, NotResponding, TimedOut, Unsupported
 from openrois.jsonrpc.outbox import CONTROL_LIMIT
 from openrois.jsonrpc.session import RpcSession
-from openrois.remote.proxy import READS, RemoteProxy
+from openrois.remote.proxy import READS, Identity, RemoteProxy
 from openrois.transport.memory import MemoryStream, memory_pair
 from tests.support.plain import profile_result
 
@@ -139,16 +139,16 @@ class TestDiscover:
         asking = asyncio.ensure_future(far.proxy.query(TOY, "mood"))
         await far.answer(await far.asked("rois.query.query"), results=[])
         await asking
-        assert (far.changes, far.proxy.epoch) == (1, 9)
+        assert (far.changes, far.proxy.identity.epoch) == (1, 9)
 
     async def test_who_an_adapter_is(self, far: Far) -> None:
-        assert (far.proxy.instance, far.proxy.epoch) == ("", 0)
+        assert far.proxy.identity == Identity()
         await far.introduce(plain=True)
-        assert (far.proxy.instance, far.proxy.epoch) == ("", 0)
+        assert far.proxy.identity == Identity()
 
     async def test_the_instance_and_greatest_epoch_that_an_adapter_says(self, far: Far) -> None:
         await far.introduce(instance="this process", epoch=7)
-        assert (far.proxy.instance, far.proxy.epoch) == ("this process", 7)
+        assert far.proxy.identity == Identity("this process", 7)
 
     async def test_one_that_fails_to_say(self, far: Far) -> None:
         discovering = asyncio.ensure_future(far.proxy.discover())
