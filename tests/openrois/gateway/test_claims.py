@@ -12,6 +12,7 @@ import pytest
 from openrois.aio.tasks import TaskScope
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
+from openrois.errors import OutOfResources
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.claims import KEPT, RETRY, GatewayClaims
 from openrois.leases.changes import Why
@@ -230,7 +231,9 @@ class TestEnding:
         async with second.connected(b):
             await until(lambda: b.engines)
 
-    async def test_a_lost_adapter_that_dials_its_owner_again_needs_no_store(self, a: Site, robot: Robot) -> None:
+    async def test_a_lost_adapter_that_dials_its_owner_again_needs_no_store(
+        self, a: Site, robot: Robot, caplog: pytest.LogCaptureFixture
+    ) -> None:
         async with robot.connected(a) as link:
             await until(lambda: a.engines)
             epoch, claim = await bound(a), a.directorate.claims["robot"]
@@ -239,8 +242,12 @@ class TestEnding:
         assert (a.engines, a.waits) == ((), [KEPT])
         async with robot.connected(a):
             await until(lambda: a.engines)
+            a.store.is_cut = False
+            a.wake.set()
+            await settle()
             assert a.directorate.claims["robot"] == claim
             assert await bound(a) == epoch + 1
+        assert "a task failed" not in caplog.text
 
     async def test_a_lost_adapter_that_does_not_come_back_is_released_after_a_while(
         self, world: World, a: Site, b: Site, robot: Robot
@@ -250,6 +257,8 @@ class TestEnding:
             await link.lose()
         a.wake.set()
         await until(lambda: not a.directorate.claims)
+        with pytest.raises(OutOfResources, match="does not own robot"):
+            a.epochs.next(LAMP)
         async with (await world.robot()).connected(b):
             await until(lambda: b.engines)
 
@@ -274,6 +283,16 @@ class TestEnding:
             await until(lambda: site.engines)
         async with (await world.robot()).connected(b):
             await until(lambda: b.engines)
+
+    async def test_a_connection_may_end_after_the_claims_of_its_gateway(self, world: World) -> None:
+        async with AsyncExitStack() as connections, AsyncExitStack() as stack:
+            other = World(stack, world.store)
+            site, robot = await other.site("c"), await world.robot()
+            link = await connections.enter_async_context(robot.connected(site))
+            await until(lambda: site.engines)
+            await stack.aclose()
+            await link.lose()
+            assert link.gateway.exception() is None
 
 
 class TestRefusing:
@@ -340,7 +359,7 @@ class TestMoving:
                     assert b.directorate.claims.keys() == {"robot"}
 
     async def test_a_claim_that_is_kept_is_given_up_where_the_adapter_has_gone_elsewhere(
-        self, a: Site, b: Site, robot: Robot
+        self, a: Site, b: Site, robot: Robot, caplog: pytest.LogCaptureFixture
     ) -> None:
         async with robot.connected(a) as link:
             await until(lambda: a.engines)
@@ -350,6 +369,7 @@ class TestMoving:
             a.wake.set()
             await settle()
             assert b.directorate.owners["robot"].gateway_id == "b"
+        assert "a task failed" not in caplog.text
 
     async def test_a_second_connection_of_the_same_process_takes_the_place_of_the_first(
         self, a: Site, robot: Robot
