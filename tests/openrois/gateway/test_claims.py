@@ -2,145 +2,36 @@
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
-from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
 
+from openrois.adapter.dialer import serve_parent
 from openrois.aio.tasks import TaskScope
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
 from openrois.errors import OutOfResources
 from openrois.gateway.adapters import serve_adapter
-from openrois.gateway.claims import KEPT, RETRY, GatewayClaims
+from openrois.gateway.claims import KEPT, RETRY
 from openrois.leases.changes import Why
-from openrois.leases.epochs import ClaimedEpochs, CountedEpochs
-from openrois.ownership.directorate import Directorate
+from openrois.leases.epochs import CountedEpochs
 from openrois.ownership.memory_store import MemoryStore
+from openrois.ownership.rules import Reading, Record
 from openrois.remote.serve import serve_engine
 from openrois.session.session import EngineHost
-from openrois.transport.memory import MemoryStream, memory_pair
-from openrois.transport.stream import StreamClosed
+from openrois.transport.memory import memory_pair
 from tests.support.clock import Clock
 from tests.support.components import Lamp
-from tests.support.lossy_store import LossyStore
-from tests.support.ownership import never
 from tests.support.plain import profile_result
 from tests.support.session import settle
+from tests.support.sites import Accepted, Robot, Site, World, listening, until
 from tests.support.wire import application
 
 pytestmark = pytest.mark.extra(name="gateway")
 
 LAMP = "robot/lamp"
-
-
-async def until(condition: Callable[[], object]) -> None:
-    """Let everything run until a condition holds."""
-    async with asyncio.timeout(30):
-        while not condition():
-            await settle()
-
-
-@dataclass
-class Site:
-    """A gateway, without its port.
-
-    Attributes:
-        waits: the seconds that its claims wait for, until `wake` is set.
-    """
-
-    host: EngineHost
-    directorate: Directorate
-    claims: GatewayClaims
-    epochs: ClaimedEpochs
-    store: LossyStore
-    wake: asyncio.Event
-    waits: list[float] = field(default_factory=list)
-
-    @property
-    def engines(self) -> tuple[str, ...]:
-        return self.host.engine.directory.profile.engine_ids()[1:]
-
-
-@dataclass
-class Robot:
-    """The process of an adapter."""
-
-    host: EngineHost
-
-    @asynccontextmanager
-    async def connected(self, site: Site) -> AsyncIterator["Link"]:
-        """Serve it to a gateway while the block runs."""
-        near, far = memory_pair()
-        gateway = asyncio.ensure_future(serve_adapter(site.host, near, ownership=site.claims))
-        link = Link(far, gateway, asyncio.ensure_future(serve_engine(self.host, far)))
-        try:
-            yield link
-        finally:
-            await link.leave()
-
-
-@dataclass
-class Link:
-    """A connection of an adapter with a gateway."""
-
-    stream: MemoryStream
-    gateway: "asyncio.Future[StreamClosed]"
-    adapter: "asyncio.Future[StreamClosed]"
-
-    async def leave(self) -> None:
-        """Disconnect in good order."""
-        await self.stream.close()
-        await self.ended()
-
-    async def lose(self) -> None:
-        """Lose the connection."""
-        self.stream.abort()
-        await self.ended()
-
-    async def ended(self) -> StreamClosed:
-        """Wait until both sides know that it has ended; return what the adapter was told."""
-        async with asyncio.timeout(30):
-            await asyncio.wait({self.gateway})
-            return await asyncio.shield(self.adapter)
-
-
-class World:
-    """Gateways and adapters in one process."""
-
-    def __init__(self, stack: AsyncExitStack, store: MemoryStore) -> None:
-        self.store = store
-        self._stack = stack
-
-    async def site(self, gateway_id: str) -> Site:
-        """Begin as a gateway, which renews when it is told to."""
-        wake, waits = asyncio.Event(), list[float]()
-
-        async def sleep(seconds: float) -> None:
-            waits.append(seconds)
-            await wake.wait()
-
-        async def soon(_seconds: float) -> None:
-            await asyncio.sleep(0)
-
-        store = LossyStore(self.store)
-        directorate = Directorate(store, gateway_id, patience=60.0, clock=Clock(1000.0), sleep=never)
-        await self._stack.enter_async_context(directorate)
-        tasks = await self._stack.enter_async_context(TaskScope())
-        epochs = ClaimedEpochs(lambda: directorate.problem)
-        host = EngineHost(Engine("gateway"), tasks, sleep=soon, epochs=epochs)
-        claims = GatewayClaims(host.engine, directorate, epochs, sleep=sleep)
-        await self._stack.enter_async_context(claims)
-        return Site(host, directorate, claims, epochs, store, wake, waits)
-
-    async def robot(self, *engine_ids: str) -> Robot:
-        """Start an adapter process with a lamp on each of its engines."""
-        engine = Engine(engine_ids[0] if engine_ids else "robot")
-        for engine_id in engine_ids or ("robot",):
-            await engine.attach(LocalRegistry(engine_id, [Lamp()]))
-        return Robot(EngineHost(engine, await self._stack.enter_async_context(TaskScope())))
 
 
 @pytest.fixture
@@ -322,6 +213,45 @@ class TestRefusing:
             assert (await refused.ended()).code == 1008
             assert a.directorate.claims.keys() == {"robot"}
 
+    async def test_a_process_that_comes_while_another_is_being_claimed_is_refused(
+        self, world: World, a: Site, robot: Robot, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        asked, may_answer, read = asyncio.Event(), asyncio.Event(), a.store.read
+
+        async def slowly(engine_id: str, gateway_id: str) -> Reading:
+            asked.set()
+            await may_answer.wait()
+            return await read(engine_id, gateway_id)
+
+        monkeypatch.setattr(a.store, "read", slowly)
+        async with robot.connected(a):
+            await asked.wait()
+            async with (await world.robot()).connected(a) as link:
+                closed = await link.ended()
+            assert (closed.code, "taken already" in closed.reason) == (1008, True)
+            may_answer.set()
+            await until(lambda: a.engines)
+
+    async def test_an_adapter_that_leaves_while_it_is_being_claimed_leaves_nothing_behind(
+        self, a: Site, b: Site, robot: Robot, world: World, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        asked, write = asyncio.Event(), a.store.write
+
+        async def answers_never(record: Record, run: int, seen: Record | None, expired_ms: int | None) -> bool:
+            await write(record, run, seen, expired_ms)
+            asked.set()
+            await asyncio.Event().wait()
+            return True
+
+        monkeypatch.setattr(a.store, "write", answers_never)
+        async with robot.connected(a) as link:
+            await asked.wait()
+            await link.lose()
+        assert a.engines == ()
+        await a.directorate.renew()
+        async with (await world.robot()).connected(b):
+            await until(lambda: b.engines)
+
     async def test_where_the_store_is_away_the_adapter_is_told_so(self, a: Site, robot: Robot) -> None:
         a.store.is_cut = True
         async with robot.connected(a) as link:
@@ -471,3 +401,45 @@ class TestEpochs:
             await far.close()
             await asyncio.wait(serving)
             assert host.epochs.next(LAMP) == 101
+
+
+class TestDialling:
+    """The adapter's own dialer, with the addresses of both gateways."""
+
+    @asynccontextmanager
+    async def dialling(self, robot: Robot, *urls: str) -> AsyncIterator[None]:
+        async def sleep(_seconds: float) -> None:
+            await settle()
+
+        async with TaskScope() as tasks:
+            tasks.start(serve_parent(robot.host, *urls, sleep=sleep, clock=Clock(), chance=lambda: 0.0))
+            yield
+
+    async def test_an_adapter_whose_gateway_drains_is_at_the_other_at_once(
+        self, a: Site, b: Site, robot: Robot
+    ) -> None:
+        streams = list[Accepted]()
+        async with listening(a, streams) as first, listening(b, []) as second, self.dialling(robot, first, second):
+            await until(lambda: a.engines)
+            epoch = await bound(a)
+            await until(lambda: robot.host.epoch_fence.greatest == epoch)
+            await streams[0].close(1012, "retry_after=60")
+            await until(lambda: b.engines)
+            assert a.engines == ()
+            assert await bound(b) > epoch
+            assert b.directorate.claims.keys() == {"robot"}
+
+    async def test_a_second_process_gets_in_when_the_first_has_ended(
+        self, world: World, a: Site, b: Site, robot: Robot
+    ) -> None:
+        async with listening(a, []) as first, listening(b, []) as second:
+            async with robot.connected(a):
+                await until(lambda: a.engines)
+                former = a.directorate.claims["robot"]
+                successor = await world.robot()
+                async with self.dialling(successor, second):
+                    await until(lambda: b.host.connection_stats.turned_away.get("ownership", 0) > 2)
+                    assert b.engines == ()
+            async with self.dialling(successor, second, first):
+                await until(lambda: b.engines)
+                assert b.directorate.claims["robot"].first_epoch > former.last_epoch
