@@ -133,14 +133,18 @@ class TestHello:
         child.registry.extension = None
         assert (await parent.ask("openrois.hello", version="1"))["extensions"] == ["openrois.lease"]
 
-    async def test_it_says_the_greatest_epoch_that_any_gateway_has_reported(self, child: Child) -> None:
+    @pytest.mark.parametrize("extensions", [[], ["openrois.directory"]])
+    async def test_it_says_the_greatest_epoch_that_any_gateway_has_reported(
+        self, child: Child, extensions: list[str]
+    ) -> None:
         async with child.served() as former:
             await former.tell("openrois.holder", component_ref=LAMP, holds=True, epoch=7, client_id="c")
             await former.tell("openrois.holder", component_ref="robot/unknown", holds=True, epoch=9, client_id="c")
-            first = await former.ask("openrois.hello", version="1")
+            first = await former.ask("openrois.hello", version="1", extensions=extensions)
         async with child.served() as latter:
-            second = await latter.ask("openrois.hello", version="1")
+            second = await latter.ask("openrois.hello", version="1", extensions=extensions)
         assert first["epoch"] == second["epoch"] == 7
+        assert first["instance"] == second["instance"] == "this process"
 
     async def test_each_engine_process_has_an_instance_of_its_own(self, child: Child) -> None:
         async with TaskScope() as tasks:
