@@ -18,7 +18,7 @@ from websockets.exceptions import ConnectionClosed
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois_bench.errors import within
 
-__all__ = ["TOKEN_VARIABLE", "body_name", "stub_bodies"]
+__all__ = ["TOKEN_VARIABLE", "body_name", "body_profile", "stub_bodies"]
 
 TOKEN_VARIABLE: Final = "BENCH_TOKEN"  # noqa: S105
 
@@ -33,6 +33,11 @@ _ENGINE: Final = "@engine@"
 def body_name(number: int) -> str:
     """Return the engine id of a body."""
     return f"body-{number:05}"
+
+
+def body_profile(engine_id: str) -> str:
+    """Return what a body of 17 components answers to `rois.system.get_profile`, as JSON."""
+    return _PROFILE.replace(_ENGINE, engine_id)
 
 
 def _profile() -> str:
@@ -54,7 +59,7 @@ _HELLO: Final = json.dumps({"return_code": "OK", "version": "1", "extensions": [
 
 async def _serve(socket: ClientConnection, engine_id: str) -> None:
     """Answer the gateway until the connection ends."""
-    results = {"rois.system.get_profile": _PROFILE.replace(_ENGINE, engine_id), "openrois.hello": _HELLO}
+    results = {"rois.system.get_profile": body_profile(engine_id), "openrois.hello": _HELLO}
     with suppress(ConnectionClosed):
         async for text in socket:
             asked = json.loads(text)

@@ -1,0 +1,1 @@
+"""Many gateways, bodies and applications in virtual time: what they cost, and where they saturate."""

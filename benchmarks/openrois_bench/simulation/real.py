@@ -1,0 +1,98 @@
+"""The same peers before a real gateway: a process of its own, over WebSockets and loopback."""
+
+import secrets
+import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed
+
+from openrois.auth.issuing import issue_token
+from openrois.auth.principal import Role
+from openrois.transport.stream import StreamClosed
+from openrois_bench.processes.child import Child, child
+from openrois_bench.processes.files import allow_files
+from openrois_bench.simulation.world import Plan
+
+__all__ = ["RealGateway", "real_gateway"]
+
+
+class RealGateway:
+    """A gateway of one process, with authentication.
+
+    Args:
+        process: of the gateway.
+        key: file of the key for tokens.
+    """
+
+    def __init__(self, process: Child, key: Path) -> None:
+        self.process = process
+        self._url = process.said.rpartition(" ")[2].replace("http", "ws", 1)
+        self._key = key
+
+    async def dial_adapter(self, engine_id: str) -> "_Socket":
+        """Return an adapter's end of a new connection."""
+        return await self._dial("adapter", self._token(f"adapter of {engine_id}", Role.ADAPTER, f"{engine_id}/*"))
+
+    async def dial_application(self, _owner: "RealGateway", subject: str, scope: str) -> "_Socket":
+        """Return an application's end of a new connection."""
+        return await self._dial("", self._token(subject, Role.OPERATOR, scope))
+
+    def _token(self, subject: str, role: Role, scope: str) -> str:
+        return issue_token(self._key, subject, [role], (scope,), now=int(time.time()), ttl=3600)
+
+    async def _dial(self, path: str, token: str) -> "_Socket":
+        headers = {"Authorization": f"Bearer {token}"}
+        return _Socket(
+            await connect(
+                self._url + path,
+                compression=None,
+                max_size=None,
+                ping_interval=None,
+                proxy=None,
+                additional_headers=headers,
+            )
+        )
+
+
+class _Socket:
+    """A WebSocket as a `MessageStream`, without what the SDK does beside: thousands stand in one process."""
+
+    def __init__(self, socket: ClientConnection) -> None:
+        self._socket = socket
+
+    async def receive(self) -> str:
+        try:
+            return await self._socket.recv(decode=True)
+        except ConnectionClosed:
+            raise StreamClosed(1006) from None
+
+    async def send(self, text: str) -> None:
+        try:
+            await self._socket.send(text)
+        except ConnectionClosed:
+            raise StreamClosed(1006) from None
+
+    async def close(self, code: int = 1000, reason: str = "") -> None:
+        await self._socket.close(code, reason)
+
+    def abort(self) -> None:
+        self._socket.transport.abort()
+
+
+@asynccontextmanager
+async def real_gateway(plan: Plan) -> AsyncIterator[RealGateway]:
+    """Run a gateway that takes the bodies and applications of a plan while the block runs."""
+    most = str(2 * plan.applications + 8)
+    allow_files(plan.bodies + 2 * plan.applications + 256)
+    with TemporaryDirectory(prefix="openrois-bench-") as name:
+        key = Path(name, "key")
+        key.touch(0o600)
+        key.write_text(secrets.token_urlsafe(48))
+        limits = ("--most-adapters", str(2 * plan.bodies + 8), "--most-applications", most, "--per-address", most)
+        arguments = ("-P", "-m", "openrois.cli", "gateway", "--port", "0", *limits, "--auth-key", str(key))
+        async with child(*arguments) as process:
+            yield RealGateway(process, key)
