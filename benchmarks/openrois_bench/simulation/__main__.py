@@ -10,22 +10,10 @@ the gateway whose work it is: its share of virtual time is the load of that gate
 
 import argparse
 import asyncio
-import gc
-import sys
-import time
-from collections import Counter
-from collections.abc import Coroutine
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Final
 
 from openrois_bench.simulation.clock import VirtualClock, install
-
-if TYPE_CHECKING:
-    from openrois_bench.simulation.campaign import Campaign, Phase
-    from openrois_bench.simulation.world import Plan
-
-_YOUNG: Final = 20_000
-"""Objects between two looks for garbage, as in a gateway's process."""
 
 COMMAND: Final = "openrois_bench.simulation"
 
@@ -61,79 +49,25 @@ def main() -> int:
     clock = VirtualClock()
     if not is_real:
         install(clock)
-    # What follows finds the clocks that were installed.
+    # Only now: a module keeps the clocks that it finds when it is imported.
     from openrois_bench.measuring.conditions import conditions, load
     from openrois_bench.measuring.result import write_result
     from openrois_bench.simulation.report import figures, printed
+    from openrois_bench.simulation.run import measured, simulated
     from openrois_bench.simulation.world import Plan
 
     before = load()
     if is_real:
         plan = Plan(**chosen | {"gateways": 1, "hours": 0.0})
-        campaign = asyncio.run(_measured(plan))
+        campaign = asyncio.run(measured(plan))
     else:
         plan = Plan(**chosen)
-        campaign = _simulated(plan, clock)
+        campaign = simulated(plan, clock)
     machine = conditions(before)
     found = figures(plan, campaign.phases, campaign.peak)
     print(f"{machine}\n\n{printed(found)}")
     write_result(file, COMMAND, machine, **found)
     return 0
-
-
-def _simulated(plan: "Plan", clock: VirtualClock) -> "Campaign":
-    from openrois_bench.simulation.books import SimulatedBooks
-    from openrois_bench.simulation.campaign import Campaign
-    from openrois_bench.simulation.gateways import simulated_gateways
-    from openrois_bench.simulation.loop import VirtualLoop
-    from openrois_bench.simulation.meter import Meter
-    from openrois_bench.simulation.world import world
-
-    meter, counts = Meter(), Counter[str]()
-    gc.collect()
-    gc.freeze()
-    gc.set_threshold(_YOUNG, 10, 10)
-
-    async def simulate() -> Campaign:
-        async with simulated_gateways(plan.gateways, counts) as gateways, world(plan, gateways, counts) as made:
-            campaign = Campaign(made, SimulatedBooks(meter, gateways), _progress())
-            await campaign.run()
-            return campaign
-
-    with meter.watching_collector():
-        return _run(simulate(), lambda: VirtualLoop(clock, meter))
-
-
-def _run(work: "Coroutine[Any, Any, Campaign]", factory: Any) -> "Campaign":
-    with asyncio.Runner(loop_factory=factory) as runner:
-        return runner.run(work)
-
-
-async def _measured(plan: "Plan") -> "Campaign":
-    from openrois_bench.simulation.books import ProcessBooks
-    from openrois_bench.simulation.campaign import Campaign
-    from openrois_bench.simulation.real import real_gateway
-    from openrois_bench.simulation.world import world
-
-    async with real_gateway(plan) as gateway, world(plan, [gateway], Counter()) as made:
-        campaign = Campaign(made, ProcessBooks(gateway.process), _progress())
-        await campaign.run()
-        return campaign
-
-
-def _progress() -> "Callable[[Phase], None]":
-    began = time.process_time()
-
-    def report(phase: "Phase") -> None:
-        told = ", ".join(f"{name} {count}" for name, count in phase.counts.items())
-        print(
-            f"{time.process_time() - began:7.1f} s  {phase.name:18} {phase.cpu:8.2f} s of gateways, "
-            f"{phase.resident >> 20} MiB; {told}",
-            file=sys.stderr,
-            flush=True,
-        )
-
-    return report
 
 
 if __name__ == "__main__":

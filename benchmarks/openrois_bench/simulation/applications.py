@@ -176,6 +176,7 @@ class Application:
                     answer.set_exception(Lost("the connection ended"))
 
     def _take_text(self, text: str) -> None:
+        self._counts["bytes to applications"] += len(text)
         if _EVENT in text[:60]:
             self._counts["deliveries"] += 1
             return

@@ -3,6 +3,7 @@
 import asyncio
 import json
 from collections import Counter
+from collections.abc import Callable
 from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
@@ -29,10 +30,10 @@ SDP: Final = "v=0\r\n" + "a=candidate:1 1 udp 2130706431 192.0.2.1 50000 typ hos
 
 _GOING_AWAY: Final = 1001
 
-_HELLO: Final = '{"return_code":"OK","version":"1","extensions":["rois.stream","signaling","openrois.lease"],"engines":[]}'
-_STATUS: Final = (
-    '{"return_code":"OK","results":[{"name":"status","data_type_ref":"Component_Status","value":"READY"}]}'
+_HELLO: Final = (
+    '{"return_code":"OK","version":"1","extensions":["rois.stream","signaling","openrois.lease"],"engines":[]}'
 )
+_STATUS: Final = '{"return_code":"OK","results":[{"name":"status","data_type_ref":"Component_Status","value":"READY"}]}'
 _OK: Final = '{"return_code":"OK"}'
 _TIME: Final = "2027-01-15T08:00:00.000000+00:00"
 
@@ -62,7 +63,7 @@ class Body:
         self._subscriptions: dict[str, None] = {}
         self._ticking: asyncio.Task[None] | None = None
         self._stream: MessageStream | None = None
-        self._answers = {
+        self._answers: dict[str, Callable[[dict[str, Any]], str]] = {
             "rois.system.get_profile": lambda _params: body_profile(self.engine_id),
             "openrois.hello": lambda _params: _HELLO,
             "rois.query.query": lambda _params: _STATUS,
@@ -205,4 +206,6 @@ class Body:
         names = {"stream_id": stream_id, "component_ref": f"{self.engine_id}/video_streaming", "client_id": client_id}
         await self._tell("rois.stream.notify_stream_status", {**names, "status": status, "timestamp": _TIME})
         if status == "STREAMING_NOT_CONNECTED":
-            await self._tell("signaling.bye", {"peer_id": stream_id, "client_id": client_id, "reason": "its stream ended"})
+            await self._tell(
+                "signaling.bye", {"peer_id": stream_id, "client_id": client_id, "reason": "its stream ended"}
+            )

@@ -15,7 +15,7 @@ from openrois_bench.simulation.world import Act, World, at_times, spread
 
 __all__ = ["Campaign"]
 
-SAMPLE: Final = 5000
+SAMPLE: Final = 2000
 """Applications that measure one kind of work, at most."""
 
 ENTERING: Final = 100.0
@@ -24,13 +24,13 @@ ENTERING: Final = 100.0
 ATTACHING: Final = 25.0
 """Bodies that are attached in a second."""
 
-ACTING: Final = 100.0
+ACTING: Final = 200.0
 """Applications of a sample that begin in a second."""
 
 SUBSCRIBED: Final = 2.0
 """Seconds in which all applications subscribe before they are at work together."""
 
-WATCHED: Final = 20.0
+WATCHED: Final = 10.0
 """Virtual seconds for which events are counted."""
 
 MOVED: Final = 10.0
@@ -73,7 +73,7 @@ class Campaign:
 
     async def run(self) -> None:
         """Run all phases."""
-        plan, applications, bodies = self.world.plan, self.world.applications, self.world.bodies
+        plan, applications = self.world.plan, self.world.applications
         await self._phase("empty", self._rest)
         await self._phase("attach", self._attach)
         await self._phase("enter", lambda: self._all(applications, Application.enter, ENTERING))
@@ -176,7 +176,10 @@ class Campaign:
         share = world.plan.hours / DAY_HOURS
         acts: list[tuple[float, Act]] = [(seconds, partial(asyncio.sleep, 0))]
         for application in world.chance.sample(world.applications, round(len(world.applications) * share)):
-            begins, more = world.chance.uniform(0, seconds - world.plan.visit), world.chance.choice((*_ACTS.values(), None))
+            begins, more = (
+                world.chance.uniform(0, seconds - world.plan.visit),
+                world.chance.choice((*_ACTS.values(), None)),
+            )
             acts.append((begins, partial(_visit, application, world.plan.visit, more)))
         for body in world.chance.sample(world.bodies, round(len(world.bodies) * share)):
             acts.append((world.chance.uniform(0, seconds), self._end_of(body)))

@@ -47,9 +47,7 @@ class Gateway:
 
     def __init__(self, number: int, tasks: TaskScope, counts: Counter[str]) -> None:
         name = f"gateway-{number:02}"
-        self.host = EngineHost(
-            Engine(name), tasks, quotas=SubjectQuotas(), first_epoch=round(time.time() * 1000)
-        )
+        self.host = EngineHost(Engine(name), tasks, quotas=SubjectQuotas(), first_epoch=round(time.time() * 1000))
         self.of_adapters = Account(f"{name} adapters")
         self.of_applications = Account(f"{name} applications")
         self.of_hops = Account(f"{name} hops")

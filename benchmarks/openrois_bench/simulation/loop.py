@@ -3,12 +3,14 @@
 import asyncio
 from collections.abc import Callable
 from contextvars import Context
-from typing import Any
+from typing import TypeVarTuple, Unpack
 
 from openrois_bench.simulation.clock import VirtualClock
 from openrois_bench.simulation.meter import Meter
 
 __all__ = ["NothingLeft", "VirtualLoop"]
+
+Arguments = TypeVarTuple("Arguments")
 
 
 class NothingLeft(Exception):
@@ -48,13 +50,17 @@ class VirtualLoop(asyncio.BaseEventLoop):
         return self._clock.now
 
     def call_soon(
-        self, callback: Callable[..., object], *args: Any, context: Context | None = None
+        self, callback: Callable[[Unpack[Arguments]], object], *args: *Arguments, context: Context | None = None
     ) -> asyncio.Handle:
         """Call in the next turn, and charge it."""
         return super().call_soon(self._meter.run, callback, args, context=context)
 
     def call_at(
-        self, when: float, callback: Callable[..., object], *args: Any, context: Context | None = None
+        self,
+        when: float,
+        callback: Callable[[Unpack[Arguments]], object],
+        *args: *Arguments,
+        context: Context | None = None,
     ) -> asyncio.TimerHandle:
         """Call at a time, and charge it."""
         return super().call_at(when, self._meter.run, callback, args, context=context)

@@ -8,7 +8,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any, Final
 
-__all__ = ["Account", "Meter", "Reading", "charged"]
+__all__ = ["PEERS", "Account", "Meter", "Reading", "charged"]
 
 
 class Account:
@@ -26,8 +26,11 @@ class Account:
         self.ticks = 0
 
 
-charged: Final[ContextVar[Account]] = ContextVar("charged", default=Account("peers"))
-"""The account of what runs: tasks and timers inherit it. By default those of scripted peers."""
+PEERS: Final = Account("peers")
+"""The account of what is charged to no other: scripted peers."""
+
+charged: Final[ContextVar[Account]] = ContextVar("charged")
+"""The account of what runs: tasks and timers inherit it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +76,7 @@ class Meter:
 
     def run(self, callback: Callable[..., object], arguments: tuple[Any, ...]) -> None:
         """Call, and charge the account of the context."""
-        account = charged.get()
+        account = charged.get(PEERS)
         self._accounts.add(account)
         began = self._ticks() - self._collecting
         try:

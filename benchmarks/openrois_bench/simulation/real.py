@@ -89,10 +89,14 @@ async def real_gateway(plan: Plan) -> AsyncIterator[RealGateway]:
     most = str(2 * plan.applications + 8)
     allow_files(plan.bodies + 2 * plan.applications + 256)
     with TemporaryDirectory(prefix="openrois-bench-") as name:
-        key = Path(name, "key")
-        key.touch(0o600)
-        key.write_text(secrets.token_urlsafe(48))
+        key = _written(Path(name, "key"), secrets.token_urlsafe(48))
         limits = ("--most-adapters", str(2 * plan.bodies + 8), "--most-applications", most, "--per-address", most)
         arguments = ("-P", "-m", "openrois.cli", "gateway", "--port", "0", *limits, "--auth-key", str(key))
         async with child(*arguments) as process:
             yield RealGateway(process, key)
+
+
+def _written(file: Path, secret: str) -> Path:
+    file.touch(0o600)
+    file.write_text(secret)
+    return file

@@ -48,9 +48,7 @@ def figures(plan: Plan, phases: Sequence[Phase], peak: float) -> dict[str, Any]:
         "loads": {name: _load(named[name], each) for name in _COMPARED if name in named},
         "day_peak": round(peak, 6),
         "descriptors": {"most_applications": connections, "most_adapters": -(-plan.bodies // plan.gateways)},
-        "blocked_by_a_loss_ms": round(
-            each.fault * len(BASIC_COMPONENTS) * plan.applications / plan.gateways * 1000, 1
-        ),
+        "blocked_by_a_loss_ms": round(each.fault * len(BASIC_COMPONENTS) * plan.applications / plan.gateways * 1000, 1),
     }
 
 
@@ -90,14 +88,20 @@ def _saturation(found: Mapping[str, Any]) -> str:
     if rush := found["loads"].get("rush"):
         most = plan["applications"] / plan["gateways"] / rush["busiest"]
         rows += [
-            ("loop of the busiest gateway", f"{rush['busiest']:.1%} of a processor", f"{most:.0f} applications at work"),
+            (
+                "loop of the busiest gateway",
+                f"{rush['busiest']:.1%} of a processor",
+                f"{most:.0f} applications at work",
+            ),
             ("loop of a gateway, mean", f"{rush['mean']:.1%}", ""),
             ("events to applications", f"{rush['deliveries_a_second']:.0f} a second", ""),
             ("claims in the store", f"{rush['claims_a_second']:.1f} a second", ""),
         ]
     each = (
-        plan["bodies"] * memory["body_kib"] + plan["applications"] * memory["session_kib"]
-    ) / plan["gateways"] / _KIBIBYTE
+        (plan["bodies"] * memory["body_kib"] + plan["applications"] * memory["session_kib"])
+        / plan["gateways"]
+        / _KIBIBYTE
+    )
     per_gibibyte = MEBIBYTE / memory["session_kib"] if memory["session_kib"] else 0
     apps, bodies = descriptors["most_applications"], descriptors["most_adapters"]
     rows += [
