@@ -72,6 +72,11 @@ class Application:
         await self.enter()
         self._counts["returns"] += 1
 
+    async def leave(self) -> None:
+        """Close the connection in good order."""
+        assert self._stream is not None
+        await self._stream.close()
+
     async def query(self) -> None:
         """Ask the body something."""
         condition = f"component_ref = '{self.body.engine_id}/navigation'"

@@ -27,7 +27,7 @@ ATTACHING: Final = 25.0
 ACTING: Final = 200.0
 """Applications of a sample that begin in a second."""
 
-SUBSCRIBED: Final = 2.0
+SUBSCRIBED: Final = 1.0
 """Seconds in which all applications subscribe before they are at work together."""
 
 WATCHED: Final = 10.0
@@ -106,6 +106,8 @@ class Campaign:
             await self._phase("unsubscribe all", lambda: self._all(applications, Application.unsubscribe, at_once))
         if plan.hours:
             await self._phase("day", self._day)
+        # Before the bodies: a gateway asks all sessions that are left whether a lost body concerns them.
+        await self._phase("leave", lambda: self._all(applications, Application.leave, ENTERING))
 
     async def _phase(self, name: str, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
         world, loop = self.world, asyncio.get_running_loop()
@@ -176,10 +178,8 @@ class Campaign:
         share = world.plan.hours / DAY_HOURS
         acts: list[tuple[float, Act]] = [(seconds, partial(asyncio.sleep, 0))]
         for application in world.chance.sample(world.applications, round(len(world.applications) * share)):
-            begins, more = (
-                world.chance.uniform(0, seconds - world.plan.visit),
-                world.chance.choice((*_ACTS.values(), None)),
-            )
+            begins = world.chance.uniform(0, seconds - world.plan.visit)
+            more = world.chance.choices(_MORE, _WEIGHTS)[0]
             acts.append((begins, partial(_visit, application, world.plan.visit, more)))
         for body in world.chance.sample(world.bodies, round(len(world.bodies) * share)):
             acts.append((world.chance.uniform(0, seconds), self._end_of(body)))
@@ -200,6 +200,10 @@ _ACTS: Final[dict[str, Callable[[Application], Coroutine[Any, Any, None]]]] = {
     "stream": lambda application: application.stream(5.0),
     "return": Application.come_back,
 }
+
+_MORE: Final = (*_ACTS.values(), None)
+_WEIGHTS: Final = (2, 4, 4, 1, 9)
+"""How often a visit has one of these, or nothing more."""
 
 
 async def _attempt(application: Application, act: Callable[[Application], Coroutine[Any, Any, None]]) -> None:

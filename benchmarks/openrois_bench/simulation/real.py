@@ -1,11 +1,13 @@
 """The same peers before a real gateway: a process of its own, over WebSockets and loopback."""
 
+import asyncio
 import secrets
 import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Final
 
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
@@ -18,6 +20,9 @@ from openrois_bench.processes.files import allow_files
 from openrois_bench.simulation.world import Plan
 
 __all__ = ["RealGateway", "real_gateway"]
+
+AT_ONCE: Final = 16
+"""Connections that are opened at a time: a gateway takes few of one address that have not said what they want."""
 
 
 class RealGateway:
@@ -32,6 +37,7 @@ class RealGateway:
         self.process = process
         self._url = process.said.rpartition(" ")[2].replace("http", "ws", 1)
         self._key = key
+        self._free = asyncio.Semaphore(AT_ONCE)
 
     async def dial_adapter(self, engine_id: str) -> "_Socket":
         """Return an adapter's end of a new connection."""
@@ -46,8 +52,8 @@ class RealGateway:
 
     async def _dial(self, path: str, token: str) -> "_Socket":
         headers = {"Authorization": f"Bearer {token}"}
-        return _Socket(
-            await connect(
+        async with self._free:
+            socket = await connect(
                 self._url + path,
                 compression=None,
                 max_size=None,
@@ -55,7 +61,7 @@ class RealGateway:
                 proxy=None,
                 additional_headers=headers,
             )
-        )
+        return _Socket(socket)
 
 
 class _Socket:

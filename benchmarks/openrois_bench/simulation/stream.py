@@ -1,7 +1,6 @@
 """A connection in memory that takes many messages at once, as a socket does."""
 
 import asyncio
-from collections import deque
 from collections.abc import Sequence
 
 from openrois.transport.stream import StreamClosed
@@ -15,7 +14,8 @@ class _Direction:
     __slots__ = ("messages", "readable", "writable")
 
     def __init__(self) -> None:
-        self.messages: deque[str] = deque()
+        # A deque takes a page even while it is empty, which nearly all are.
+        self.messages: list[str] = []
         self.readable: asyncio.Future[None] | None = None
         self.writable: asyncio.Future[None] | None = None
 
@@ -45,7 +45,7 @@ class BatchEnd:
                 raise self._closed
             way.readable = asyncio.get_running_loop().create_future()
             await way.readable
-        text = way.messages.popleft()
+        text = way.messages.pop(0)
         _wake(way.writable)
         return text
 
