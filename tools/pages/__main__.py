@@ -10,6 +10,14 @@ from tools.pages.commands import commands
 from tools.pages.configuration import gateway_settings
 from tools.pages.figures import adapter_figures, gateway_figures
 from tools.pages.parts import Part, filled, outdated
+from tools.pages.scale import (
+    scale_compared,
+    scale_costs,
+    scale_needs,
+    scale_saturation,
+    scale_streams,
+    scale_wire,
+)
 from tools.pages.states import negotiation_states, stream_states
 
 __all__ = ["PARTS", "ROOT", "pages"]
@@ -23,6 +31,12 @@ PARTS: Final[dict[str, Part]] = {
     "gateway-figures": gateway_figures,
     "gateway-settings": gateway_settings,
     "negotiation-states": negotiation_states,
+    "scale-compared": scale_compared,
+    "scale-costs": scale_costs,
+    "scale-needs": scale_needs,
+    "scale-saturation": scale_saturation,
+    "scale-streams": scale_streams,
+    "scale-wire": scale_wire,
     "stream-states": stream_states,
 }
 """Every printed part by the name that its mark has."""

@@ -8,8 +8,9 @@ from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
 from openrois.transport.stream import MessageStream, StreamClosed
-from openrois_bench.simulation.bodies import COMMAND_SECONDS, EVENT, EVENT_SOURCE, SDP, Body
+from openrois_bench.simulation.bodies import EVENT, EVENT_SOURCE, SDP, Body
 from openrois_bench.simulation.door import Door
+from openrois_bench.simulation.mix import COMMAND_SECONDS
 
 __all__ = ["Application"]
 
@@ -179,6 +180,8 @@ class Application:
             for answer in waiting.values():
                 if not answer.done():
                     answer.set_exception(Lost("the connection ended"))
+                    # Its task may have ended already with another answer.
+                    answer.exception()
 
     def _take_text(self, text: str) -> None:
         self._counts["bytes to applications"] += len(text)

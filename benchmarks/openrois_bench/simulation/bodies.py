@@ -10,17 +10,15 @@ from openrois.aio.tasks import TaskScope
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois_bench.gateway.fleet.stubs import body_name, body_profile
 from openrois_bench.simulation.door import Door
+from openrois_bench.simulation.mix import COMMAND_SECONDS
 
-__all__ = ["COMMAND_SECONDS", "EVENT", "EVENT_SOURCE", "MOVING", "SDP", "Body"]
+__all__ = ["EVENT", "EVENT_SOURCE", "MOVING", "SDP", "Body"]
 
 EVENT_SOURCE: Final = "person_detecter"
 EVENT: Final = "person_detected"
 
 MOVING: Final = "navigation"
 """The component whose commands want signs of life while they run."""
-
-COMMAND_SECONDS: Final = 3.0
-"""How long a command takes."""
 
 RESTART_SECONDS: Final = 1.0
 """How long an adapter that restarts is away."""

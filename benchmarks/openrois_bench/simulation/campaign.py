@@ -10,6 +10,7 @@ from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois_bench.simulation.applications import Application
 from openrois_bench.simulation.bodies import MOVING, Body
 from openrois_bench.simulation.books import Books
+from openrois_bench.simulation.mix import EVERY, LOST, RESTART_EVERY
 from openrois_bench.simulation.phase import Phase
 from openrois_bench.simulation.world import Act, World, at_times, spread
 
@@ -38,15 +39,6 @@ MOVED: Final = 10.0
 
 RESTARTED: Final = 20
 """Bodies that restart for a measurement."""
-
-EVERY: Final = {"query": 10.0, "command": 60.0, "stream": 120.0, "return": 600.0}
-"""Seconds after which an application at work does each of these again."""
-
-RESTART_EVERY: Final = 3600.0
-"""Seconds after which an adapter restarts, while all are at work."""
-
-LOST: Final = 0.01
-"""Share of restarts in which the connection is lost: the process was killed, or the network failed."""
 
 DAY_HOURS: Final = 12.0
 """In so many hours each application visits its body once, and each adapter restarts once."""

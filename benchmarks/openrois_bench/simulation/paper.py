@@ -4,7 +4,23 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Final
 
-__all__ = ["MEDIA", "Costs", "Load", "Media", "Streams", "Work", "cpu", "gateways", "memory", "streams"]
+__all__ = [
+    "CONNECTIONS",
+    "MEBIBYTE",
+    "MEDIA",
+    "MESSAGES",
+    "Costs",
+    "Load",
+    "Media",
+    "Streams",
+    "Wire",
+    "Work",
+    "cpu",
+    "gateways",
+    "memory",
+    "over_sockets",
+    "streams",
+]
 
 MEBIBYTE: Final = 1024 * 1024
 
@@ -111,6 +127,39 @@ def gateways(costs: Costs, load: Load, busy: float, bytes_each: float) -> int:
 
 def _up(number: float) -> int:
     return int(-(-number // 1))
+
+
+MESSAGES: Final = Work(
+    attach=5, session=6, query=4, command=12, subscription=5, event=1, delivery=1, stream=32, sign=1, change=1
+)
+"""Messages that a gateway reads and writes for one of each kind."""
+
+CONNECTIONS: Final = Work(attach=1, session=1)
+"""Connections that are opened for one of each kind."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wire:
+    """What sockets add to the work of a gateway, in seconds of a processor.
+
+    Attributes:
+        message: for each message that is read or written: the system's calls, the WebSocket frame, turns of the loop.
+        connection: for each connection: TCP, the HTTP request, its token.
+    """
+
+    message: float
+    connection: float
+
+
+def over_sockets(costs: Work, wire: Wire) -> Work:
+    """Return what one of each kind costs a gateway with sockets, of what it costs without."""
+    messages, connections = MESSAGES.parts(), CONNECTIONS.parts()
+    return Work(
+        **{
+            name: cost + messages[name] * wire.message + connections[name] * wire.connection
+            for name, cost in costs.parts().items()
+        }
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,17 +6,15 @@ from collections import Counter
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterable, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Any
 
 from openrois.aio.tasks import TaskScope
 from openrois_bench.simulation.applications import Application
 from openrois_bench.simulation.bodies import Body
 from openrois_bench.simulation.door import Door
+from openrois_bench.simulation.mix import RATES
 
 __all__ = ["Act", "Plan", "World", "at_times", "spread", "world"]
-
-RATES: Final = (1, 5)
-"""Least and most events a second of a body."""
 
 
 @dataclass(frozen=True, slots=True)

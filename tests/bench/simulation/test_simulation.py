@@ -31,6 +31,7 @@ class Run:
         assert self._process.returncode == 0, told
         # Exceptions of tasks that no task awaits are told there.
         assert "Traceback" not in told
+        assert "never retrieved" not in told
         return json.loads(self._file.read_text()), said
 
 

@@ -1,0 +1,207 @@
+"""The paper model's tables: what one of each kind costs, what a load needs, and how far off the formulas are."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from statistics import median
+from typing import Any, Final
+
+from openrois_bench.measuring.figures import MICROSECONDS
+from openrois_bench.simulation.mix import at_work
+from openrois_bench.simulation.paper import (
+    CONNECTIONS,
+    MEBIBYTE,
+    MEDIA,
+    MESSAGES,
+    Costs,
+    Wire,
+    Work,
+    cpu,
+    gateways,
+    memory,
+    over_sockets,
+    streams,
+)
+
+__all__ = ["scale_compared", "scale_costs", "scale_needs", "scale_saturation", "scale_streams", "scale_wire"]
+
+RESULTS: Final = Path(__file__).parents[2] / "benchmarks/results"
+
+BUSY: Final = 0.5
+"""Share of a processor that a gateway may take in the table of needs."""
+
+KEPT: Final = 200
+"""Events that a session keeps in the table of needs."""
+
+FLEETS: Final = ((100, 1_000), (1_000, 10_000), (10_000, 100_000))
+UPLINK: Final = 20e6
+"""Bits a second that leave an avatar in the table of streams."""
+
+
+def found(name: str) -> dict[str, Any]:
+    """Return a result that is kept."""
+    told: dict[str, Any] = json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
+    return told
+
+
+def work(result: Mapping[str, Any]) -> Work:
+    """Return the seconds of one of each kind."""
+    return Work(**{name: cost / MICROSECONDS for name, cost in result["cost_us"].items()})
+
+
+def wire() -> Wire:
+    """Return what sockets add: the median over the kinds without a connection, and the mean of those with one."""
+    without, real = work(found("simulation_small")).parts(), work(found("simulation_real")).parts()
+    messages, connections = MESSAGES.parts(), CONNECTIONS.parts()
+    each = [
+        (real[name] - without[name]) / number
+        for name, number in messages.items()
+        if number and not connections[name] and real[name]
+    ]
+    message = median(each)
+    opened = [name for name, number in connections.items() if number]
+    more = [real[name] - without[name] - messages[name] * message for name in opened]
+    return Wire(message, sum(more) / len(more))
+
+
+def scale_costs() -> list[str]:
+    """Return what one of each kind costs a gateway."""
+    large, small = found("simulation")["cost_us"], found("simulation_small")["cost_us"]
+    sockets, added = over_sockets(work(found("simulation")), wire()).parts(), MESSAGES.parts()
+    rows = [
+        (f"`{name}`", f"{small[name]:.1f}", f"{large[name]:.1f}", f"{added[name]:.0f}", _us(sockets[name]))
+        for name in large
+    ]
+    heads = ("kind", _of(found("simulation_small")), _of(found("simulation")), "messages", "with sockets")
+    return _table(heads, rows)
+
+
+def scale_wire() -> list[str]:
+    """Return what sockets add."""
+    sockets = wire()
+    return [
+        f"A message that is read or written adds {_us(sockets.message)} us, and a connection "
+        f"{sockets.connection * 1000:.1f} ms.",
+    ]
+
+
+def scale_saturation() -> list[str]:
+    """Return where the simulated gateways saturate."""
+    result = found("simulation")
+    plan, rush, memories = result["plan"], result["loads"]["rush"], result["memory"]
+    each = plan["applications"] / plan["gateways"]
+    rows = [
+        (
+            "the loop's processor, of the busiest gateway",
+            f"{rush['busiest']:.0%} at {each:,.0f} applications",
+            f"{each / rush['busiest']:,.0f} applications at work",
+        ),
+        (
+            "memory of sessions",
+            f"{memories['session_kib']:.0f} KiB each, {each * memories['session_kib'] / 1024:,.0f} MiB",
+            f"{MEBIBYTE / memories['session_kib']:,.0f} sessions a GiB",
+        ),
+        ("memory of bodies", f"{memories['body_kib']:.0f} KiB each", f"{MEBIBYTE / memories['body_kib']:,.0f} a GiB"),
+        (
+            "memory of events for whose details a session may ask",
+            f"{memories['kept_event_b']} B each",
+            f"1,024 each session: {memories['kept_event_b'] / 1024 * each:,.0f} MiB",
+        ),
+        (
+            "open files",
+            f"{result['descriptors']['most_applications']:,} and {result['descriptors']['most_adapters']:,}",
+            "`most_applications`, `most_adapters`",
+        ),
+        (
+            "events to applications",
+            f"{rush['deliveries_a_second'] / plan['gateways']:,.0f} a second",
+            f"{MICROSECONDS / result['cost_us']['delivery']:,.0f} a second, and nothing else",
+        ),
+        ("claims in the store", f"{rush['claims_a_second']:.1f} a second, of all gateways", "not simulated"),
+        ("the loop, when an adapter is lost", f"stands still for {result['blocked_by_a_loss_ms']:,.0f} ms", ""),
+    ]
+    return _table(("resource of one gateway", "while all are at work", "it saturates at"), rows)
+
+
+def scale_needs() -> list[str]:
+    """Return what fleets at work need, by the formulas."""
+    result = found("simulation")
+    each = over_sockets(work(result), wire())
+    kept = result["memory"]
+    costs = Costs(each, kept["body_kib"] * 1024, kept["session_kib"] * 1024, kept["kept_event_b"])
+    rows = []
+    for bodies, applications in FLEETS:
+        number = 1
+        # Sessions of the same gateway learn of a body that comes or goes: their number depends on that of gateways.
+        while (needed := _needed(costs, bodies, applications, number)) > number:
+            number = needed
+        load = at_work(bodies, applications, number)
+        rows.append(
+            (
+                f"{bodies:,}",
+                f"{applications:,}",
+                f"{cpu(each, load.a_second):.1f}",
+                f"{(memory(costs, load) + applications * KEPT * costs.detail) / MEBIBYTE / 1024:.1f}",
+                f"{number:,}",
+            )
+        )
+    return _table(("bodies", "applications at work", "processors", "GiB", f"gateways, each {BUSY:.0%} busy"), rows)
+
+
+def _needed(costs: Costs, bodies: int, applications: int, number: int) -> int:
+    load = at_work(bodies, applications, number)
+    return gateways(costs, load, BUSY, 4 * 1024 * MEBIBYTE)
+
+
+def scale_streams() -> list[str]:
+    """Return what viewers of streams need, by the formulas."""
+    rows = []
+    for avatars, viewers in ((1, 8), (1, 200), (10_000, 100_000)):
+        needed = streams(MEDIA, avatars, viewers, UPLINK)
+        rows.append(
+            (
+                f"{avatars:,}",
+                f"{viewers:,}",
+                f"{needed.cores:,.2f}",
+                f"{needed.egress / 1e9:,.2f}",
+                f"{needed.relayed / 1e9:,.3f}",
+                f"{needed.uplink / 1e6:,.0f}",
+                "yes" if needed.needs_sfu else "no",
+            )
+        )
+    heads = ("avatars", "viewers", "processors of senders", "egress, Gbit/s", "by TURN", "uplink of one, Mbit/s", "SFU")
+    return _table(heads, rows)
+
+
+def scale_compared() -> list[str]:
+    """Return how far the formulas are from the simulator, and from a gateway over sockets."""
+    small, large, real = (found(name) for name in ("simulation_small", "simulation", "simulation_real"))
+    rows = [
+        (f"{name}, {_of(result)}", f"{load['simulated_s']:.2f} s", f"{load['formula_s']:.2f} s", f"{load['ratio']:.2f}")
+        for result in (small, large)
+        for name, load in result["loads"].items()
+    ]
+    tables = _table(("simulator, all kinds together", "simulated", "by the formulas", "ratio"), rows)
+    expected, measured = over_sockets(work(small), wire()).parts(), work(real).parts()
+    rows = [
+        (f"`{name}`", _us(measured[name]), _us(expected[name]), f"{expected[name] / measured[name]:.2f}")
+        for name in expected
+        if measured[name] and MESSAGES.parts()[name]
+    ]
+    tables += [
+        "",
+        *_table((f"one gateway over sockets, {_of(real)}", "measured, us", "by the formulas, us", "ratio"), rows),
+    ]
+    return tables
+
+
+def _of(result: Mapping[str, Any]) -> str:
+    return f"{result['plan']['bodies']:,} / {result['plan']['applications']:,}"
+
+
+def _us(seconds: float) -> str:
+    return f"{seconds * MICROSECONDS:,.1f}"
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    return [f"| {' | '.join(cells)} |" for cells in (head, ["---"] * len(head), *rows)]
