@@ -16,6 +16,7 @@ INTERFACE_VERBS: Final = {
     "from_json": "reads a message of the engine link",
     "open": "begins what `close` ends",
     "run": "does the work of an object until it is cancelled or done",
+    "send": "hands a message over to the other side",
     "start": "begins what `stop` ends (RoIS_Common)",
     "stop": "ends what `start` of a component has begun (RoIS_Common)",
     "to_json": "writes a message of the engine link",

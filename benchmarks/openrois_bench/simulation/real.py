@@ -9,12 +9,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
-from websockets.asyncio.client import ClientConnection, connect
-from websockets.exceptions import ConnectionClosed
+from websockets.asyncio.client import connect
 
 from openrois.auth.issuing import issue_token
 from openrois.auth.principal import Role
-from openrois.transport.stream import StreamClosed
+from openrois.transport.websocket import WebSocketStream
 from openrois_bench.processes.child import Child, child
 from openrois_bench.processes.files import allow_files
 from openrois_bench.simulation.world import Plan
@@ -39,18 +38,18 @@ class RealGateway:
         self._key = key
         self._free = asyncio.Semaphore(AT_ONCE)
 
-    async def dial_adapter(self, engine_id: str) -> "_Socket":
+    async def dial_adapter(self, engine_id: str) -> WebSocketStream:
         """Return an adapter's end of a new connection."""
         return await self._dial("adapter", self._token(f"adapter of {engine_id}", Role.ADAPTER, f"{engine_id}/*"))
 
-    async def dial_application(self, _owner: "RealGateway", subject: str, scope: str) -> "_Socket":
+    async def dial_application(self, _owner: "RealGateway", subject: str, scope: str) -> WebSocketStream:
         """Return an application's end of a new connection."""
         return await self._dial("", self._token(subject, Role.OPERATOR, scope))
 
     def _token(self, subject: str, role: Role, scope: str) -> str:
         return issue_token(self._key, subject, [role], (scope,), now=int(time.time()), ttl=3600)
 
-    async def _dial(self, path: str, token: str) -> "_Socket":
+    async def _dial(self, path: str, token: str) -> WebSocketStream:
         headers = {"Authorization": f"Bearer {token}"}
         async with self._free:
             socket = await connect(
@@ -61,32 +60,8 @@ class RealGateway:
                 proxy=None,
                 additional_headers=headers,
             )
-        return _Socket(socket)
-
-
-class _Socket:
-    """A WebSocket as a `MessageStream`, without what the SDK does beside: thousands stand in one process."""
-
-    def __init__(self, socket: ClientConnection) -> None:
-        self._socket = socket
-
-    async def receive(self) -> str:
-        try:
-            return await self._socket.recv(decode=True)
-        except ConnectionClosed:
-            raise StreamClosed(1006) from None
-
-    async def send(self, text: str) -> None:
-        try:
-            await self._socket.send(text)
-        except ConnectionClosed:
-            raise StreamClosed(1006) from None
-
-    async def close(self, code: int = 1000, reason: str = "") -> None:
-        await self._socket.close(code, reason)
-
-    def abort(self) -> None:
-        self._socket.transport.abort()
+        # Without the pings of the SDK: thousands of these stand in one process.
+        return WebSocketStream(socket)
 
 
 @asynccontextmanager

@@ -1,17 +1,24 @@
 """The formulas of the paper model."""
 
 import pytest
+from openrois_bench.simulation.mix import COMPONENTS, at_work
 from openrois_bench.simulation.paper import (
+    CONNECTIONS,
     MEBIBYTE,
     MEDIA,
+    MESSAGES,
     Costs,
     Load,
+    Wire,
     Work,
     cpu,
     gateways,
     memory,
+    over_sockets,
     streams,
 )
+
+from openrois.catalog.basic import BASIC_COMPONENTS
 
 COSTS = Costs(Work(attach=0.002, query=0.0001, delivery=0.00001), body=50_000, session=60_000, detail=500)
 
@@ -38,6 +45,29 @@ def test_memory_counts_what_sessions_keep() -> None:
 def test_gateways_are_as_many_as_processor_and_memory_need(queries: int, applications: int, needed: int) -> None:
     load = Load(bodies=0, applications=applications, a_second=Work(query=queries))
     assert gateways(COSTS, load, busy=0.5, bytes_each=50 * MEBIBYTE) == needed
+
+
+def test_sockets_add_messages_and_connections() -> None:
+    each = over_sockets(COSTS.work, Wire(message=1.0, connection=100.0)).parts()
+    without = COSTS.work.parts()
+    for name, messages in MESSAGES.parts().items():
+        assert each[name] == pytest.approx(without[name] + messages + 100 * CONNECTIONS.parts()[name])
+    assert each["query"] == pytest.approx(4.0001)
+
+
+def test_a_load_at_work_is_what_each_does_now_and_then() -> None:
+    load = at_work(bodies=3600, applications=36_000, gateways=10, seeing_all=0.01)
+    assert (load.bodies, load.applications) == (3600, 36_000)
+    a_second = load.a_second
+    assert a_second.attach == pytest.approx(1)
+    assert a_second.query == pytest.approx(3600)
+    assert (a_second.event, a_second.delivery) == pytest.approx((3 * 3600, 3 * 36_000))
+    # A command of 3 s each minute, with ten signs of life a second.
+    assert a_second.sign == pytest.approx(36_000 / 60 * 30)
+    # Ten applications of its own and 36 that see all bodies of the gateway learn that one has gone, and is back.
+    assert a_second.change == pytest.approx(2 * (10 + 36))
+    assert a_second.fault == pytest.approx(0.01 * 17 * 3600)
+    assert len(BASIC_COMPONENTS) == COMPONENTS
 
 
 def test_streams_of_ten_thousand_avatars() -> None:
