@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
 from openrois.transport.stream import MessageStream, StreamClosed
-from openrois_bench.simulation.bodies import EVENT, EVENT_SOURCE, SDP, Body
+from openrois_bench.simulation.bodies import EVENT, EVENT_SOURCE, SDP, SILENT_EVENT, SILENT_SOURCE, Body
 from openrois_bench.simulation.door import Door
 from openrois_bench.simulation.mix import COMMAND_SECONDS
 
@@ -101,8 +101,16 @@ class Application:
 
     async def subscribe(self) -> None:
         """Subscribe to the body's events, until `unsubscribe`."""
-        condition = f"component_ref = '{self.body.engine_id}/{EVENT_SOURCE}'"
-        told = await self._ask("rois.event.subscribe", {"event_type": EVENT, "condition": condition})
+        await self._subscribe(EVENT_SOURCE, EVENT)
+
+    async def listen_in_vain(self) -> None:
+        """Subscribe for a moment to an event that does not happen."""
+        await self._subscribe(SILENT_SOURCE, SILENT_EVENT)
+        await self.unsubscribe()
+
+    async def _subscribe(self, component: str, event_type: str) -> None:
+        condition = f"component_ref = '{self.body.engine_id}/{component}'"
+        told = await self._ask("rois.event.subscribe", {"event_type": event_type, "condition": condition})
         self._subscribed = told["subscribe_id"]
         self._counts["subscriptions"] += 1
 

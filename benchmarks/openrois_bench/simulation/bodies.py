@@ -12,10 +12,14 @@ from openrois_bench.gateway.fleet.stubs import body_name, body_profile
 from openrois_bench.simulation.door import Door
 from openrois_bench.simulation.mix import COMMAND_SECONDS
 
-__all__ = ["EVENT", "EVENT_SOURCE", "MOVING", "SDP", "Body"]
+__all__ = ["EVENT", "EVENT_SOURCE", "MOVING", "SDP", "SILENT_EVENT", "SILENT_SOURCE", "Body"]
 
 EVENT_SOURCE: Final = "person_detecter"
 EVENT: Final = "person_detected"
+
+SILENT_SOURCE: Final = "face_detecter"
+SILENT_EVENT: Final = "face_detected"
+"""An event that never happens."""
 
 MOVING: Final = "navigation"
 """The component whose commands want signs of life while they run."""
@@ -145,10 +149,11 @@ class Body:
             await asyncio.sleep(COMMAND_SECONDS)
         await self._tell("rois.command.completed", {"command_id": command_id, "status": "OK"})
 
-    def _subscribe(self, _params: dict[str, Any]) -> str:
+    def _subscribe(self, params: dict[str, Any]) -> str:
         subscribe_id = self._mint()
-        self._subscriptions[subscribe_id] = None
-        if self._ticking is None:
+        if params["event_type"] == EVENT:
+            self._subscriptions[subscribe_id] = None
+        if self._subscriptions and self._ticking is None:
             self._ticking = self._tasks.start(self._announce())
         return json.dumps({"return_code": "OK", "subscribe_id": subscribe_id})
 

@@ -81,6 +81,7 @@ class Campaign:
         ]
         await self._phase("query", lambda: self._all(sample, Application.query))
         await self._phase("command", lambda: self._all(single, lambda each: each.command("speech_synthesizer")))
+        await self._phase("subscription", lambda: self._all(sample, Application.listen_in_vain))
         await self._phase("move", self._move)
         await self._watch("to one", single)
         await self._watch("to many", crowd)

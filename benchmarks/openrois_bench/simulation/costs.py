@@ -45,11 +45,11 @@ def costs(phases: Sequence[Phase]) -> Work:
     named = phases_by_name(phases)
     idle = named["idle"].cpu / named["idle"].seconds
 
-    def net(*names: str) -> float:
-        return sum(named[name].cpu - idle * named[name].seconds for name in names)
+    def net(name: str) -> float:
+        return named[name].cpu - idle * named[name].seconds
 
-    def count(what: str, *names: str) -> int:
-        return sum(named[name].counts.get(what, 0) for name in names)
+    def count(what: str, name: str) -> int:
+        return named[name].counts.get(what, 0)
 
     def each(what: str, name: str, others: float = 0.0) -> float:
         number = count(what, name)
@@ -59,8 +59,6 @@ def costs(phases: Sequence[Phase]) -> Work:
     event, delivery = _solved(
         *((count("events", name), count("deliveries", name), net(name)) for name in ("events to one", "events to many"))
     )
-    around = ("subscribe to many", "unsubscribe to many")
-    announced = count("events", *around) * event + count("deliveries", *around) * delivery
     change = each("changes", "restart", count("attached", "restart") * attach)
     at_a_loss = count("attached", "loss") * attach + count("changes", "loss") * change
     hops = sum(phase.counts.get("hops", 0) for phase in phases)
@@ -70,7 +68,7 @@ def costs(phases: Sequence[Phase]) -> Work:
         leave=each("returns", "return", count("sessions", "return") * session),
         query=each("queries", "query"),
         command=each("commands", "command"),
-        subscription=max(net(*around) - announced, 0.0) / count("subscriptions", *around),
+        subscription=each("subscriptions", "subscription"),
         event=event,
         delivery=delivery,
         stream=each("streams", "stream"),

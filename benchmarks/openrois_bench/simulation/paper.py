@@ -130,7 +130,7 @@ def _up(number: float) -> int:
 
 
 MESSAGES: Final = Work(
-    attach=5, session=6, query=4, command=12, subscription=5, event=1, delivery=1, stream=32, sign=1, change=1
+    attach=5, session=6, query=4, command=12, subscription=8, event=1, delivery=1, stream=32, sign=1, change=1
 )
 """Messages that a gateway reads and writes for one of each kind."""
 
