@@ -33,6 +33,9 @@ BUSY: Final = 0.5
 KEPT: Final = 200
 """Events that a session keeps in the table of needs."""
 
+_ALONE: Final = ("attach", "session", "query", "command", "subscription", "stream", "sign", "change")
+"""Kinds that were measured one by one; an event comes with its deliveries."""
+
 FLEETS: Final = ((100, 1_000), (1_000, 10_000), (10_000, 100_000))
 UPLINK: Final = 20e6
 """Bits a second that leave an avatar in the table of streams."""
@@ -182,17 +185,23 @@ def scale_compared() -> list[str]:
         for name, load in result["loads"].items()
     ]
     tables = _table(("simulator, all kinds together", "simulated", "by the formulas", "ratio"), rows)
-    expected, measured = over_sockets(work(small), wire()).parts(), work(real).parts()
-    rows = [
-        (f"`{name}`", _us(measured[name]), _us(expected[name]), f"{expected[name] / measured[name]:.2f}")
-        for name in expected
-        if measured[name] and MESSAGES.parts()[name]
+    expected, measured = over_sockets(work(small), wire()), work(real)
+    shared = real["plan"]["applications"] // real["plan"]["bodies"]
+    kinds = [_row(f"`{name}`", Work(**{name: 1.0}), measured, expected) for name in _ALONE]
+    kinds += [
+        _row(f"`event` and {number} x `delivery`", Work(event=1.0, delivery=number), measured, expected)
+        for number in (1, shared)
     ]
-    tables += [
+    return [
+        *tables,
         "",
-        *_table((f"one gateway over sockets, {_of(real)}", "measured, us", "by the formulas, us", "ratio"), rows),
+        *_table((f"one gateway over sockets, {_of(real)}", "measured, us", "by the formulas, us", "ratio"), kinds),
     ]
-    return tables
+
+
+def _row(name: str, amount: Work, measured: Work, expected: Work) -> tuple[str, ...]:
+    found_us, formula_us = cpu(measured, amount), cpu(expected, amount)
+    return name, _us(found_us), _us(formula_us), f"{formula_us / found_us:.2f}"
 
 
 def _of(result: Mapping[str, Any]) -> str:
