@@ -17,6 +17,7 @@ from openrois.gateway.applications import serve_application
 from openrois.gateway.sign_in import SignIns
 from openrois.gateway.token_expiry import TokenExpiry
 from openrois.jsonrpc.protocol import decode
+from openrois.leases.epochs import CountedEpochs
 from openrois.session.session import EngineHost
 from openrois.transport.stream import StreamClosed
 from openrois_bench.simulation.meter import Account, charged
@@ -47,7 +48,9 @@ class Gateway:
 
     def __init__(self, number: int, tasks: TaskScope, counts: Counter[str]) -> None:
         name = f"gateway-{number:02}"
-        self.host = EngineHost(Engine(name), tasks, quotas=SubjectQuotas(), first_epoch=round(time.time() * 1000))
+        self.host = EngineHost(
+            Engine(name), tasks, quotas=SubjectQuotas(), epochs=CountedEpochs(round(time.time() * 1000))
+        )
         self.of_adapters = Account(f"{name} adapters")
         self.of_applications = Account(f"{name} applications")
         self.of_hops = Account(f"{name} hops")

@@ -4,7 +4,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import pytest
 
@@ -25,6 +25,13 @@ class Run:
         program = [sys.executable, "-P", "-m", "openrois_bench.simulation", *WORLD, *more, "--json", str(file)]
         self._process = subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self._process.kill()
+        self._process.communicate()
+
     def found(self) -> tuple[Found, str]:
         """Wait for its end, and return its figures and what it printed."""
         said, told = self._process.communicate(timeout=120)
@@ -38,7 +45,8 @@ class Run:
 @pytest.fixture(scope="module")
 def twice(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[Found, str]]:
     folder = tmp_path_factory.mktemp("simulation")
-    return [each.found() for each in [Run(folder / f"{name}.json") for name in ("first", "again")]]
+    with Run(folder / "first.json") as first, Run(folder / "again.json") as again:
+        return [first.found(), again.found()]
 
 
 def test_each_kind_of_work_is_done(twice: list[tuple[Found, str]]) -> None:
@@ -64,13 +72,15 @@ def test_the_same_seed_has_the_same_messages(twice: list[tuple[Found, str]]) -> 
 
 @pytest.mark.long
 def test_another_seed_has_others(twice: list[tuple[Found, str]], tmp_path: Path) -> None:
-    other, _ = Run(tmp_path / "other.json", "--seed", "2").found()
+    with Run(tmp_path / "other.json", "--seed", "2") as run:
+        other, _ = run.found()
     assert other["messages"] != twice[0][0]["messages"]
 
 
 @pytest.mark.long
 def test_the_same_peers_stand_before_a_real_gateway(tmp_path: Path) -> None:
-    found, _ = Run(tmp_path / "real.json", "--real", "--pace", "10").found()
+    with Run(tmp_path / "real.json", "--real", "--pace", "10") as run:
+        found, _ = run.found()
     assert found["messages"]["attached"] >= 3 * 8
     assert found["cost_us"]["session"] > 0
     assert set(found["loads"]) == {"rush"}
