@@ -122,6 +122,8 @@ class CommandRoutes:
                 _log.info("bind_any goes on elsewhere: %s", error)
                 continue
             if found.get("return_code") == ReturnCode.OK.value:
-                sub.note_ref(str(found.get("component_ref")))
+                component_ref = str(found.get("component_ref"))
+                sub.note_ref(component_ref)
+                self._routes.work.note_held(component_ref, is_held=True)
                 return ReferenceResult.model_validate(found)
         raise OutOfResources("every component that satisfies the condition is bound by another application")

@@ -16,6 +16,7 @@ from openrois.federation.cluster_directory import ClusterDirectory, Offer
 from openrois.federation.gateway_link import GatewayLink
 from openrois.federation.lines import Lines
 from openrois.federation.neighbours import Neighbours
+from openrois.federation.other_way import OtherWay
 from openrois.ownership.directorate import Directorate
 from openrois.resumption.store import ResumeStore
 from openrois.scope.views import Views
@@ -40,6 +41,7 @@ class Federation:
         engine: this gateway's own: it has the adapters that are connected here.
         lines: the sessions here that can be resumed.
         resume_store: has the tokens of all gateways.
+        other_way: of STOP, where the link fails.
         sleep: waits for some seconds.
 
     Attributes:
@@ -55,14 +57,16 @@ class Federation:
         engine: Engine,
         lines: Lines,
         resume_store: ResumeStore,
+        other_way: OtherWay,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
     ) -> None:
         self.lines = lines
         self.resume_store = resume_store
+        self.other_way = other_way
         self._sleep = sleep
         self._kept: dict[str, object] = {}
         self.gateway_id = link.gateway_id
-        self.directory = ClusterDirectory(engine.engine_id, self._owner_of)
+        self.directory = ClusterDirectory(engine.engine_id, self._claimed_by)
         self.views = Views(self.directory)
         self._link = link
         self._directorate = directorate
@@ -123,7 +127,12 @@ class Federation:
         why = self._link.trouble or (_NOT_LISTED if owner.gateway_id in self._link.present else "which is not there")
         raise EngineUnreachable(f"{engine_id} belongs to gateway {owner.gateway_id}, which is not reached: {why}")
 
-    def _owner_of(self, engine_id: str) -> str | None:
+    def owner_of(self, engine_id: str) -> str | None:
+        """Return the gateway that owns an engine, whether it is reached or not; None where none does."""
+        owner = self._directorate.owners.get(engine_id)
+        return self.directory.gateway_of(engine_id) if owner is None else owner.gateway_id
+
+    def _claimed_by(self, engine_id: str) -> str | None:
         owner = self._directorate.owners.get(engine_id)
         return None if owner is None else owner.gateway_id
 

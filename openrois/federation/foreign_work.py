@@ -7,7 +7,7 @@ from typing import Any, Final
 from openrois.aio.bounded_history import BoundedHistory
 from openrois.errors import BadParameter, OutOfResources
 from openrois.types.codes import StreamStatus
-from openrois.types.leases import LeaseRequestedNotification
+from openrois.types.leases import LeaseChangedNotification, LeaseRequestedNotification, LeaseState
 from openrois.types.reasons import ReasonNotification
 from openrois.types.streams import StreamStatusNotification
 
@@ -41,8 +41,23 @@ class ForeignWork:
     def __init__(self) -> None:
         self._running: dict[str, tuple[str, str]] = {}
         self._streams: dict[str, tuple[str, str]] = {}
+        self._held: dict[str, None] = {}
         self._finished: BoundedHistory[str] = BoundedHistory(MAX_KEPT)
         self._requests: BoundedHistory[str] = BoundedHistory(MAX_KEPT)
+
+    @property
+    def held(self) -> frozenset[str]:
+        """The components at other gateways that the application has bound, as far as it was told."""
+        return frozenset(self._held)
+
+    def note_held(self, component_ref: str, *, is_held: bool) -> None:
+        """Note that the application has bound a component at another gateway, or has it no more."""
+        if is_held:
+            self._held[component_ref] = None
+            if len(self._held) > MAX_KEPT:
+                del self._held[next(iter(self._held))]
+        else:
+            self._held.pop(component_ref, None)
 
     def __contains__(self, command_id: str) -> bool:
         return command_id in self._running
@@ -109,6 +124,8 @@ class ForeignWork:
             request_id = params.get("request_id")
             if isinstance(request_id, str):
                 self._requests.put(request_id, gateway_id, ())
+        elif method == LeaseChangedNotification.method:
+            self.note_held(str(params.get("component_ref")), is_held=params.get("state") == LeaseState.MINE.value)
         elif method == StreamStatusNotification.method and params.get("status") == _ENDED:
             self._streams.pop(str(params.get("stream_id")), None)
         return True

@@ -140,6 +140,7 @@ class Resumption:
             return nothing
         for lease in report.leases:
             sub.note_ref(lease.component_ref)
+            self._routes.work.note_held(lease.component_ref, is_held=True)
         return report
 
     def _noting(self, sub: SubSession, asked: ResumeParams) -> Any:

@@ -12,6 +12,7 @@ from openrois.federation.destinations import OF_ENGINE, engine_named
 from openrois.federation.federation import Federation
 from openrois.federation.resumption import Resumption
 from openrois.federation.routes import Routes, fitting
+from openrois.federation.stop_routes import StopRoutes
 from openrois.federation.sub_session import SubSession
 from openrois.federation.sub_sessions import PRINCIPAL
 from openrois.federation.system_routes import SystemRoutes
@@ -25,8 +26,9 @@ from openrois.session.change_notice import ChangeNotice
 from openrois.session.session import ApplicationSession
 from openrois.session.stream_parameters import lost_streams
 from openrois.transport.stream import StreamClosed
-from openrois.types.codes import CompletedStatus, ErrorType
+from openrois.types.codes import CompletedStatus, ErrorType, ReturnCode
 from openrois.types.directory import DirectoryChangedNotification
+from openrois.types.leases import LeaseState
 from openrois.types.messages import QueryParams, ResultsResult, ReturnResult, SubscribeParams
 from openrois.types.methods import METHODS
 
@@ -36,6 +38,9 @@ _log = logging.getLogger(__name__)
 
 _RESULTS: Final = {method.name: method.result for method in METHODS}
 _OF_DIRECTORY: Final = frozenset({"rois.system.profile_changed", DirectoryChangedNotification.method})
+
+
+_BINDING: Final = frozenset({"rois.command.bind", "rois.command.release"})
 
 
 def without_directory(notify: Callable[..., None]) -> Callable[..., None]:
@@ -125,6 +130,7 @@ class Router:
             "openrois.lease.decline": self._answering("openrois.lease.decline"),
             **CommandRoutes(self._routes).methods(),
             **SystemRoutes(self._routes, self.change_notice).methods(),
+            **StopRoutes(self._routes, self._routes.federation.other_way).methods(),
             **self._resumption.methods(),
         }
         refusing = {name: _refusing(name, handler) for name, handler in table.items()}
@@ -151,9 +157,21 @@ class Router:
                 return await self._routes.local[name](params)
             if isinstance(component_ref, str):
                 sub.note_ref(component_ref)
-            return await sub.relay(name, params, urgent=is_urgent)
+            return await sub.relay(
+                name, params, urgent=is_urgent, accepted=lambda result: self._note_held(name, component_ref, result)
+            )
 
         return lead
+
+    def _note_held(self, name: str, component_ref: object, result: Mapping[str, Any]) -> None:
+        """Note what the application holds by the answer to a request."""
+        if result.get("return_code") != ReturnCode.OK.value or not isinstance(component_ref, str):
+            return
+        lease = result.get("lease")
+        if name in _BINDING:
+            self._routes.work.note_held(component_ref, is_held=name != "rois.command.release")
+        elif isinstance(lease, dict):
+            self._routes.work.note_held(component_ref, is_held=lease.get("state") == LeaseState.MINE.value)
 
     async def _query(self, params: dict[str, Any]) -> Any:
         asked = fitting(QueryParams, params)

@@ -1,20 +1,17 @@
-"""The System interface and STOP of an application whose engines are at several gateways."""
+"""The System interface of an application whose engines are at several gateways."""
 
 import logging
 from asyncio import gather
 from typing import Any, Final
 
-from pydantic import ValidationError
-
 from openrois.errors import RoISError
 from openrois.federation.routes import Routes, fitting
 from openrois.federation.sub_session import SubSession
 from openrois.interfaces.system import profile_of
-from openrois.jsonrpc.session import Handler, Reply
+from openrois.jsonrpc.session import Handler
 from openrois.session.change_notice import ChangeNotice
 from openrois.types.codes import ReturnCode
 from openrois.types.directory import DIRECTORY
-from openrois.types.leases import StopAllParams, StopAllResult
 from openrois.types.messages import ConditionParams
 from openrois.types.references import engine_of
 from openrois.types.streams import HelloParams, HelloResult
@@ -47,46 +44,7 @@ class SystemRoutes:
             "rois.system.get_profile": self._get_profile,
             "rois.system.get_error_detail": self._get_error_detail,
             "openrois.hello": self._hello,
-            "openrois.stop_all": self._stop_all,
         }
-
-    async def _stop_all(self, params: dict[str, Any]) -> Any:
-        name, asked = "openrois.stop_all", fitting(StopAllParams, params)
-        if asked is None or (asked.engine_id is not None and asked.component_ref is not None):
-            return await self._routes.local[name](params)
-        engine_id = asked.engine_id or engine_of(asked.component_ref or "")
-        if engine_id:
-            sub = await self._routes.sub(engine_id, asked.component_ref or f"{engine_id}/")
-            return await (self._routes.local[name](params) if sub is None else sub.relay(name, params, urgent=True))
-        return await self._stop_everything(params)
-
-    async def _stop_everything(self, params: dict[str, Any]) -> Reply:
-        """Stop what the application controls at each gateway; an administrator controls all that it sees."""
-        name, gateways = "openrois.stop_all", {sub.gateway_id for sub in self._routes.subs.open}
-        if self._routes.app.principal.is_administrator:
-            gateways |= {origin.gateway_id for origin in self._routes.engine.tree.buses()} - {
-                self._routes.federation.gateway_id
-            }
-
-        async def stop_at(gateway_id: str) -> tuple[StopAllResult, str]:
-            try:
-                result, reason = await (await self._routes.subs.to(gateway_id)).ask(name, params, urgent=True)
-                return StopAllResult.model_validate(result), reason
-            except (RoISError, ValidationError) as error:
-                return StopAllResult(return_code=ReturnCode.ERROR), f"gateway {gateway_id} was not stopped: {error}"
-
-        async def stop_here() -> tuple[StopAllResult, str]:
-            result, reason, _ = await self._routes.ask_here(name, params)
-            return result, reason
-
-        outcomes = await gather(stop_here(), *(stop_at(gateway_id) for gateway_id in sorted(gateways)))
-        is_done = all(result.return_code is ReturnCode.OK for result, _ in outcomes)
-        result = StopAllResult(
-            return_code=ReturnCode.OK if is_done else ReturnCode.ERROR,
-            stopped=tuple(ref for result, _ in outcomes for ref in result.stopped),
-            failed=tuple(ref for result, _ in outcomes for ref in result.failed),
-        )
-        return Reply(result, reason="; ".join(reason for _, reason in outcomes if reason))
 
     async def _hello(self, params: dict[str, Any]) -> Any:
         result, _, said = await self._routes.ask_here("openrois.hello", params)

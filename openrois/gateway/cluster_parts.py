@@ -8,6 +8,7 @@ from openrois.cluster.postgres.database import Database
 from openrois.cluster.postgres.journal import PostgresJournal
 from openrois.cluster.postgres.ownership import PostgresStore
 from openrois.cluster.postgres.resumption import PostgresResumeStore
+from openrois.cluster.postgres.stops import Stops
 from openrois.gateway.clustering import ClusterParts
 from openrois.gateway.settings import GatewaySettings
 from openrois.ownership.directorate import Directorate
@@ -39,5 +40,6 @@ async def open_parts(settings: GatewaySettings) -> AsyncIterator[ClusterParts]:
         directorate = await stack.enter_async_context(Directorate(store, settings.gateway_id))
         journal = PostgresJournal(database, settings.gateway_id, directorate.run, lambda: directorate.contact)
         await stack.enter_async_context(journal)
+        stops = await stack.enter_async_context(Stops(database, settings.gateway_id))
         link = NatsLink(nats, settings.gateway_id)
-        yield ClusterParts(link, directorate, journal, PostgresResumeStore(database))
+        yield ClusterParts(link, directorate, journal, PostgresResumeStore(database), stops)

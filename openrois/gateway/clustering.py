@@ -1,23 +1,26 @@
 """A gateway of a cluster: what it shares with the others, and its sessions for the applications of these."""
 
 import logging
-from collections.abc import AsyncIterator, Callable, Collection, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Mapping
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, cast
+from typing import Any, Protocol, cast
 
+from openrois.cluster.postgres.stop_messages import StopAnswer
 from openrois.errors import BadParameter, StoreUnreachable
 from openrois.federation.assertion import Assertion
 from openrois.federation.federation import Federation
 from openrois.federation.gateway_link import GatewayLink
 from openrois.federation.lines import Lines
+from openrois.federation.other_way import OtherWay
 from openrois.gateway.applications import serve_sub_session
 from openrois.gateway.auth_setup import AuthSetup
 from openrois.gateway.claims import GatewayClaims
 from openrois.gateway.draining import RETRY_AFTER, SERVICE_RESTART
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.token_expiry import TokenExpiry
+from openrois.interfaces.stop import stop_engine
 from openrois.journal.journal import Journal
 from openrois.leases.epochs import ClaimedEpochs
 from openrois.observability.health import Readiness
@@ -32,6 +35,14 @@ __all__ = ["ClusterParts", "Clustering"]
 _log = logging.getLogger(__name__)
 
 
+class ServedStops(OtherWay, Protocol):
+    """STOP by the store, both ways."""
+
+    def serve(self, handler: Callable[[str, str], Awaitable[StopAnswer]]) -> Callable[[], None]:
+        """Answer with `handler`, which gets an engine and a subject; return a function that ends that."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class ClusterParts:
     """What a gateway shares with others.
@@ -41,12 +52,14 @@ class ClusterParts:
         directorate: which gateway owns which engine.
         journal: which commands were accepted, and how they ended.
         resume_store: which sessions can be resumed, and what they hold.
+        stops: STOP of other gateways, and to them, where the link fails.
     """
 
     link: GatewayLink
     directorate: Directorate
     journal: Journal
     resume_store: ResumeStore
+    stops: ServedStops
 
 
 class Clustering:
@@ -64,7 +77,9 @@ class Clustering:
     def __init__(self, parts: ClusterParts, host: EngineHost, epochs: ClaimedEpochs) -> None:
         self._writer = HoldingsWriter(parts.resume_store)
         self._lines = Lines(host, self._writer)
-        self.federation = Federation(parts.link, parts.directorate, host.engine, self._lines, parts.resume_store)
+        self.federation = Federation(
+            parts.link, parts.directorate, host.engine, self._lines, parts.resume_store, parts.stops
+        )
         self.claims = GatewayClaims(host.engine, parts.directorate, epochs)
         self._parts = parts
         self._host = host
@@ -100,10 +115,17 @@ class Clustering:
             await stack.enter_async_context(self.claims)
             self.claims.on_claimed = self._look_for_holders
             stack.callback(self._host.engine.changes.add(lambda change: self._lines.restore(change.engines_now)))
+            stack.callback(self._parts.stops.serve(self._stop_engine))
             await stack.enter_async_context(link)
             await stack.enter_async_context(self.federation.running())
             await link.listen(lambda stream, said: self._handle(auth_setup, stream, said))
             yield
+
+    async def _stop_engine(self, engine_id: str, subject: str) -> StopAnswer:
+        failures = await stop_engine(self._host, engine_id, subject)
+        failed = {ref: why for ref, why in failures.items() if why}
+        problem = "; ".join(f"{ref}: {why}" for ref, why in failed.items())
+        return StopAnswer(tuple(ref for ref in failures if ref not in failed), tuple(failed), problem=problem)
 
     async def _look_for_holders(self, engine_ids: Collection[str]) -> None:
         """Look which sessions have held components of engines at another gateway, before these are attached here."""

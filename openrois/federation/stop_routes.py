@@ -1,0 +1,142 @@
+"""STOP of an application whose engines are at several gateways: by the link between these, and by the store too."""
+
+import asyncio
+from collections.abc import Iterable
+from typing import Any, Final
+
+from pydantic import ValidationError
+
+from openrois.errors import EngineUnreachable, OutOfResources
+from openrois.federation.other_way import OtherWay
+from openrois.federation.routes import Routes, fitting
+from openrois.jsonrpc.session import Handler, Reply
+from openrois.types.codes import ReturnCode
+from openrois.types.leases import StopAllParams, StopAllResult
+from openrois.types.references import engine_of
+
+__all__ = ["StopRoutes"]
+
+HEAD_START: Final = 0.15
+"""Seconds that the link between gateways has before a STOP goes by the store as well: it may be lost unnoticed."""
+
+_STOP: Final = "openrois.stop_all"
+
+
+class StopRoutes:
+    """`openrois.stop_all` of one application.
+
+    Args:
+        routes: of the application.
+        other_way: beside the link.
+    """
+
+    def __init__(self, routes: Routes, other_way: OtherWay) -> None:
+        self._routes = routes
+        self._other_way = other_way
+
+    def methods(self) -> dict[str, Handler]:
+        """Return the method."""
+        return {_STOP: self._stop_all}
+
+    async def _stop_all(self, params: dict[str, Any]) -> Any:
+        routes, asked = self._routes, fitting(StopAllParams, params)
+        if asked is None or (asked.engine_id is not None and asked.component_ref is not None):
+            return await routes.local[_STOP](params)
+        if asked.engine_id is None and asked.component_ref is None:
+            return await self._stop_everything(params)
+        engine_id = asked.engine_id or engine_of(asked.component_ref or "")
+        if not routes.engine.sees(asked.component_ref or f"{engine_id}/"):
+            return await routes.local[_STOP](params)
+        gateway_id = routes.federation.owner_of(engine_id)
+        if gateway_id is None or gateway_id == routes.federation.gateway_id:
+            return await routes.local[_STOP](params)
+        result, reason = await self._stop_at(gateway_id, params, (engine_id,))
+        return Reply(result, reason=reason)
+
+    async def _stop_everything(self, params: dict[str, Any]) -> Reply:
+        """Stop what the application controls at each gateway; an administrator controls all that it sees."""
+        routes = self._routes
+        engines = {engine_of(ref) for ref in routes.work.held}
+        if routes.app.principal.is_administrator:
+            engines |= {engine_of(ref) for ref in routes.engine.components}
+        by_gateway: dict[str, list[str]] = {}
+        for engine_id in sorted(engines):
+            gateway_id = routes.federation.owner_of(engine_id)
+            if gateway_id is not None and gateway_id != routes.federation.gateway_id:
+                by_gateway.setdefault(gateway_id, []).append(engine_id)
+
+        async def stop_here() -> tuple[StopAllResult, str]:
+            result, reason, _ = await routes.ask_here(_STOP, params)
+            return result, reason
+
+        stops = (self._stop_at(gateway_id, params, found) for gateway_id, found in by_gateway.items())
+        outcomes = await asyncio.gather(stop_here(), *stops)
+        return Reply(_together(result for result, _ in outcomes), reason="; ".join(why for _, why in outcomes if why))
+
+    async def _stop_at(
+        self, gateway_id: str, params: dict[str, Any], engine_ids: Iterable[str]
+    ) -> tuple[StopAllResult, str]:
+        """Stop engines of another gateway: by the link, and where that does not answer soon by the store too."""
+        by_link = asyncio.ensure_future(self._by_link(gateway_id, params))
+        await asyncio.wait({by_link}, timeout=HEAD_START)
+        if _is_answered(by_link):
+            return by_link.result()
+        by_store = asyncio.ensure_future(self._by_store(gateway_id, engine_ids))
+        try:
+            await asyncio.wait({by_link, by_store}, return_when=asyncio.FIRST_COMPLETED)
+            if not (_is_answered(by_link) or _is_answered(by_store)):
+                await asyncio.wait({by_link, by_store})
+            answered = next((each for each in (by_link, by_store) if _is_answered(each)), None)
+            if answered is not None:
+                return answered.result()
+            reasons = "; ".join(dict.fromkeys(str(each.exception()) for each in (by_link, by_store)))
+            return StopAllResult(return_code=ReturnCode.ERROR), f"STOP has not reached gateway {gateway_id}: {reasons}"
+        finally:
+            for each in (by_link, by_store):
+                each.cancel()
+                # What it raised is told already.
+                each.cancelled() or (each.done() and each.exception())
+
+    async def _by_link(self, gateway_id: str, params: dict[str, Any]) -> tuple[StopAllResult, str]:
+        sub = await self._routes.subs.to(gateway_id)
+        result, reason = await sub.ask(_STOP, params, urgent=True)
+        try:
+            return StopAllResult.model_validate(result), reason
+        except ValidationError:
+            raise EngineUnreachable(f"gateway {gateway_id} answers STOP with what is no answer") from None
+
+    async def _by_store(self, gateway_id: str, engine_ids: Iterable[str]) -> tuple[StopAllResult, str]:
+        """Stop engines by the store; that the application controls them was found out here."""
+        routes, may = self._routes, self._routes.app.principal.is_administrator
+        asked = [each for each in engine_ids if may or any(engine_of(ref) == each for ref in routes.work.held)]
+        if not asked:
+            raise OutOfResources("the application holds no actuation component there: bind one first")
+        subject = routes.app.principal.subject
+        answers = await asyncio.gather(*(self._other_way.ask(gateway_id, each, subject) for each in asked))
+        unanswered = [answer.problem for answer in answers if not answer.is_answered]
+        if unanswered:
+            raise EngineUnreachable("; ".join(dict.fromkeys(unanswered)))
+        shown = routes.engine.sees
+        results = [
+            StopAllResult(
+                return_code=ReturnCode.ERROR if answer.failed or answer.problem else ReturnCode.OK,
+                stopped=tuple(ref for ref in answer.stopped if shown(ref)),
+                failed=tuple(ref for ref in answer.failed if shown(ref)),
+            )
+            for answer in answers
+        ]
+        return _together(results), "; ".join(answer.problem for answer in answers if answer.problem)
+
+
+def _is_answered(asked: "asyncio.Future[tuple[StopAllResult, str]]") -> bool:
+    return asked.done() and not asked.cancelled() and asked.exception() is None
+
+
+def _together(results: Iterable[StopAllResult]) -> StopAllResult:
+    found = list(results)
+    is_done = all(result.return_code is ReturnCode.OK for result in found)
+    return StopAllResult(
+        return_code=ReturnCode.OK if is_done else ReturnCode.ERROR,
+        stopped=tuple(ref for result in found for ref in result.stopped),
+        failed=tuple(ref for result in found for ref in result.failed),
+    )
