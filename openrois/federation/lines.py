@@ -54,6 +54,10 @@ class Lines:
         self._awaited: dict[str, tuple[Holding, ...]] = {}
         host.leases.on_change = self._note_change
 
+    async def written(self, seconds: float) -> bool:
+        """Wait until the store has what is held here, or for so long; tell whether it has."""
+        return await self._writer.flushed(seconds)
+
     def session_of(self, line_id: str) -> ApplicationSession | None:
         """Return the session of a line here, whose connection may be lost; None where there is none."""
         return self._sessions.get(line_id)

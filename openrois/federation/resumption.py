@@ -32,6 +32,12 @@ REPORT: Final = "openrois.cluster.report"
 REPORT_TIMEOUT: Final = 1.0
 """Seconds that another gateway has to report; what it does not report in time is forgotten."""
 
+MAX_USED: Final = 1024
+"""Engines whose leases are looked for at their next gateway, of one application; the one that was used first is left."""
+
+WRITING_TIME: Final = 0.25
+"""Seconds that a token waits for the store to have what the session holds; then it is given without."""
+
 _NOT_VALID: Final = "the resume token is not valid"
 _RESUME: Final = "openrois.lease.resume"
 
@@ -45,8 +51,10 @@ class Resumption:
 
     def __init__(self, routes: Routes) -> None:
         self._routes = routes
+        self._used: dict[str, None] = {}
+        """Engines of which the application may hold something."""
         self._missed: dict[str, None] = {}
-        """Engines at which the application had something when their gateway was lost."""
+        """Those of them that have left their gateway."""
 
     def methods(self) -> dict[str, Handler]:
         """Return the methods."""
@@ -78,6 +86,7 @@ class Resumption:
         if not await store.issue(line.line_id, line.generation, routes.app.principal.subject, _digest(token)):
             raise Unsupported("this session was resumed by another connection since")
         self._belong_to(line)
+        await routes.federation.lines.written(WRITING_TIME)
         return token
 
     def _belong_to(self, line: SessionLine) -> None:
@@ -152,18 +161,30 @@ class Resumption:
 
         return note
 
-    # When a gateway is lost.
+    # When an engine has another gateway.
+
+    def note_use(self, component_ref: str) -> None:
+        """Note that the application may hold something of an engine."""
+        self._used[engine_of(component_ref)] = None
+        if len(self._used) > MAX_USED:
+            del self._used[next(iter(self._used))]
 
     def note_loss(self, refs: Collection[str]) -> None:
         """Note the components of a gateway that was lost: the session goes on where their engines are found again."""
         if self._routes.line.line_id:
-            self._missed |= dict.fromkeys(map(engine_of, refs))
+            engine_ids = set(map(engine_of, refs))
+            self._missed |= dict.fromkeys(engine_ids)
+            self.find_again(engine_ids)
 
     def find_again(self, engine_ids: Collection[str]) -> None:
-        """Open the session at the gateways where engines are now that were lost with another one."""
-        found = [engine_id for engine_id in engine_ids if engine_id in self._missed]
-        for engine_id in found:
-            if self._routes.engine.tree.has_engine(engine_id):
+        """Go on with the session at the gateways where engines are now that were at other ones."""
+        if not self._routes.line.line_id:
+            return
+        for engine_id in engine_ids:
+            if not self._routes.engine.tree.has_engine(engine_id):
+                if engine_id in self._used:
+                    self._missed[engine_id] = None
+            elif engine_id in self._missed:
                 del self._missed[engine_id]
                 self._routes.app.host.tasks.start(self._open(engine_id))
 

@@ -40,6 +40,7 @@ _RESULTS: Final = {method.name: method.result for method in METHODS}
 _OF_DIRECTORY: Final = frozenset({"rois.system.profile_changed", DirectoryChangedNotification.method})
 
 
+_LOOKING: Final = frozenset({"rois.command.get_parameter", "rois.command.release"})
 _BINDING: Final = frozenset({"rois.command.bind", "rois.command.release"})
 
 
@@ -153,6 +154,8 @@ class Router:
         async def lead(params: dict[str, Any]) -> Any:
             component_ref = params.get("component_ref")
             sub = await self._routes.sub(engine_named(name, params), component_ref)
+            if isinstance(component_ref, str) and name not in _LOOKING:
+                self._resumption.note_use(component_ref)
             if sub is None:
                 return await self._routes.local[name](params)
             if isinstance(component_ref, str):

@@ -5,7 +5,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Mapp
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, Protocol, cast
+from typing import Any, Final, Protocol, cast
 
 from openrois.cluster.postgres.stop_messages import StopAnswer
 from openrois.errors import BadParameter, StoreUnreachable
@@ -33,6 +33,9 @@ from openrois.transport.stream import POLICY_VIOLATION, MessageStream
 __all__ = ["ClusterParts", "Clustering"]
 
 _log = logging.getLogger(__name__)
+
+SETTLING_TIME: Final = 1.0
+"""Seconds that the end of a gateway waits for the store, before its adapters go to another one."""
 
 
 class ServedStops(OtherWay, Protocol):
@@ -120,6 +123,10 @@ class Clustering:
             await stack.enter_async_context(self.federation.running())
             await link.listen(lambda stream, said: self._handle(auth_setup, stream, said))
             yield
+
+    async def settle(self) -> None:
+        """Wait, for at most a moment, until the store has all that the next owners of the engines here need."""
+        await self._lines.written(SETTLING_TIME)
 
     async def _stop_engine(self, engine_id: str, subject: str) -> StopAnswer:
         failures = await stop_engine(self._host, engine_id, subject)

@@ -35,12 +35,17 @@ _LOOK: Final = 0.05
 _LAST_WORDS: Final = 1.0
 
 
+async def _at_once() -> None:
+    """Wait for nothing."""
+
+
 class Drain:
     """Stops a gateway in good order.
 
     Args:
         host: the gateway's engine.
         patience: seconds that what runs has to end by itself.
+        settle: waited for before the connections are closed.
         sleep: waits for some seconds.
         clock: monotonic seconds.
         chance: a number from 0 up to 1.
@@ -51,12 +56,14 @@ class Drain:
         host: EngineHost,
         patience: float,
         *,
+        settle: Callable[[], Awaitable[None]] = _at_once,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
         clock: Callable[[], float] = time.monotonic,
         chance: Callable[[], float] = random.random,
     ) -> None:
         self._host = host
         self._patience = patience
+        self._settle = settle
         self._sleep = sleep
         self._clock = clock
         self._chance = chance
@@ -78,6 +85,7 @@ class Drain:
                 command.abort(RESTARTS)
             await stop_components(host.engine, host.pending, host.tasks, busy, RESTARTS)
             await self._until_idle(_LAST_WORDS)
+        await self._settle()
         applications = host.connection_stats.sessions("application")
         spread = min(len(applications) / PER_SECOND, MOST)
         await self._close(applications, _APPLICATIONS, spread)

@@ -187,7 +187,7 @@ async def run_gateway(
             host.engine,
             metrics,
             lambda: auth_setup.reloader.reload_changed(at_all=True),
-            Drain(host, settings.drain).run,
+            Drain(host, settings.drain, settle=_nothing if clustering is None else clustering.settle).run,
             None if clustering is None else clustering.federation,
         )
 
@@ -208,6 +208,7 @@ class _Server:
         clustering: Clustering | None,
     ) -> None:
         self._host = host
+        self._clustering = clustering
         self._federation = None if clustering is None else clustering.federation
         self._claims = None if clustering is None else clustering.claims
         self._auth_setup = auth_setup
@@ -320,6 +321,8 @@ class _Server:
             raise web.HTTPServiceUnavailable(text=f"{RESTARTS}\n", headers={"Retry-After": str(RETRY_AFTER)})
 
     async def _close_all(self, _app: web.Application) -> None:
+        if self._clustering is not None:
+            await self._clustering.settle()
         await asyncio.gather(
             *(socket.close(WSCloseCode.GOING_AWAY, "the gateway stops") for socket in tuple(self._sockets))
         )
