@@ -1,0 +1,136 @@
+"""What is left of a cluster while NATS or PostgreSQL is away, and what comes back by itself."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+from aiohttp import ClientSession
+
+from tests.openrois.federation.test_resuming import bound
+from tests.support.cluster import seen_by
+from tests.support.deployment import patience
+from tests.support.nats import NatsServer, nats_server
+from tests.support.place import Place, place_of, unit
+from tests.support.postgres import Server
+
+pytestmark = pytest.mark.extra(name="cluster")
+
+
+@pytest.fixture
+def own_nats(nats: None, tmp_path: Path) -> "AsyncIterator[NatsServer]":
+    with nats_server(tmp_path) as server:
+        yield server
+
+
+@pytest.fixture
+async def place(own_nats: NatsServer, postgres_server: Server) -> AsyncIterator[Place]:
+    async with place_of(own_nats, postgres_server, "a", "b") as here:
+        await here.attach("a")
+        yield here
+
+
+async def lacking(place: Place, gateway_id: str) -> list[str]:
+    """Return what /readyz of a gateway lacks."""
+    async with ClientSession() as http, http.get(f"{place.gateway(gateway_id).url}readyz") as answer:
+        return list((await answer.json()).get("lacking", []))
+
+
+class TestNats:
+    async def test_what_is_owned_goes_on_and_what_is_not_is_refused_with_the_reason(
+        self, place: Place, own_nats: NatsServer
+    ) -> None:
+        here, there = await place.app("a"), await place.app("b")
+        await here.ask("rois.command.bind", component_ref="robot/lamp")
+        assert await there.code("rois.query.query", query_type="view", condition="component_ref = 'robot/door'") == "OK"
+        own_nats.kill()
+        assert await here.code("rois.command.execute", command_unit_list=[unit("robot/lamp", "switch")]) == "OK"
+        assert await here.completed("1") == {"1": "OK"}
+        async with patience():
+            while not await lacking(place, "b"):
+                pass
+        assert await lacking(place, "b") == ["NATS, which joins the gateways"]
+        code, why = await there.why("rois.command.bind", component_ref="robot/lamp")
+        assert code == "ERROR"
+        assert "robot belongs to gateway a, which is not reached" in why
+        own_nats.start()
+        await seen_by(there, "robot")
+        code, why = await there.why("rois.command.bind", component_ref="robot/lamp")
+        assert (code, why) == ("OUT_OF_RESOURCES", "robot/lamp is bound by another application")
+        assert place.robot.lamp.total == 1
+        async with patience():
+            while await lacking(place, "b"):
+                pass
+
+    async def test_a_command_that_ran_has_one_end_and_its_lease_is_found_again(
+        self, place: Place, own_nats: NatsServer
+    ) -> None:
+        app = await place.app("b")
+        await bound(app)
+        assert await app.code("rois.command.execute", command_unit_list=[unit("robot/lamp", "start")]) == "OK"
+        await place.robot.lamp.glowing.wait()
+        own_nats.kill()
+        assert await app.completed("1") == {"1": "ERROR"}
+        assert (await app.next("rois.system.notify_error"))["error_type"] == "COMPONENT_NOT_RESPONDING"
+        own_nats.start()
+        await seen_by(app, "robot")
+        place.robot.lamp.may_end.set()
+        switch = unit("robot/lamp", "switch", "2")
+        await app.eventually("OK", "rois.command.execute", command_unit_list=[switch])
+        assert await app.completed("2") == {"2": "OK"}
+
+    async def test_stop_goes_by_the_store(self, place: Place, own_nats: NatsServer) -> None:
+        app = await place.app("b")
+        await bound(app)
+        assert await app.code("rois.command.execute", command_unit_list=[unit("robot/lamp", "start")]) == "OK"
+        await place.robot.lamp.glowing.wait()
+        own_nats.kill()
+        await app.completed("1")
+        answer = await app.ask("openrois.stop_all", engine_id="robot")
+        assert (answer["return_code"], answer["stopped"]) == ("OK", ["robot/lamp"])
+        async with patience():
+            while place.robot.lamp.glowing.is_set():
+                await asyncio.sleep(0)
+
+
+class TestPostgres:
+    async def test_what_is_owned_goes_on_and_nothing_more_is_claimed(
+        self, own_nats: NatsServer, postgres_server: Server
+    ) -> None:
+        async with place_of(own_nats, postgres_server, "a", "b") as place:
+            await place.attach("a")
+            app = await place.app("b")
+            await bound(app)
+            postgres_server.kill()
+            try:
+                async with patience():
+                    while "the store that the gateways share" not in await lacking(place, "a"):
+                        pass
+                switch = unit("robot/lamp", "switch")
+                assert await app.code("rois.command.execute", command_unit_list=[switch]) == "OK"
+                assert await app.completed("1") == {"1": "OK"}
+                code, why = await app.why("openrois.lease.token")
+                assert (code, "PostgreSQL" in why) == ("ERROR", True)
+            finally:
+                postgres_server.start()
+            await place.attach("b", "second")
+            await seen_by(app, "second")
+            async with patience():
+                while await lacking(place, "a"):
+                    pass
+
+
+async def test_stop_that_reaches_the_owner_by_no_way_says_so(own_nats: NatsServer, postgres_server: Server) -> None:
+    async with place_of(own_nats, postgres_server, "a", "b") as place:
+        await place.attach("a")
+        app = await place.app("b")
+        await bound(app)
+        own_nats.kill()
+        postgres_server.kill()
+        try:
+            code, why = await app.why("openrois.stop_all", engine_id="robot")
+            assert code == "ERROR"
+            assert why.startswith("STOP has not reached gateway a: ")
+        finally:
+            postgres_server.start()
+            own_nats.start()
