@@ -3,7 +3,6 @@
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Collection
-from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Final
 
@@ -18,26 +17,19 @@ from openrois.errors import (
     OutOfResources,
     RoISError,
     TimedOut,
-    Unsupported,
 )
 from openrois.interfaces.overload_rules import is_stop
-from openrois.jsonrpc import protocol
-from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
+from openrois.jsonrpc.session import NotificationHandler, RpcSession
 from openrois.observability.logs import Tally
-from openrois.remote.attachment import ATTACHED
 from openrois.remote.commands import RemoteCommand, RemoteCommands
 from openrois.remote.extension import MAY_BIND, RemoteExtension
 from openrois.remote.faults import RemoteFaults
-from openrois.remote.followed_engines import together
-from openrois.remote.greeting import Greeting
-from openrois.remote.remote_directory import RemoteDirectory
+from openrois.remote.remote_offer import Identity, RemoteOffer
 from openrois.remote.remote_profile import RemoteProfile
 from openrois.remote.rpc_call import RpcCalls, read_result
-from openrois.remote.shared_profiles import shared_profile
 from openrois.remote.stops import SharedStops
 from openrois.remote.subscriptions import SharedSubscriptions
-from openrois.types.codes import CompletedStatus, ReturnCode
-from openrois.types.directory import DIRECTORY
+from openrois.types.codes import CompletedStatus
 from openrois.types.leases import LEASES
 from openrois.types.messages import (
     Argument,
@@ -45,7 +37,6 @@ from openrois.types.messages import (
     EventNotification,
     ExecuteParams,
     ParametersResult,
-    ProfileResult,
     Result,
     ResultsResult,
     ReturnResult,
@@ -53,9 +44,8 @@ from openrois.types.messages import (
     SubscribeResult,
 )
 from openrois.types.reasons import ReasonNotification, sentence
-from openrois.types.streams import EXTENSION_VERSION, EXTENSIONS
 
-__all__ = ["Identity", "RemoteProxy"]
+__all__ = ["RemoteProxy"]
 
 _log = logging.getLogger(__name__)
 
@@ -66,26 +56,7 @@ _FAILED: Final[dict[CompletedStatus, type[RoISError]]] = {
 }
 
 
-HELLO_TIMEOUT: Final = 1.0
-"""Seconds after which an engine that does not answer `openrois.hello` is taken for one of the base wire."""
-
-READS: Final = 8
-"""Times in a row that the directory of an engine is read because it has changed meanwhile."""
-
 _READ_EVENT: Final = EventNotification.__pydantic_validator__.validate_python
-
-
-@dataclass(frozen=True, slots=True)
-class Identity:
-    """Who an adapter is.
-
-    Attributes:
-        instance: the random text of its process; empty where it sends none.
-        epoch: the greatest epoch that it has ever seen; 0 for none.
-    """
-
-    instance: str = field(default="", repr=False)
-    epoch: int = 0
 
 
 class RemoteProxy:
@@ -104,22 +75,17 @@ class RemoteProxy:
     def __init__(self, session: RpcSession, profile_changed: Callable[[], None], tasks: TaskScope) -> None:
         self.extension: Extension | None = None
         self._session = session
-        self._profile_changed = profile_changed
         self._calls = RpcCalls(session)
         self._remote_profile = RemoteProfile()
         self._remote_extension = RemoteExtension(
             self._calls.ask_unread, session.post, session.notify, self._remote_profile.is_own, session.outbox, tasks
         )
-        self._remote_directory = RemoteDirectory(self._calls, self._take_changes)
+        self._offer = RemoteOffer(self._calls, session.call_timeout, profile_changed, self._take_changes)
         self._faults = RemoteFaults(partial(_error_details, self._calls), self._remote_profile, tasks)
         self._commands = RemoteCommands(self._remote_extension.catch_up)
         self._stops = SharedStops(lambda ref, wanted, accepted: self._run(ref, "stop", (), wanted, accepted), tasks)
         self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe, self._drop_subscription)
         self._strays = Tally(_log, "events that do not fit their subscription")
-        self._is_plain = False
-        self._is_reading = False
-        """Whether the directory is read, again and again while it changes."""
-        self._greeting: Greeting | None = None
         self.admit: Callable[[Directory], Awaitable[None]] = _admit
         self.speaks_extensions = False
 
@@ -129,9 +95,8 @@ class RemoteProxy:
             "rois.command.completed": self._commands.handle_completed,
             ReasonNotification.method: self._take_reason,
             "rois.event.notify_event": self._take_event,
-            "rois.system.profile_changed": lambda _params: self._take_changes(None),
             "rois.system.notify_error": self._faults.handle_notification,
-            **self._remote_directory.notifications(),
+            **self._offer.notifications(),
             **self._remote_extension.notifications(),
         }
 
@@ -153,85 +118,19 @@ class RemoteProxy:
     @property
     def identity(self) -> Identity:
         """Who the other side is, as far as it says so."""
-        greeting = self._greeting
-        return Identity() if greeting is None else Identity(greeting.instance, greeting.epoch)
+        return self._offer.identity
 
     async def discover(self) -> Directory:
-        """Ask for the other side's extensions, unless it seems to have none, and read its directory or profile."""
-        if not self._is_plain:
-            await self._greet()
-        directory, streaming = await (self._read_directory() if self._has_directory else self._read_profile())
+        """Read what the other side offers."""
+        directory, streaming = await self._offer.read()
         self._use_greeting(streaming)
         await self.admit(directory)
         self._remote_profile.directory = directory
         self._subscriptions.keep_only(directory.component_profiles, SubscriptionLost("the component is gone"))
         return directory
 
-    @property
-    def _has_directory(self) -> bool:
-        """Whether the other side has said that it has a directory, and notifies of its changes."""
-        return not self._is_plain and self._greeting is not None and DIRECTORY in self._greeting.extensions
-
-    async def _read_profile(self) -> tuple[Directory, frozenset[str]]:
-        """Return the other side's whole profile, and which of its engines have streams."""
-        result = await self._calls.ask("rois.system.get_profile", {"condition": ""}, ProfileResult)
-        if result.profile is None:
-            raise ComponentFailed("the engine has no profile")
-        # It speaks for the components that it lists: another profile could belong to another engine.
-        listed = {ref: result.component_profiles.get(ref) for ref in result.profile.component_refs()}
-        profiles = {ref: shared_profile(profile) for ref, profile in listed.items() if profile is not None}
-        streaming = frozenset[str]()
-        if self._greeting is not None and "rois.stream" in self._greeting.extensions:
-            named = self._greeting.engines or (result.profile.identifier.code,)
-            streaming = frozenset(named).intersection(result.profile.engine_ids())
-        return Directory(result.profile, profiles), streaming
-
-    async def _read_directory(self) -> tuple[Directory, frozenset[str]]:
-        """Return the same by the other side's directory: what is as it was is not read again."""
-        remote = self._remote_directory
-        self._is_reading = True
-        try:
-            for _ in range(READS):
-                await remote.read()
-                if remote.is_settled:
-                    break
-        finally:
-            self._is_reading = False
-        if remote.engines.main is None:
-            raise ComponentFailed("the directory of the engine changes faster than it can be listed")
-        if not remote.is_settled:
-            self._profile_changed()
-        return together(remote.engines.main, remote.engines.roots.values()), remote.engines.streaming()
-
-    async def _greet(self) -> None:
-        params = {"version": EXTENSION_VERSION, "extensions": [*EXTENSIONS, DIRECTORY, LEASES, ATTACHED]}
-        timeout = min(HELLO_TIMEOUT, self._session.call_timeout)
-        try:
-            self._greeting = await self._calls.ask(
-                "openrois.hello", params, Greeting, too_late=self._take_late_greeting, timeout=timeout
-            )
-        except Unsupported:
-            self._is_plain = True
-        except NotResponding:
-            # It may speak the base wire alone, and answer what it does not know with nothing.
-            self._is_plain = self._greeting is None
-        except ComponentFailed as error:
-            self._is_plain = isinstance(error.__cause__, RpcError) and error.__cause__.code == protocol.METHOD_NOT_FOUND
-            if not self._is_plain:
-                raise
-
-    def _take_late_greeting(self, result: Any) -> None:
-        greeting = read_result("openrois.hello", result, Greeting)
-        former = self._greeting
-        if greeting.return_code is not ReturnCode.OK or greeting == former:
-            return
-        self._greeting, self._is_plain = greeting, False
-        # Epochs grow all the time, and are no reason for another look.
-        if former is None or greeting.model_copy(update={"epoch": former.epoch}) != former:
-            self._profile_changed()
-
     def _use_greeting(self, streaming: frozenset[str]) -> None:
-        greeting = None if self._is_plain else self._greeting
+        greeting = self._offer.greeting
         self.speaks_extensions = greeting is not None
         if greeting is None:
             self.extension = None
@@ -391,8 +290,6 @@ class RemoteProxy:
 
     def _take_changes(self, engine_ids: Collection[str] | None) -> None:
         self._subscriptions.tree_changed(engine_ids)
-        if not self._is_reading:
-            self._profile_changed()
 
     def _take_reason(self, params: dict[str, Any]) -> None:
         notice = ReasonNotification.model_validate(params)

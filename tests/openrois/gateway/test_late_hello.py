@@ -30,7 +30,7 @@ async def _answer(stream: MemoryStream, request: dict[str, Any], **result: Any) 
 
 
 async def test_an_adapter_that_greets_late_is_told_that_it_is_attached(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("openrois.remote.proxy.HELLO_TIMEOUT", 0.01)
+    monkeypatch.setattr("openrois.remote.remote_offer.HELLO_TIMEOUT", 0.01)
     near, far = memory_pair()
     engine, attached = Engine("gateway"), asyncio.Event()
     engine.on_change(attached.set)

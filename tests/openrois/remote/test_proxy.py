@@ -13,7 +13,8 @@ from openrois.contract import Client, Event, SubscriptionLost
 from openrois.errors import Aborted, ComponentFailed, EngineUnreachable, NotResponding, TimedOut, Unsupported
 from openrois.jsonrpc.outbox import CONTROL_LIMIT
 from openrois.jsonrpc.session import RpcSession
-from openrois.remote.proxy import READS, Identity, RemoteProxy
+from openrois.remote.proxy import RemoteProxy
+from openrois.remote.remote_offer import READS, Identity
 from openrois.transport.memory import MemoryStream, memory_pair
 from tests.support.plain import profile_result
 
@@ -111,7 +112,7 @@ class TestDiscover:
     async def test_one_that_does_not_answer_is_plain_until_it_does(
         self, far: Far, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr("openrois.remote.proxy.HELLO_TIMEOUT", 0.01)
+        monkeypatch.setattr("openrois.remote.remote_offer.HELLO_TIMEOUT", 0.01)
         discovering = asyncio.ensure_future(far.proxy.discover())
         late = await far.asked("openrois.hello")
         await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
