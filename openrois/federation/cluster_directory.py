@@ -1,4 +1,4 @@
-"""The engines of all gateways of a cluster as one tree, which each gateway keeps for its applications. Pure."""
+"""The engines of all gateways of a cluster as one tree, which each gateway keeps for its applications."""
 
 import logging
 from collections.abc import Callable, Mapping

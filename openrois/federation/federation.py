@@ -29,7 +29,7 @@ _log = logging.getLogger(__name__)
 TOUCH_INTERVAL: Final = 3600.0
 """Seconds between two signs to the store that the sessions of this gateway live: it forgets others after a day."""
 
-_NOT_LISTED: Final = "and has not told yet what it offers"
+_NOT_LISTED: Final = "it has not told yet what it offers"
 
 
 class Federation:
@@ -101,10 +101,10 @@ class Federation:
         return tuple(sorted(self._link.present.keys() - {self.gateway_id}))
 
     def keep_alive(self, line_id: str, owner: object) -> None:
-        """Keep a line in the store until `forget` is called with the same owner."""
+        """Keep a line in the store until `forget_line` is called with the same owner."""
         self._kept[line_id] = owner
 
-    def forget(self, line_id: str, owner: object) -> None:
+    def forget_line(self, line_id: str, owner: object) -> None:
         """Keep a line no longer, unless another session goes on with it here."""
         if self._kept.get(line_id) is owner:
             del self._kept[line_id]
@@ -124,7 +124,7 @@ class Federation:
         owner = self._directorate.owners.get(engine_id)
         if owner is None or owner.gateway_id == self.gateway_id:
             return
-        why = self._link.trouble or (_NOT_LISTED if owner.gateway_id in self._link.present else "which is not there")
+        why = self._link.trouble or (_NOT_LISTED if owner.gateway_id in self._link.present else "it is not there")
         raise EngineUnreachable(f"{engine_id} belongs to gateway {owner.gateway_id}, which is not reached: {why}")
 
     def owner_of(self, engine_id: str) -> str | None:

@@ -33,7 +33,7 @@ REPORT_TIMEOUT: Final = 1.0
 """Seconds that another gateway has to report; what it does not report in time is forgotten."""
 
 MAX_USED: Final = 1024
-"""Engines whose leases are looked for at their next gateway, of one application; the one that was used first is left."""
+"""Engines of one application whose leases are looked for at their next gateway; the first that was used is left."""
 
 WRITING_TIME: Final = 0.25
 """Seconds that a token waits for the store to have what the session holds; then it is given without."""
@@ -96,7 +96,7 @@ class Resumption:
         routes.federation.lines.adopt(routes.app, line)
         routes.federation.keep_alive(line.line_id, self)
         if is_new:
-            routes.subs.tell(KEEP, routes.assertion().hello())
+            routes.subs.send_notification(KEEP, routes.assertion().hello())
 
     async def _resume(self, params: dict[str, Any]) -> Any:
         asked = fitting(ResumeParams, params)
@@ -200,7 +200,7 @@ class Resumption:
         line, federation = self._routes.line, self._routes.federation
         if not line.line_id:
             return
-        federation.forget(line.line_id, self)
+        federation.forget_line(line.line_id, self)
         if not lost:
             try:
                 await federation.resume_store.end_line(line.line_id, line.generation)

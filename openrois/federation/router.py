@@ -101,7 +101,7 @@ class Router:
     def principal(self, principal: Principal) -> None:
         self._routes.app.principal = principal
         self.engine.principal = principal
-        self._routes.subs.tell(PRINCIPAL, self._routes.assertion().hello())
+        self._routes.subs.send_notification(PRINCIPAL, self._routes.assertion().hello())
 
     def _tree_changed(self, change: ViewChange) -> None:
         if change.visible:

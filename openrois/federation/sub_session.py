@@ -103,7 +103,7 @@ class SubSession:
         """Ask the other gateway something whose answer does not matter, behind all that was asked before."""
         self._session.post(method, dict(params))
 
-    def tell(self, method: str, params: Mapping[str, Any]) -> None:
+    def send_notification(self, method: str, params: Mapping[str, Any]) -> None:
         """Send the other gateway a notification, behind all that was asked before."""
         self._session.notify(method, dict(params))
 
@@ -191,7 +191,7 @@ class SubSession:
         while self._held and not self._unsent:
             self._pass_on(*self._held.popleft())
 
-    def take(self, name: str, params: Mapping[str, Any]) -> None:
+    def take_notification(self, name: str, params: Mapping[str, Any]) -> None:
         """Take a notification of the other gateway, and pass it on in its turn."""
         if name == ReasonNotification.method and "request_id" in params:
             notice = ReasonNotification.model_validate(params)
@@ -215,7 +215,7 @@ class _Relayed(Mapping[str, NotificationHandler]):
     def __getitem__(self, name: str) -> NotificationHandler:
         if name in _OF_HERE:
             raise KeyError(name)
-        return lambda params: self._sub.take(name, params)
+        return lambda params: self._sub.take_notification(name, params)
 
     def __iter__(self) -> Iterator[str]:
         return iter(())

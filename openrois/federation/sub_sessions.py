@@ -73,10 +73,10 @@ class SubSessions:
         """Say it no more."""
         self._said.pop(method, None)
 
-    def tell(self, method: str, params: Mapping[str, Any]) -> None:
+    def send_notification(self, method: str, params: Mapping[str, Any]) -> None:
         """Send a notification over those that are open."""
         for sub in self.open:
-            sub.tell(method, params)
+            sub.send_notification(method, params)
 
     async def to(self, gateway_id: str) -> SubSession:
         """Return the sub-session at a gateway, which is opened where there is none.
