@@ -7,9 +7,10 @@ from typing import Any
 import pytest
 
 from openrois.cluster import exchange
+from openrois.cluster.dial_failed import DialFailed
 from openrois.cluster.flow import MESSAGE_COST, WINDOW
 from openrois.cluster.frames import CUT_FRAME, Address, Dial, Kind, pack_frame, pack_grant, pack_texts, parse_close
-from openrois.cluster.link import DialFailed, NatsLink, NatsStream
+from openrois.cluster.link import NatsLink, NatsStream
 from openrois.jsonrpc.session import RpcSession
 from openrois.transport.stream import BatchStream, StreamClosed
 from tests.support.nats import NatsServer, Stranger, cluster_name, dialled, echo, ended, links, settings

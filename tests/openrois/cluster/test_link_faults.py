@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from openrois.cluster.connection import NatsConnection
-from openrois.cluster.link import DialFailed, NatsLink, NatsStream
+from openrois.cluster.dial_failed import DialFailed
+from openrois.cluster.link import NatsLink, NatsStream
 from openrois.testing.relay import FaultRelay, Weather
 from openrois.transport.stream import StreamClosed
 from tests.support.nats import (

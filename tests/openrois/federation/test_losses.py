@@ -1,6 +1,6 @@
 """What is left of a cluster while NATS or PostgreSQL is away, and what comes back by itself."""
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
 import pytest
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.extra(name="cluster")
 
 
 @pytest.fixture
-def own_nats(nats: None, tmp_path: Path) -> "AsyncIterator[NatsServer]":
+def own_nats(nats: None, tmp_path: Path) -> Iterator[NatsServer]:
     with nats_server(tmp_path) as server:
         yield server
 
