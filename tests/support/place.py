@@ -51,7 +51,7 @@ class Place:
         at = adapter(self.gateway(gateway_id), *parts.parts(), engine_id=engine_id, extension=parts.streams)
         return await self.stack.enter_async_context(at)
 
-    async def wander(self, *gateway_ids: str, engine_id: str = "robot") -> None:
+    async def wander(self, *gateway_ids: str, engine_id: str = "robot", **options: Any) -> None:
         """Attach the robot to the first of some gateways, and to the next where that is lost."""
         tasks = await self.stack.enter_async_context(TaskScope())
         engine = Engine(engine_id)
@@ -60,7 +60,7 @@ class Place:
         urls = [self.gateway(each).url.replace("http", "ws") + "adapter" for each in gateway_ids]
         # The order is kept where chance is nothing.
         self._host, self._tasks = host, tasks
-        self._dialling = tasks.start(serve_parent(host, *urls, chance=lambda: 0.0))
+        self._dialling = tasks.start(serve_parent(host, *urls, chance=lambda: 0.0, **options))
 
     async def move(self, gateway_id: str) -> None:
         """Let the robot that wanders dial another gateway, as an operator does who sets another address."""
