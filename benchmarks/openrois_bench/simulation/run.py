@@ -23,13 +23,16 @@ __all__ = ["measured", "simulated"]
 _YOUNG: Final = 20_000
 """Objects between two looks for garbage, as in a gateway's process."""
 
+_SELDOM: Final = 1000
+"""Looks among younger objects before one at the oldest, which are those of all gateways and take a minute to look at."""
+
 
 def simulated(plan: Plan, clock: VirtualClock) -> Campaign:
     """Run a campaign in virtual time."""
     meter, counts = Meter(), Counter[str]()
     gc.collect()
     gc.freeze()
-    gc.set_threshold(_YOUNG, 10, 10)
+    gc.set_threshold(_YOUNG, 10, _SELDOM)
 
     async def simulate() -> Campaign:
         async with simulated_gateways(plan.gateways, counts) as gateways, world(plan, gateways, counts) as made:
