@@ -24,7 +24,7 @@ _YOUNG: Final = 20_000
 """Objects between two looks for garbage, as in a gateway's process."""
 
 _SELDOM: Final = 1000
-"""Looks among younger objects before one at the oldest, which are those of all gateways and take a minute to look at."""
+"""Looks among younger objects before one at the oldest: those of all gateways together take a minute."""
 
 
 def simulated(plan: Plan, clock: VirtualClock) -> Campaign:
