@@ -124,10 +124,11 @@ def scale_saturation() -> list[str]:
         ("the loop, when an adapter is lost", f"stands still for {result['blocked_by_a_loss_ms']:,.0f} ms", ""),
     ]
     table = _table(("resource of one gateway", "while all are at work", "it saturates at"), rows)
+    hours, minutes = result["virtual_seconds"] / 3600, result["cpu_seconds"] / 60
     took = (
         f"{plan['bodies']:,} bodies, {plan['applications']:,} applications and {plan['gateways']} gateways: "
-        f"{result['virtual_seconds'] / 3600:.1f} virtual hours took {result['cpu_seconds'] / 60:.0f} minutes of a processor, "
-        f"and at most {memories['most_mib'] / 1024:.1f} GiB with all peers. In the busiest minute of the day one gateway took "
+        f"{hours:.1f} virtual hours took {minutes:.0f} minutes of a processor, and at most "
+        f"{memories['most_mib'] / 1024:.1f} GiB with all peers. In the busiest minute of the day one gateway took "
         f"{result['day_peak']:.0%} of a processor."
     )
     return [*table, "", took]
