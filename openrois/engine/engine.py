@@ -28,7 +28,7 @@ from openrois.engine.lost_components import LostComponents
 from openrois.engine.offers import ComparedOffers
 from openrois.engine.tree import Tree, TreeChange
 from openrois.errors import BadParameter, NotResponding, TimedOut, Unsupported
-from openrois.types.codes import ErrorType
+from openrois.types.codes import ComponentFunction, ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
 from openrois.types.references import engine_of, flaw_of_name
@@ -237,6 +237,11 @@ class Engine:
         """Tell whether two references or ids lead to the same bus."""
         buses = self.tree.bus_of(engine_of(one)), self.tree.bus_of(engine_of(other))
         return buses[0] is not None and buses[0] is buses[1]
+
+    def acting_of(self, engine_id: str) -> list[str]:
+        """Return the actuation components of one engine of the tree; none where there is no such engine."""
+        refs = self.tree.refs_of(engine_id)
+        return [ref for ref in refs if self.components[ref].function is ComponentFunction.ACTUATION]
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
         """Query a component of the tree."""

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Final, Protocol, cast
 
+from openrois.auth.principal import Principal
 from openrois.cluster.postgres.stop_messages import StopAnswer
+from openrois.commands.stop import stop_components
 from openrois.errors import BadParameter, StoreUnreachable
 from openrois.federation.assertion import Assertion
 from openrois.federation.federation import Federation
@@ -20,7 +22,6 @@ from openrois.gateway.claims import GatewayClaims
 from openrois.gateway.draining import RETRY_AFTER, SERVICE_RESTART
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.token_expiry import TokenExpiry
-from openrois.interfaces.stop import stop_engine
 from openrois.journal.journal import Journal
 from openrois.leases.epochs import ClaimedEpochs
 from openrois.observability.health import Readiness
@@ -129,7 +130,17 @@ class Clustering:
         await self._lines.written(SETTLING_TIME)
 
     async def _stop_engine(self, engine_id: str, subject: str) -> StopAnswer:
-        failures = await stop_engine(self._host, engine_id, subject)
+        """Stop everything that acts on an engine, for a subject whose rights another gateway has checked.
+
+        Raises:
+            Unsupported: there is no such engine here.
+        """
+        host = self._host
+        host.engine.route(engine_id)
+        host.audit.acted(Principal(subject, frozenset(), ()), "openrois.stop_all", engine_id, "by another gateway")
+        reason = f"everything was stopped by {subject}"
+        refs = host.engine.acting_of(engine_id)
+        failures = await stop_components(host.engine, host.pending, host.tasks, refs, reason)
         failed = {ref: why for ref, why in failures.items() if why}
         problem = "; ".join(f"{ref}: {why}" for ref, why in failed.items())
         return StopAnswer(tuple(ref for ref in failures if ref not in failed), tuple(failed), problem=problem)

@@ -3,18 +3,16 @@
 from collections.abc import Iterable
 from typing import Final
 
-from openrois.auth.principal import Principal
 from openrois.commands.stop import stop_components
-from openrois.engine.engine import Engine
 from openrois.errors import BadParameter, OutOfResources, Unsupported
 from openrois.interfaces.operation import operation
 from openrois.jsonrpc.session import Handler, Reply
-from openrois.session.session import ApplicationSession, EngineHost
-from openrois.types.codes import ComponentFunction, ReturnCode
+from openrois.session.session import ApplicationSession
+from openrois.types.codes import ReturnCode
 from openrois.types.leases import StopAllParams, StopAllResult
 from openrois.types.references import engine_of
 
-__all__ = ["methods", "stop_engine"]
+__all__ = ["methods"]
 
 _METHOD: Final = "openrois.stop_all"
 
@@ -39,23 +37,6 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
     return {_METHOD: operation(StopAllParams, StopAllResult, stop_all)}
 
 
-async def stop_engine(host: EngineHost, engine_id: str, subject: str) -> dict[str, str]:
-    """Stop everything that acts on an engine, for a subject that another gateway has checked.
-
-    Returns:
-        Why a component did not say that it has stopped, by its reference; empty text where it did.
-
-    Raises:
-        Unsupported: there is no such engine here.
-    """
-    refs = _acting(host.engine, engine_id)
-    if not host.engine.tree.refs_of(engine_id):
-        raise Unsupported(f"there is no engine {engine_id[:200]!r}")
-    host.audit.acted(Principal(subject, frozenset(), ()), _METHOD, engine_id, "by another gateway")
-    reason = f"everything was stopped by {subject}"
-    return await stop_components(host.engine, host.pending, host.tasks, refs, reason)
-
-
 def _chosen(app: ApplicationSession, params: StopAllParams) -> list[str]:
     """Return the actuation components that are to be stopped: all of an engine, also those out of scope.
 
@@ -67,23 +48,22 @@ def _chosen(app: ApplicationSession, params: StopAllParams) -> list[str]:
     if params.engine_id is not None and params.component_ref is not None:
         raise BadParameter("give either an engine_id or a component_ref, not both")
     if params.engine_id is None and params.component_ref is None:
-        return [ref for engine_id in _controlled(app) for ref in _acting(app.host.engine, engine_id)]
+        return [ref for engine_id in _controlled(app) for ref in _acting(app, engine_id)]
     if params.component_ref is not None:
         app.engine.require(params.component_ref)
     engine_id = params.engine_id or engine_of(params.component_ref or "")
     if not app.engine.tree.refs_of(engine_id):
         raise Unsupported(f"there is no engine {engine_id[:200]!r}")
-    acting = _acting(app.host.engine, engine_id)
+    acting = _acting(app, engine_id)
     held = app.host.leases.model.holding
     if not app.principal.is_administrator and not any(held.is_held(ref, app) for ref in acting):
         raise OutOfResources(f"the application holds no actuation component of {engine_id}: bind one first")
     return acting
 
 
-def _acting(engine: Engine, engine_id: str) -> list[str]:
+def _acting(app: ApplicationSession, engine_id: str) -> list[str]:
     """Return the actuation components of an engine, also those that are out of the application's scope."""
-    refs = engine.tree.refs_of(engine_id)
-    return [ref for ref in refs if engine.components[ref].function is ComponentFunction.ACTUATION]
+    return app.host.engine.acting_of(engine_id)
 
 
 def _controlled(app: ApplicationSession) -> Iterable[str]:
