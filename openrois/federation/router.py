@@ -13,7 +13,7 @@ from openrois.federation.federation import Federation
 from openrois.federation.resumption import Resumption
 from openrois.federation.routes import Routes, fitting
 from openrois.federation.stop_routes import StopRoutes
-from openrois.federation.sub_session import SubSession
+from openrois.federation.sub_session import SubSession, UnwritableParams
 from openrois.federation.sub_sessions import PRINCIPAL
 from openrois.federation.system_routes import SystemRoutes
 from openrois.interfaces import directory_methods
@@ -134,7 +134,7 @@ class Router:
             **StopRoutes(self._routes, self._routes.federation.other_way).methods(),
             **self._resumption.methods(),
         }
-        refusing = {name: _refusing(name, handler) for name, handler in table.items()}
+        refusing = {name: _refusing(name, handler, self._routes.local[name]) for name, handler in table.items()}
         whole = {**self._routes.local, **directory_methods(self), **refusing}
         return {name: self._extending(handler) if _extends(name) else handler for name, handler in whole.items()}
 
@@ -241,12 +241,20 @@ def _extends(name: str) -> bool:
     return name.startswith(("signaling.", "rois.stream.", "openrois."))
 
 
-def _refusing(name: str, handler: Handler) -> Handler:
-    """Return a handler that answers a failure in RoIS terms as an operation does."""
+def _refusing(name: str, handler: Handler, local: Handler) -> Handler:
+    """Return a handler that answers a failure in RoIS terms as an operation does.
+
+    Args:
+        name: the method.
+        handler: its handler.
+        local: that of the session here, which says what is wrong with params that do not fit.
+    """
 
     async def answer(params: dict[str, Any]) -> Any:
         try:
             return await handler(params)
+        except UnwritableParams:
+            return await local(params)
         except RoISError as error:
             _log.debug("%s: %s", name, error)
             return Reply(_RESULTS.get(name, ReturnResult)(return_code=error.return_code), reason=str(error))

@@ -20,7 +20,7 @@ from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.directory import DirectoryChangedNotification
 from openrois.types.reasons import ReasonNotification, sentence
 
-__all__ = ["SubSession"]
+__all__ = ["SubSession", "UnwritableParams"]
 
 _log = logging.getLogger(__name__)
 
@@ -33,6 +33,10 @@ MAX_REFS: Final = 4096
 _EVENTS: Final = frozenset({"rois.event.notify_event", "rois.system.notify_error"})
 _OF_HERE: Final = frozenset({"rois.system.profile_changed", DirectoryChangedNotification.method})
 """Notifications that the gateway of the application sends itself, about all engines."""
+
+
+class UnwritableParams(Exception):
+    """Params that came and cannot be sent on: they fit no method."""
 
 
 class _LastLine:
@@ -125,6 +129,7 @@ class SubSession:
 
         Raises:
             InvalidParams: the params do not fit.
+            UnwritableParams: likewise; the session here can say what is wrong.
             RoISError: the other gateway was lost, or did not answer in time or properly.
         """
         line = _LastLine()
@@ -177,6 +182,9 @@ class SubSession:
     async def _call(self, method: str, params: Mapping[str, Any], **more: Any) -> Any:
         try:
             return await self._session.call(method, dict(params), **more)
+        except ValueError:
+            # JSON has been read that cannot be written, such as 1e999.
+            raise UnwritableParams from None
         except TimeoutError:
             raise NotResponding(f"gateway {self.gateway_id} did not answer {method} in time") from None
         except SessionClosed as closed:

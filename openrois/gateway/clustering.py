@@ -10,7 +10,7 @@ from typing import Any, Final, Protocol, cast
 from openrois.auth.principal import Principal
 from openrois.cluster.postgres.stop_messages import StopAnswer
 from openrois.commands.stop import stop_components
-from openrois.errors import BadParameter, StoreUnreachable
+from openrois.errors import BadParameter, StoreUnreachable, Unsupported
 from openrois.federation.assertion import Assertion
 from openrois.federation.federation import Federation
 from openrois.federation.gateway_link import GatewayLink
@@ -136,7 +136,8 @@ class Clustering:
             Unsupported: there is no such engine here.
         """
         host = self._host
-        host.engine.route(engine_id)
+        if not host.engine.tree.has_engine(engine_id):
+            raise Unsupported(f"there is no engine {engine_id[:200]!r}")
         host.audit.acted(Principal(subject, frozenset(), ()), "openrois.stop_all", engine_id, "by another gateway")
         reason = f"everything was stopped by {subject}"
         refs = host.engine.acting_of(engine_id)

@@ -178,7 +178,7 @@ async def plain_adapter(
     gateway: Gateway, profile: dict[str, Any] | None = None, path: str = "adapter", **answers: Any
 ) -> AsyncIterator[PlainAdapter]:
     """Connect a plain adapter; `answers` are by the method's name, with `__` for its dots."""
-    async with connect(gateway.url.replace("http", "ws") + path) as socket:
+    async with connect(adapter_url(gateway).removesuffix("adapter") + path) as socket:
         adapter = PlainAdapter(socket, profile or profile_result("toy"))
         adapter.answers = {_method(name): answer for name, answer in answers.items()}
         running = asyncio.ensure_future(adapter.run())

@@ -85,8 +85,7 @@ class TestNats:
         await place.robot.lamp.glowing.wait()
         own_nats.kill()
         await app.completed("1")
-        answer = await app.ask("openrois.stop_all", engine_id="robot")
-        assert (answer["return_code"], answer["stopped"]) == ("OK", ["robot/lamp"])
+        assert await app.why("openrois.stop_all", engine_id="robot") == ("OK", "")
         assert not place.robot.lamp.glowing.is_set()
 
 
