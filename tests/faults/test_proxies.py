@@ -22,7 +22,7 @@ pytestmark = pytest.mark.usefixtures("haproxy")
 async def test_f42_pings_keep_alive_what_a_proxy_takes_for_idle(
     seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    async with ground(seed, tmp_path, caplog, quick=True) as place, proxy(place.gateway.url, tmp_path) as between:
+    async with ground(seed, tmp_path, caplog, quick=True) as place, proxy(place.gateway.url, folder=tmp_path) as between:
         await place.robot(url=between.url)
         app = await place.stack.enter_async_context(place.book.witness(between.url))
         assert await app.bind() == "OK"
@@ -35,7 +35,7 @@ async def test_f42_pings_keep_alive_what_a_proxy_takes_for_idle(
 
 
 async def test_f42_the_proxy_of_these_tests_is_impatient(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    async with ground(0, tmp_path, caplog) as place, proxy(place.gateway.url, tmp_path) as between:
+    async with ground(0, tmp_path, caplog) as place, proxy(place.gateway.url, folder=tmp_path) as between:
         # The gateway's own pings come every four seconds.
         idle = await connect(between.url.replace("http", "ws"), proxy=None, ping_interval=None)
         with pytest.raises(ConnectionClosed):
@@ -58,7 +58,7 @@ async def test_f42_a_proxy_that_is_started_again(
     monkeypatch.setattr(socket, "getaddrinfo", unresolved)
     async with (
         ground(seed, tmp_path, caplog, quick=True, allow_hosts=("gateway.test",)) as place,
-        proxy(place.gateway.url, tmp_path) as between,
+        proxy(place.gateway.url, folder=tmp_path) as between,
     ):
         await place.robot(url=between.url)
         url = between.url.replace("http", "ws").replace("127.0.0.1", "gateway.test")

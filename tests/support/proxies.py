@@ -1,8 +1,8 @@
-"""haproxy in front of a gateway, as an operator would have it, and impatient."""
+"""haproxy in front of a gateway, as an operator would have it, and impatient; or in front of those of a cluster."""
 
 import asyncio
 import shutil
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -19,21 +19,32 @@ _PATIENCE = 30.0
 class Proxy:
     """The proxy process, which can be stopped and started again.
 
+    Of several gateways each takes its turn while it is ready; a connection to one that is not is ended.
+
+    Args:
+        targets: addresses of the gateways.
+        folder: for its configuration.
+        idle: seconds after which it cuts a connection over which nothing passes.
+
     Attributes:
-        url: where the gateway is reached through it.
+        url: where a gateway is reached through it.
     """
 
-    def __init__(self, target: str, folder: Path) -> None:
+    def __init__(self, targets: Sequence[str], folder: Path, idle: float = IDLE) -> None:
         port = free_port()
         self.url = f"http://127.0.0.1:{port}/"
         self._port = port
         self._process: asyncio.subprocess.Process | None = None
         self._file = folder / "haproxy.cfg"
-        waits = "".join(f" timeout {what} {IDLE * 1000:.0f}ms\n" for what in ("connect", "client", "server", "tunnel"))
+        waits = "".join(f" timeout {what} {idle * 1000:.0f}ms\n" for what in ("connect", "client", "server", "tunnel"))
+        checked = " check inter 200ms fall 2 rise 1 on-marked-down shutdown-sessions" if len(targets) > 1 else ""
+        servers = "".join(
+            f" server gateway{number} {urlsplit(target).netloc}{checked}\n" for number, target in enumerate(targets)
+        )
         self._file.write_text(
             f"defaults\n mode http\n{waits}"
             f"frontend page\n bind 127.0.0.1:{port}\n default_backend gateway\n"
-            f"backend gateway\n server one {urlsplit(target).netloc}\n"
+            f"backend gateway\n option httpchk GET /readyz\n option redispatch\n retries 3\n{servers}"
         )
 
     async def start(self) -> None:
@@ -62,9 +73,9 @@ class Proxy:
 
 
 @asynccontextmanager
-async def proxy(target: str, folder: Path) -> AsyncIterator[Proxy]:
+async def proxy(*targets: str, folder: Path, idle: float = IDLE) -> AsyncIterator[Proxy]:
     """Run one while the block runs."""
-    made = Proxy(target, folder)
+    made = Proxy(targets, folder, idle)
     await made.start()
     try:
         yield made

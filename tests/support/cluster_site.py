@@ -1,0 +1,102 @@
+"""Gateways as processes, haproxy in front, and adapters and applications around them that write down what they see."""
+
+import asyncio
+import random
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from tests.support.gateway_processes import PATIENCE, GatewayProcess, GatewayProcesses, gateway_processes
+from tests.support.histories import History, judge
+from tests.support.nats import NatsServer, nats_server
+from tests.support.postgres import Server
+from tests.support.proxies import Proxy, proxy
+from tests.support.recorded import Operator, RecordedAdapter, operator
+
+__all__ = ["Site", "cluster_site"]
+
+IDLE = 60.0
+"""Seconds after which haproxy cuts what is idle: longer than any of these faults."""
+
+
+@dataclass
+class Site:
+    """A cluster and what is around it.
+
+    Attributes:
+        cluster: its gateways.
+        nats: joins them.
+        postgres: has what they share.
+        front: haproxy.
+        chance: of this seed.
+        adapters: by their engine ids.
+        operators: applications, by name.
+        history: what adapters and applications saw.
+    """
+
+    cluster: GatewayProcesses
+    nats: NatsServer
+    postgres: Server
+    front: Proxy
+    chance: random.Random
+    stack: AsyncExitStack
+    adapters: dict[str, RecordedAdapter] = field(default_factory=dict)
+    operators: dict[str, Operator] = field(default_factory=dict)
+    history: History = field(default_factory=History)
+
+    async def adapter(self, engine_id: str = "robot", *gateways: GatewayProcess) -> RecordedAdapter:
+        """Let an adapter dial these gateways, or all, and wait until one has attached it."""
+        urls = [each.adapter_url for each in gateways or self.cluster.gateways.values()]
+        made = self.adapters[engine_id] = RecordedAdapter(self.history, engine_id)
+        await self.stack.enter_async_context(made.serving(urls))
+        async with asyncio.timeout(PATIENCE):
+            await made.connected.wait()
+        return made
+
+    async def operator(self, name: str, engine_id: str = "robot", at: GatewayProcess | None = None) -> Operator:
+        """Let an application operate the arm of an engine through haproxy, or at one gateway."""
+        url = (self.front.url if at is None else at.url).replace("http", "ws", 1)
+        made = operator(self.history, url, name, f"{engine_id}/arm")
+        app = self.operators[name] = await self.stack.enter_async_context(made)
+        return app
+
+    async def crowd(self, count: int = 3) -> None:
+        """Let adapters dial gateways by chance, and as many applications operate them through haproxy."""
+        for number in range(count):
+            await self.adapter(f"robot{number}")
+            await self.operator(f"app{number}", f"robot{number}")
+        await self.all_move()
+
+    async def all_move(self, more: int = 3) -> float:
+        """Wait until every application has moved its arm some times; return since when all of them could."""
+        return max(await asyncio.gather(*(each.moves(more) for each in self.operators.values())))
+
+    async def turns(self, seconds: float) -> None:
+        """Let some time pass by chance, so that the next thing happens at another moment."""
+        await asyncio.sleep(self.chance.random() * seconds)
+
+    def said(self) -> str:
+        """What the applications were told at last, for the reader of a failed run."""
+        return "\n".join(f"{name}: {each.done} done, {each.refusals[-3:]}" for name, each in self.operators.items())
+
+
+@asynccontextmanager
+async def cluster_site(seed: int, postgres: Server, folder: Path, **options: Any) -> AsyncIterator[Site]:
+    """Run three gateways for one seed of a fault; in the end the history is judged."""
+    async with AsyncExitStack() as stack:
+        nats = stack.enter_context(nats_server(folder))
+        cluster = await stack.enter_async_context(gateway_processes(nats, postgres, folder, **options))
+        urls = [each.url for each in cluster.gateways.values()]
+        front = await stack.enter_async_context(proxy(*urls, folder=folder, idle=IDLE))
+        around = await stack.enter_async_context(AsyncExitStack())
+        here = Site(cluster, nats, postgres, front, random.Random(seed), around)
+        try:
+            yield here
+        except BaseException as error:
+            error.add_note(f"seed {seed}\n{here.said()}")
+            raise
+        await around.aclose()
+        wrong = judge(here.history)
+        assert not wrong, "\n".join((f"seed {seed}", *wrong, here.said(), *here.history.told()))

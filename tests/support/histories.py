@@ -1,0 +1,161 @@
+"""What adapters and applications saw while gateways failed, and its judgement. Pure.
+
+Adapters say what their fences saw, applications what they were told. Epochs decide who held a component: clocks and
+what gateways took for true do not.
+
+F23  a component never has two holders: a greater epoch ends the smaller ones, and what runs has the greatest
+F24  an epoch belongs to one holder for ever
+I2   each accepted command gets exactly one `completed`, for as long as its application lives
+I11  a command runs once at most, not after its end was told, and where it ended OK it did run
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+__all__ = ["Accepted", "Completed", "Held", "History", "Left", "Ran", "judge"]
+
+LATE = 2.0
+"""Seconds after the end of a command was told in which it may still begin: a gateway that knew of it was lost then."""
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """An adapter was told that an application holds a component, or holds it no more; its fence let that pass."""
+
+    at: float
+    component_ref: str
+    epoch: int
+    client_id: str
+    holds: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Ran:
+    """An adapter began a command; `epoch` is that of the holder whom the gateway that sent it had told, 0 for none."""
+
+    at: float
+    component_ref: str
+    epoch: int
+    command: str
+
+
+@dataclass(frozen=True, slots=True)
+class Accepted:
+    """An application was told that its command is accepted."""
+
+    at: float
+    application: str
+    command: str
+
+
+@dataclass(frozen=True, slots=True)
+class Completed:
+    """An application was told how its command ended."""
+
+    at: float
+    application: str
+    command: str
+    status: str
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    """An application has ended, and is told nothing any more."""
+
+    at: float
+    application: str
+
+
+Entry = Held | Ran | Accepted | Completed | Left
+
+
+@dataclass
+class History:
+    """Entries of all adapters and applications of one run, by one clock, in any order."""
+
+    entries: list[Entry] = field(default_factory=list)
+
+    def add(self, entry: Entry) -> None:
+        """Add an entry."""
+        self.entries.append(entry)
+
+    def told(self) -> list[str]:
+        """Return all entries in the order of time, a line each, for the reader of a failed run."""
+        return [repr(entry) for entry in sorted(self.entries, key=lambda entry: entry.at)]
+
+
+def judge(history: History) -> list[str]:
+    """Return what is wrong with a history, a line each; none where all holds."""
+    by_time = sorted(history.entries, key=lambda entry: entry.at)
+    return [*_two_holders(by_time), *_shared_epochs(by_time), *_ends(by_time), *_runs(by_time)]
+
+
+def _two_holders(entries: Iterable[Entry]) -> Iterable[str]:
+    greatest: dict[str, int] = defaultdict(int)
+    for entry in entries:
+        match entry:
+            case Held(at, ref, epoch, client, True) if epoch < greatest[ref]:
+                yield f"{at:.3f}: {client} holds {ref} by epoch {epoch}, behind {greatest[ref]} (F23)"
+            case Held(_, ref, epoch, _, True):
+                greatest[ref] = epoch
+            case Ran(at, ref, 0, command):
+                yield f"{at:.3f}: {command} runs at {ref} for no holder (F23)"
+            case Ran(at, ref, epoch, command) if epoch < greatest[ref]:
+                yield f"{at:.3f}: {command} runs at {ref} by epoch {epoch}, behind {greatest[ref]} (F23)"
+            case _:
+                pass
+
+
+def _shared_epochs(entries: Iterable[Entry]) -> Iterable[str]:
+    holders: dict[tuple[str, int], str] = {}
+    for entry in entries:
+        if isinstance(entry, Held):
+            former = holders.setdefault((entry.component_ref, entry.epoch), entry.client_id)
+            if former != entry.client_id:
+                yield (
+                    f"{entry.at:.3f}: epoch {entry.epoch} of {entry.component_ref} is that of {former}, "
+                    f"and then of {entry.client_id} (F24)"
+                )
+
+
+def _ends(entries: Iterable[Entry]) -> Iterable[str]:
+    accepted: dict[str, Accepted] = {}
+    ends: dict[str, list[str]] = defaultdict(list)
+    left: set[str] = set()
+    for entry in entries:
+        match entry:
+            case Accepted(_, _, command):
+                accepted[command] = entry
+            case Completed(_, _, command, status):
+                ends[command].append(status)
+            case Left(_, application):
+                left.add(application)
+            case _:
+                pass
+    for command, statuses in ends.items():
+        if len(statuses) > 1:
+            yield f"{command} ended {len(statuses)} times: {', '.join(statuses)} (I2)"
+        if command not in accepted:
+            yield f"{command} ended {statuses[0]} and was not accepted (I2)"
+    for command, told in accepted.items():
+        if command not in ends and told.application not in left:
+            yield f"{told.at:.3f}: {command} of {told.application} was accepted and has no end (I2)"
+
+
+def _runs(entries: Iterable[Entry]) -> Iterable[str]:
+    ran: dict[str, float] = {}
+    ended: dict[str, Completed] = {}
+    for entry in entries:
+        if isinstance(entry, Ran):
+            end = ended.get(entry.command)
+            if entry.command in ran:
+                yield f"{entry.at:.3f}: {entry.command} runs again (I11)"
+            if end is not None and entry.at > end.at + LATE:
+                yield f"{entry.at:.3f}: {entry.command} runs {entry.at - end.at:.1f} s after it ended {end.status} (I11)"
+            ran.setdefault(entry.command, entry.at)
+        elif isinstance(entry, Completed):
+            ended.setdefault(entry.command, entry)
+    for command, end in ended.items():
+        if end.status == "OK" and command not in ran:
+            yield f"{end.at:.3f}: {command} ended OK and never ran (I11)"
