@@ -55,10 +55,15 @@ class Site:
             await made.connected.wait()
         return made
 
-    async def operator(self, name: str, engine_id: str = "robot", at: GatewayProcess | None = None) -> Operator:
-        """Let an application operate the arm of an engine through haproxy, or at one gateway."""
+    async def operator(
+        self, name: str, engine_id: str = "robot", at: GatewayProcess | None = None, *, begins: bool = True
+    ) -> Operator:
+        """Let an application operate the arm of an engine through haproxy, or at one gateway.
+
+        One that is not to begin anything only connects.
+        """
         url = (self.front.url if at is None else at.url).replace("http", "ws", 1)
-        made = operator(self.history, url, name, f"{engine_id}/arm")
+        made = operator(self.history, url, name, f"{engine_id}/arm", begins=begins)
         app = self.operators[name] = await self.stack.enter_async_context(made)
         return app
 

@@ -4,7 +4,7 @@ Adapters say what their fences saw, applications what they were told. Epochs dec
 what gateways took for true do not.
 
 F23  a component never has two holders: a greater epoch ends the smaller ones, and what runs has the greatest
-F24  an epoch belongs to one holder for ever
+F24  an epoch belongs to one application for ever, over all its connections
 I2   each accepted command gets exactly one `completed`, for as long as its application lives
 I11  a command runs once at most, not after its end was told, and where it ended OK it did run
 """
@@ -13,10 +13,19 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-__all__ = ["Accepted", "Completed", "Held", "History", "Left", "Ran", "judge"]
+__all__ = ["Accepted", "Completed", "Connected", "Held", "History", "Left", "Ran", "judge"]
 
 LATE = 2.0
 """Seconds after the end of a command was told in which it may still begin: a gateway that knew of it was lost then."""
+
+
+@dataclass(frozen=True, slots=True)
+class Connected:
+    """An application was told by which id adapters know it over this connection."""
+
+    at: float
+    application: str
+    client_id: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +76,7 @@ class Left:
     application: str
 
 
-Entry = Held | Ran | Accepted | Completed | Left
+Entry = Connected | Held | Ran | Accepted | Completed | Left
 
 
 @dataclass
@@ -108,14 +117,17 @@ def _two_holders(entries: Iterable[Entry]) -> Iterable[str]:
 
 
 def _shared_epochs(entries: Iterable[Entry]) -> Iterable[str]:
+    told = list(entries)
+    names = {entry.client_id: entry.application for entry in told if isinstance(entry, Connected)}
     holders: dict[tuple[str, int], str] = {}
-    for entry in entries:
+    for entry in told:
         if isinstance(entry, Held):
-            former = holders.setdefault((entry.component_ref, entry.epoch), entry.client_id)
-            if former != entry.client_id:
+            name = names.get(entry.client_id, entry.client_id)
+            former = holders.setdefault((entry.component_ref, entry.epoch), name)
+            if former != name:
                 yield (
                     f"{entry.at:.3f}: epoch {entry.epoch} of {entry.component_ref} is that of {former}, "
-                    f"and then of {entry.client_id} (F24)"
+                    f"and then of {name} (F24)"
                 )
 
 

@@ -1,8 +1,9 @@
 """An adapter and an application that write down what they see of a cluster, for `tests.support.histories`."""
 
 import asyncio
+import json
 import time
-from collections.abc import AsyncIterator, Coroutine, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Coroutine, Mapping, Sequence
 from contextlib import asynccontextmanager
 from contextvars import ContextVar
 from typing import Any, Final
@@ -11,6 +12,7 @@ from openrois.adapter.dialer import serve_parent
 from openrois.aio.tasks import TaskScope
 from openrois.client import Client, ConnectionLost, Reconnect
 from openrois.client.commands import Command
+from openrois.client.dialling import websocket
 from openrois.component.authoring.marks import command
 from openrois.component.component import Component
 from openrois.contract import Client as Holder
@@ -19,9 +21,10 @@ from openrois.engine.registry import LocalRegistry
 from openrois.errors import RoISError
 from openrois.leases.epoch_fence import EpochFence
 from openrois.session.session import EngineHost
+from openrois.transport.stream import MessageStream
 from openrois.types.messages import Result
 from openrois.types.streams import HolderNotification
-from tests.support.histories import Accepted, Completed, Held, History, Left, Ran
+from tests.support.histories import Accepted, Completed, Connected, Held, History, Left, Ran
 
 __all__ = ["Operator", "RecordedAdapter", "operator"]
 
@@ -29,10 +32,6 @@ _epoch: ContextVar[int] = ContextVar("epoch")
 
 QUICK: Final = Reconnect(first=0.05, limit=0.3)
 """An application that looks for a gateway again soon."""
-
-MOST: Final = 4096
-"""Notifications of one application that wait to be written down."""
-
 
 class Arm(Component, authority="Test", function="actuation"):
     """Moves when it is told, and writes down by which epoch."""
@@ -144,6 +143,28 @@ class RecordedAdapter:
         """Do nothing: what it held is told separately."""
 
 
+class Heard:
+    """The connection of an application whose messages are read by another reader, too."""
+
+    def __init__(self, stream: MessageStream, hear: Callable[[dict[str, Any]], None]) -> None:
+        self._stream = stream
+        self._hear = hear
+
+    async def receive(self) -> str:
+        text = await self._stream.receive()
+        self._hear(json.loads(text))
+        return text
+
+    async def send(self, text: str) -> None:
+        await self._stream.send(text)
+
+    async def close(self, code: int = 1000, reason: str = "") -> None:
+        await self._stream.close(code, reason)
+
+    def abort(self) -> None:
+        self._stream.abort()
+
+
 class Operator:
     """An application that holds an arm and moves it all the time, whatever happens.
 
@@ -153,8 +174,9 @@ class Operator:
         refusals: what it was told in place of an acceptance, with the seconds that took, newest last.
     """
 
-    def __init__(self, history: History, client: Client, name: str, component_ref: str) -> None:
-        self.client = client
+    def __init__(self, history: History, url: str, name: str, component_ref: str) -> None:
+        self._dial = websocket(url)
+        self.client = Client(dial=self._connect, reconnect=QUICK, request_timeout=10)
         self.done = 0
         self.refusals: list[tuple[float, Exception]] = []
         self._history = history
@@ -166,12 +188,17 @@ class Operator:
         self._is_over = False
         self._news = asyncio.Event()
 
-    async def listen(self) -> None:
-        """Write down how its commands end."""
-        told = self.client.notifications("rois.command.completed", buffer=MOST)
-        async for each in told:
-            assert not told.dropped
-            self._note_end(each.params["command_id"], each.params["status"])
+    @asynccontextmanager
+    async def _connect(self) -> AsyncIterator[MessageStream]:
+        async with self._dial() as stream:
+            yield Heard(stream, self._hear)
+
+    def _hear(self, message: dict[str, Any]) -> None:
+        """Write down how its commands end, and as whom adapters know it."""
+        if message.get("method") == "rois.command.completed":
+            self._note_end(message["params"]["command_id"], message["params"]["status"])
+        elif client_id := message.get("result", {}).get("client_id"):
+            self._history.add(Connected(time.monotonic(), self._name, client_id))
 
     def _note_end(self, command_id: str, status: str) -> None:
         end = Completed(time.monotonic(), self._name, self._names.get(command_id, command_id), status)
@@ -183,13 +210,19 @@ class Operator:
 
     async def bind(self) -> None:
         """Bind the arm, as soon as that is possible."""
-        while True:
-            try:
-                await self.client.bind(self._ref)
-                return
-            except (RoISError, ConnectionLost, TimeoutError) as error:
-                self.refusals.append((0.0, error))
+        async with asyncio.timeout(60):
+            while not await self.binds():
                 await asyncio.sleep(0.05)
+
+    async def binds(self) -> bool:
+        """Try to bind the arm, and tell whether it did."""
+        began = time.monotonic()
+        try:
+            await self.client.bind(self._ref)
+        except (RoISError, ConnectionLost, TimeoutError) as error:
+            self.refusals.append((time.monotonic() - began, error))
+            return False
+        return True
 
     async def move(self, seconds: float = 0.0) -> Command[Any] | None:
         """Move the arm once; return the command, or None where it was not accepted."""
@@ -235,23 +268,25 @@ class Operator:
 
 
 @asynccontextmanager
-async def operator(history: History, url: str, name: str, component_ref: str) -> AsyncIterator[Operator]:
-    """Connect an application that operates a component while the block runs, and ends in good order."""
-    async with Client(url, reconnect=QUICK, request_timeout=10) as client:
-        app = Operator(history, client, name, component_ref)
-        async with asyncio.TaskGroup() as tasks:
-            listening = tasks.create_task(app.listen())
+async def operator(
+    history: History, url: str, name: str, component_ref: str, *, begins: bool = True
+) -> AsyncIterator[Operator]:
+    """Connect an application that operates a component while the block runs, unless it is to begin nothing."""
+    app = Operator(history, url, name, component_ref)
+    async with app.client, asyncio.TaskGroup() as tasks:
+        if begins:
             await app.bind()
-            operating = tasks.create_task(app.operate())
-            try:
-                yield app
-            except BaseException:
-                operating.cancel()
-                listening.cancel()
-                raise
-            app.finish()
-            async with asyncio.timeout(60):
-                await operating
-            # Ends that came are in the feed by now; the connection is there, so nothing is on its way.
-            listening.cancel()
-        history.add(Left(time.monotonic(), name))
+        operating = tasks.create_task(app.operate() if begins else _nothing())
+        try:
+            yield app
+        except BaseException:
+            operating.cancel()
+            raise
+        app.finish()
+        async with asyncio.timeout(60):
+            await operating
+    history.add(Left(time.monotonic(), name))
+
+
+async def _nothing() -> None:
+    """Operate nothing."""

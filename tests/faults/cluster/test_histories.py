@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.support.histories import Accepted, Completed, Entry, Held, History, Left, Ran, judge
+from tests.support.histories import Accepted, Completed, Connected, Entry, Held, History, Left, Ran, judge
 
 ARM = "robot/arm"
 GOOD: list[Entry] = [
@@ -56,6 +56,14 @@ def test_a_bad_history(entry: Entry, wrong: str) -> None:
 def test_a_holder_that_is_still_there_when_a_former_one_comes_back() -> None:
     assert found(*GOOD[:1], Held(2, ARM, 20, "two", True), Held(3, ARM, 10, "one", True)) == [
         "3.000: one holds robot/arm by epoch 10, behind 20 (F23)"
+    ]
+
+
+def test_an_application_goes_on_by_its_epoch_over_another_connection() -> None:
+    went_on = Held(6, ARM, 2010, "three", True)
+    assert found(Connected(0, "app", "two"), Connected(5, "app", "three"), *GOOD, went_on) == []
+    assert found(Connected(0, "app", "two"), Connected(5, "other", "three"), *GOOD, went_on) == [
+        "6.000: epoch 2010 of robot/arm is that of app, and then of other (F24)"
     ]
 
 

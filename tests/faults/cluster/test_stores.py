@@ -1,0 +1,84 @@
+"""F47, F48: NATS, which joins the gateways, or PostgreSQL, which they share, is away for a while."""
+
+import asyncio
+import time
+from pathlib import Path
+
+import pytest
+
+from openrois.client import ConnectionLost
+from tests.support.cluster_site import Site, cluster_site
+from tests.support.postgres import Server
+from tests.support.seeds import lasting
+
+pytestmark = [pytest.mark.usefixtures("haproxy", "nats"), pytest.mark.timeout(300)]
+
+
+async def pair(here: Site) -> None:
+    """Let an application operate an engine at its own gateway, and another one an engine elsewhere."""
+    gateways = here.cluster.gateways
+    await here.adapter("near", gateways["a"])
+    await here.adapter("far", gateways["a"])
+    await here.operator("inside", "near", gateways["a"])
+    await here.operator("across", "far", gateways["b"])
+    await here.all_move()
+
+
+@pytest.mark.parametrize("seed", lasting(0, 1))
+@pytest.mark.parametrize("is_killed", [True, False], ids=["killed", "stopped"])
+async def test_f47_nats_is_away(seed: int, is_killed: bool, postgres_server: Server, tmp_path: Path) -> None:
+    async with cluster_site(seed, postgres_server, tmp_path) as here:
+        await pair(here)
+        inside, across = here.operators["inside"], here.operators["across"]
+        await here.turns(0.3)
+        (here.nats.kill if is_killed else here.nats.freeze)()
+        for each in here.cluster.gateways.values():
+            await each.ready(False)
+            assert (await each.readiness())[1]["lacking"] == ["NATS, which joins the gateways"]
+        across.refusals.clear()
+        await inside.moves(20)
+        await asyncio.sleep(3 * here.chance.random())
+        took, error = across.refusals[-1]
+        print(f"seed {seed}: refused in {took:.3f} s: {error}")
+        assert not isinstance(error, ConnectionLost | TimeoutError)
+        assert "NATS" in str(error)
+        done = across.done
+        await inside.moves(20)
+        assert across.done == done
+        back = time.monotonic()
+        (here.nats.start if is_killed else here.nats.thaw)()
+        for each in here.cluster.gateways.values():
+            await each.ready()
+        operable = await here.all_move()
+        print(f"seed {seed}: operated {operable - back:.2f} s after NATS was back")
+
+
+@pytest.mark.parametrize("seed", lasting(0, 1))
+@pytest.mark.parametrize("is_killed", [True, False], ids=["killed", "stopped"])
+async def test_f48_postgresql_is_away(seed: int, is_killed: bool, postgres_server: Server, tmp_path: Path) -> None:
+    async with cluster_site(seed, postgres_server, tmp_path) as here:
+        await pair(here)
+        gateways = here.cluster.gateways
+        await here.turns(0.3)
+        (postgres_server.kill if is_killed else postgres_server.stop)()
+        try:
+            for each in gateways.values():
+                await each.ready(False)
+                assert (await each.readiness())[1]["lacking"] in (
+                    ["the store that the gateways share"],
+                    ["journal", "the store that the gateways share"],
+                )
+            late = asyncio.ensure_future(here.adapter("late", gateways["c"]))
+            await here.all_move(20)
+            await asyncio.sleep(3 * here.chance.random())
+            await here.all_move(20)
+            assert not late.done()
+        finally:
+            (postgres_server.start if is_killed else postgres_server.go_on)()
+        back = time.monotonic()
+        await late
+        print(f"seed {seed}: claimed {time.monotonic() - back:.2f} s after PostgreSQL was back")
+        for each in gateways.values():
+            await each.ready()
+        await here.operator("later", "late")
+        await here.all_move()
