@@ -88,13 +88,23 @@ class Site:
 
 
 @asynccontextmanager
-async def cluster_site(seed: int, postgres: Server, folder: Path, **options: Any) -> AsyncIterator[Site]:
-    """Run three gateways for one seed of a fault; in the end the history is judged."""
+async def cluster_site(
+    seed: int, postgres: Server, folder: Path, *, balance: str = "roundrobin", **options: Any
+) -> AsyncIterator[Site]:
+    """Run three gateways for one seed of a fault; in the end the history is judged.
+
+    Args:
+        seed: of all chance.
+        postgres: has what they share; its store is emptied.
+        folder: for logs.
+        balance: of haproxy.
+        options: of the gateways.
+    """
     async with AsyncExitStack() as stack:
         nats = stack.enter_context(nats_server(folder))
         cluster = await stack.enter_async_context(gateway_processes(nats, postgres, folder, **options))
         urls = [each.url for each in cluster.gateways.values()]
-        front = await stack.enter_async_context(proxy(*urls, folder=folder, idle=IDLE))
+        front = await stack.enter_async_context(proxy(*urls, folder=folder, idle=IDLE, balance=balance))
         around = await stack.enter_async_context(AsyncExitStack())
         here = Site(cluster, nats, postgres, front, random.Random(seed), around)
         try:

@@ -5,6 +5,7 @@ import shutil
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlsplit
 
 from tests.support.demo import free_port
@@ -25,12 +26,13 @@ class Proxy:
         targets: addresses of the gateways.
         folder: for its configuration.
         idle: seconds after which it cuts a connection over which nothing passes.
+        balance: which gateway has the next connection: haproxy's `roundrobin`, or `first`, that is the first that is ready.
 
     Attributes:
         url: where a gateway is reached through it.
     """
 
-    def __init__(self, targets: Sequence[str], folder: Path, idle: float = IDLE) -> None:
+    def __init__(self, targets: Sequence[str], folder: Path, idle: float = IDLE, balance: str = "roundrobin") -> None:
         port = free_port()
         self.url = f"http://127.0.0.1:{port}/"
         self._port = port
@@ -44,7 +46,7 @@ class Proxy:
         self._file.write_text(
             f"defaults\n mode http\n{waits}"
             f"frontend page\n bind 127.0.0.1:{port}\n default_backend gateway\n"
-            f"backend gateway\n option httpchk GET /readyz\n option redispatch\n retries 3\n{servers}"
+            f"backend gateway\n balance {balance}\n option httpchk GET /readyz\n option redispatch\n retries 3\n{servers}"
         )
 
     async def start(self) -> None:
@@ -73,9 +75,9 @@ class Proxy:
 
 
 @asynccontextmanager
-async def proxy(*targets: str, folder: Path, idle: float = IDLE) -> AsyncIterator[Proxy]:
+async def proxy(*targets: str, folder: Path, **options: Any) -> AsyncIterator[Proxy]:
     """Run one while the block runs."""
-    made = Proxy(targets, folder, idle)
+    made = Proxy(targets, folder, **options)
     await made.start()
     try:
         yield made
