@@ -17,6 +17,8 @@ import uvloop
 from openrois.aio.memory_return import returning_memory
 from openrois.aio.supervisor import Supervisor
 from openrois.aio.tasks import TaskScope
+from openrois.cluster.postgres.schema import StoreUnusable
+from openrois.errors import StoreUnreachable
 from openrois.gateway.configuration import configure, printed
 from openrois.gateway.page import NO_PAGE, has_page
 from openrois.gateway.server import Gateway, run_gateway
@@ -55,7 +57,7 @@ def main(arguments: Sequence[str]) -> int:
             _log.warning("%s", warning)
         _allow_files(settings)
         uvloop.run(_run(settings))
-    except (JournalUnusable, MetricsUnavailable, ValueError) as error:
+    except (JournalUnusable, MetricsUnavailable, StoreUnreachable, StoreUnusable, ValueError) as error:
         print(f"openrois gateway: {error}", file=sys.stderr)
         return 1
     except OSError as error:

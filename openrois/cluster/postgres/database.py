@@ -123,6 +123,7 @@ class Database(AbstractAsyncContextManager["Database"]):
                 await migrate(connection)
             tasks = await stack.enter_async_context(TaskScope())
             tasks.start(self._keep_linked())
+            await self._linked(_OPENING)
             self._stack = stack.pop_all()
         return self
 
@@ -161,7 +162,7 @@ class Database(AbstractAsyncContextManager["Database"]):
         """
         with self._explained():
             async with self._link_use:
-                connection = await self._linked()
+                connection = await self._linked(_RELINKING)
                 try:
                     yield connection
                 except BaseException:
@@ -202,14 +203,14 @@ class Database(AbstractAsyncContextManager["Database"]):
 
     # The connection that stays.
 
-    async def _linked(self) -> "Connection":
+    async def _linked(self, patience: float) -> "Connection":
         if self._link is not None and self._link.is_closed():
             # What watches over it was not told yet.
             self._link = None
             self._is_linked.clear()
         if self._link is None:
             with suppress(TimeoutError):
-                async with asyncio.timeout(_RELINKING):
+                async with asyncio.timeout(patience):
                     await self._is_linked.wait()
         if self._link is None:
             raise StoreUnreachable(self._failure or f"{self.name} is not connected")

@@ -163,6 +163,13 @@ class TestConnections:
         async with database.connection() as connection:
             assert await connection.fetchval("SELECT 1") == 1
 
+    async def test_the_one_that_stays_is_there_from_the_beginning(
+        self, postgres_server: Server, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr("openrois.cluster.postgres.database._RELINKING", 0.0)
+        async with Database(postgres_server.url, postgres_server.password_file) as database, database.link() as link:
+            assert await link.fetchval("SELECT 1") == 1
+
     async def test_what_the_server_refuses_is_told_in_one_line(self, database: Database) -> None:
         with pytest.raises(StoreUnreachable, match=r'/postgres: relation "nothing" does not exist$'):
             async with database.connection() as connection:

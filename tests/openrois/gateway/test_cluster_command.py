@@ -1,0 +1,39 @@
+"""`openrois gateway` where what the gateways of a cluster share cannot be used: it does not start, and says why."""
+
+import asyncio
+from pathlib import Path
+
+import pytest
+
+from openrois.gateway.command import main
+from tests.support.postgres import Server
+
+pytestmark = pytest.mark.extra(name="cluster")
+
+CLUSTER = ("--port", "0", "--gateway-id", "a", "--cluster", "nats://127.0.0.1:1")
+
+
+def test_a_store_that_is_not_there_is_one_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    store = f"postgresql://openrois@/postgres?host={tmp_path}"
+    assert main([*CLUSTER, "--store", store]) == 1
+    said = capfd.readouterr().err
+    assert said.startswith(f"openrois gateway: PostgreSQL {tmp_path}/postgres")
+    assert said.count("\n") == 1
+
+
+async def set_version(server: Server, statement: str) -> None:
+    async with server.admin() as admin:
+        await admin.execute(statement)
+
+
+def test_a_store_that_is_newer_is_one_line(postgres_server: Server, capfd: pytest.CaptureFixture[str]) -> None:
+    newer = "CREATE SCHEMA openrois; CREATE TABLE openrois.version (version integer); INSERT INTO openrois.version VALUES (99)"
+    asyncio.run(set_version(postgres_server, f"DROP SCHEMA IF EXISTS openrois CASCADE; {newer}"))
+    try:
+        store = ("--store", postgres_server.url, "--store-password", str(postgres_server.password_file))
+        assert main([*CLUSTER, *store]) == 1
+    finally:
+        asyncio.run(set_version(postgres_server, "DROP SCHEMA openrois CASCADE"))
+    said = capfd.readouterr().err
+    assert said.startswith("openrois gateway: the store has version 99 of the schema")
+    assert said.count("\n") == 1
