@@ -61,13 +61,22 @@ class GatewayProcess:
                 sys.executable, "-m", "openrois.cli", *self._words, cwd=ROOT, stdout=log, stderr=log, env=os.environ
             )
 
-    async def ready(self, wanted: bool = True) -> float:
-        """Wait until it says that it is ready, or is not; return the seconds that it took."""
+    async def ready(self) -> float:
+        """Wait until it says that it is ready; return the seconds that it took."""
 
         async def is_so() -> bool:
-            return ((await self.readiness())[0] == 200) is wanted
+            return (await self.readiness())[0] == 200
 
-        return await until(is_so, f"{self.gateway_id} is {'not ' if wanted else ''}ready:\n{self.said()}")
+        return await until(is_so, f"{self.gateway_id} is not ready:\n{self.said()}")
+
+    async def lacks(self, what: str) -> float:
+        """Wait until it says that it lacks something; return the seconds that it took."""
+
+        async def is_so() -> bool:
+            _, told = await self.readiness()
+            return told is not None and what in told.get("lacking", ())
+
+        return await until(is_so, f"{self.gateway_id} does not lack {what}:\n{self.said()}")
 
     async def readiness(self) -> tuple[int, Any]:
         """Return the status and the answer of `/readyz`; 0 where there is none within a second."""

@@ -13,6 +13,7 @@ from openrois.aio.tasks import TaskScope
 from openrois.client import Client, ConnectionLost, Reconnect
 from openrois.client.commands import Command
 from openrois.client.dialling import websocket
+from openrois.client.steps import Step
 from openrois.component.authoring.marks import command
 from openrois.component.component import Component
 from openrois.contract import Client as Holder
@@ -22,7 +23,7 @@ from openrois.errors import RoISError
 from openrois.leases.epoch_fence import EpochFence
 from openrois.session.session import EngineHost
 from openrois.transport.stream import MessageStream
-from openrois.types.messages import Result
+from openrois.types.messages import Argument, Result
 from openrois.types.streams import HolderNotification
 from tests.support.histories import Accepted, Completed, Connected, Held, History, Left, Ran
 
@@ -228,10 +229,18 @@ class Operator:
         """Move the arm once; return the command, or None where it was not accepted."""
         self._count += 1
         name = f"{self._name}-{self._count}"
+
+        async def prepare() -> tuple[Argument, ...]:
+            # Without a look at the profile: the gateway is to say what is wrong.
+            values = {"name": ("string", name), "seconds": ("double", str(seconds))}
+            return tuple(Argument(name=key, data_type_ref=kind, value=value) for key, (kind, value) in values.items())
+
+        async def no_results(_command_id: str) -> None:
+            return None
+
         began = time.monotonic()
         try:
-            moving = self.client.component(self._ref).command("move", None, name=name, seconds=seconds)
-            accepted = await moving.execute()
+            accepted = await Step(self.client, self._ref, "move", prepare, no_results).execute()
         except (RoISError, ConnectionLost, TimeoutError) as error:
             self.refusals.append((time.monotonic() - began, error))
             return None
