@@ -5,7 +5,7 @@ what gateways took for true do not.
 
 F23  a component never has two holders: a greater epoch ends the smaller ones, and what runs has the greatest
 F24  an epoch belongs to one application for ever, over all its connections
-I2   each accepted command gets exactly one `completed`, for as long as its application lives
+I2   each accepted command gets exactly one `completed`: no application leaves before
 I11  a command runs once at most, not after its end was told, and where it ended OK it did run
 """
 
@@ -13,7 +13,7 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-__all__ = ["Accepted", "Completed", "Connected", "Held", "History", "Left", "Ran", "judge"]
+__all__ = ["Accepted", "Completed", "Connected", "Held", "History", "Ran", "judge"]
 
 LATE = 2.0
 """Seconds after the end of a command was told in which it may still begin: a gateway that knew of it was lost then."""
@@ -68,15 +68,7 @@ class Completed:
     status: str
 
 
-@dataclass(frozen=True, slots=True)
-class Left:
-    """An application has ended, and is told nothing any more."""
-
-    at: float
-    application: str
-
-
-Entry = Connected | Held | Ran | Accepted | Completed | Left
+Entry = Connected | Held | Ran | Accepted | Completed
 
 
 @dataclass
@@ -134,15 +126,12 @@ def _shared_epochs(entries: Iterable[Entry]) -> Iterable[str]:
 def _ends(entries: Iterable[Entry]) -> Iterable[str]:
     accepted: dict[str, Accepted] = {}
     ends: dict[str, list[str]] = defaultdict(list)
-    left: set[str] = set()
     for entry in entries:
         match entry:
             case Accepted(_, _, command):
                 accepted[command] = entry
             case Completed(_, _, command, status):
                 ends[command].append(status)
-            case Left(_, application):
-                left.add(application)
             case _:
                 pass
     for command, statuses in ends.items():
@@ -151,7 +140,7 @@ def _ends(entries: Iterable[Entry]) -> Iterable[str]:
         if command not in accepted:
             yield f"{command} ended {statuses[0]} and was not accepted (I2)"
     for command, told in accepted.items():
-        if command not in ends and told.application not in left:
+        if command not in ends:
             yield f"{told.at:.3f}: {command} of {told.application} was accepted and has no end (I2)"
 
 

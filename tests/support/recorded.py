@@ -25,7 +25,7 @@ from openrois.session.session import EngineHost
 from openrois.transport.stream import MessageStream
 from openrois.types.messages import Argument, Result
 from openrois.types.streams import HolderNotification
-from tests.support.histories import Accepted, Completed, Connected, Held, History, Left, Ran
+from tests.support.histories import Accepted, Completed, Connected, Held, History, Ran
 
 __all__ = ["Operator", "RecordedAdapter", "operator"]
 
@@ -294,7 +294,6 @@ async def operator(
         app.finish()
         async with asyncio.timeout(60):
             await operating
-    history.add(Left(time.monotonic(), name))
 
 
 async def _nothing() -> None:

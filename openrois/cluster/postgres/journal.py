@@ -55,13 +55,17 @@ _ENDED: Final = """
     WHERE known.gateway_id = $1::text AND known.run = $2::bigint AND known.session = given.session
         AND known.command_key = given.command_key AND known.status IS NULL
 """
-# A gateway that could not renew, because the store was away, is not taken for dead before it had the time to.
+# A gateway that could not renew, because the store was away, is not taken for dead before it had the time to. What it
+# ran at an engine that another gateway owns by now is lost, whether it is dead or not: the adapter has left it.
 _FOUND: Final = """
     found AS MATERIALIZED (
         SELECT command.gateway_id, command.run, number, status IS NULL AND CASE WHEN owner.run IS NULL
             THEN {ttl_ms} > $5::bigint
             ELSE owner.run <= command.run AND (owner.expires_ms > {now} OR owner.ttl_ms > $5)
-            END AS is_running
+            END AND NOT EXISTS (
+                SELECT FROM openrois.claim WHERE engine_id = split_part(component_ref, '/', 1)
+                AND claim.gateway_id NOT IN ('', command.gateway_id)
+            ) AS is_running
         FROM openrois.command LEFT JOIN openrois.gateway AS owner USING (gateway_id)
         WHERE subject_key = $1::bytea AND command_key = $2::bytea
             AND NOT (gateway_id = $3::text AND command.run = $4::bigint)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.support.histories import Accepted, Completed, Connected, Entry, Held, History, Left, Ran, judge
+from tests.support.histories import Accepted, Completed, Connected, Entry, Held, History, Ran, judge
 
 ARM = "robot/arm"
 GOOD: list[Entry] = [
@@ -65,11 +65,6 @@ def test_an_application_goes_on_by_its_epoch_over_another_connection() -> None:
     assert found(Connected(0, "app", "two"), Connected(5, "other", "three"), *GOOD, went_on) == [
         "6.000: epoch 2010 of robot/arm is that of app, and then of other (F24)"
     ]
-
-
-def test_an_application_that_has_left_is_owed_nothing() -> None:
-    assert found(*GOOD, Accepted(6, "app", "c"), Left(7, "app")) == []
-    assert found(*GOOD, Accepted(6, "app", "c"), Left(7, "another")) != []
 
 
 def test_a_command_may_begin_while_its_end_is_told_and_not_much_later() -> None:

@@ -70,6 +70,19 @@ class TestOtherGateways:
             former = await b.find("ann", "one")
             assert (former.status, former.reason, former.is_notified) == (None, GATEWAY_LOST, True)
 
+    async def test_a_command_is_lost_with_the_engine_that_another_gateway_has_claimed(
+        self, run: Run, admin: Any
+    ) -> None:
+        claim = "INSERT INTO openrois.claim VALUES ('robot', $1, 'process', 1)"
+        claim += " ON CONFLICT (engine_id) DO UPDATE SET gateway_id = excluded.gateway_id"
+        async with run("a") as a, run("b") as b:
+            await a.accepted("s", "ann", {"one": "robot/lamp", "other": "robots/lamp"})
+            for owner, is_running in (("a", True), ("", True), ("b", False), ("c", False)):
+                await admin.execute(claim, owner)
+                assert (await b.find("ann", "one")).is_running is is_running
+                assert (await b.find("ann", "other")).is_running
+            assert (await b.deliver_outcome("ann", "one")).reason == GATEWAY_LOST
+
     async def test_one_that_was_started_again_has_lost_what_ran(self, run: Run) -> None:
         async with run("b") as b, run("a") as former:
             await former.accepted("s", "ann", {"one": "robot/lamp"})
