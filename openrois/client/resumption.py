@@ -7,7 +7,7 @@ from typing import Final
 from openrois.client.bindings import Bindings
 from openrois.client.commands import Commands
 from openrois.client.rpc_call import ask
-from openrois.errors import ComponentFailed, RoISError
+from openrois.errors import ComponentFailed, RoISError, TimedOut
 from openrois.jsonrpc.session import RpcError, RpcSession
 from openrois.types.leases import MAX_RESUMED, LeaseTokenResult, ResumeParams, ResumeResult
 from openrois.types.messages import CommandResultParams, NoParams, ResultsResult
@@ -20,6 +20,10 @@ PATIENCE: Final = 30.0
 """Seconds after which commands of unknown end are given up: a gateway that has crashed is back by then."""
 
 _AT_ONCE: Final = 64
+
+_QUERIES: Final = 6
+"""Queries for the end of a command that may still run at another gateway: each waits for some seconds."""
+
 _MILLISECOND: Final = 0.001
 
 
@@ -127,16 +131,23 @@ class Resumption:
         self._token, self._grace = told.token, told.grace_ms * _MILLISECOND
 
     async def _find_end(self, session: RpcSession, command_id: str) -> None:
-        """Query twice: a notification of the end comes right behind the first answer, and so before the second."""
+        """Query until two answers: a notification of the end comes right behind the first one, before the second."""
         params = CommandResultParams(command_id=command_id, condition="")
-        why = "its end was notified over the lost connection, and never arrived"
-        for _ in range(2):
+        why, answers = "it may still run at another gateway", 0
+        for _ in range(_QUERIES):
             if command_id not in self._commands:
                 return
+            if answers == 2:
+                why = "its end was notified over the lost connection, and never arrived"
+                break
             try:
                 await ask(session, "rois.command.get_command_result", params, ResultsResult, timeout=self._timeout)
+                answers += 1
             except ComponentFailed:
                 # It failed, or did not end before the gateway did: `completed` says that, too.
+                answers += 1
+            except TimedOut:
+                # The gateway that runs it may be lost. This one has waited for some seconds, and will know.
                 continue
             except (RoISError, RpcError):
                 why = "the gateway does not know of it"

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,8 @@ from openrois.client import (
 from openrois.errors import Aborted, ComponentFailed, OutOfResources, Unsupported
 from openrois.gateway.applications import serve_application
 from openrois.gateway.token_expiry import TokenExpiry
+from openrois.journal.former import GATEWAY_LOST, FormerCommand
+from openrois.journal.journal import NoJournal
 from openrois.journal.sqlite_journal import SqliteJournal
 from openrois.session.session import EngineHost
 from openrois.transport.stream import StreamClosed
@@ -257,6 +260,43 @@ class TestRestart:
             await clock.pass_time()
             with pytest.raises(ComponentFailed, match="the gateway was restarted"):
                 await running
+
+
+class SlowJournal(NoJournal):
+    """The journal of a gateway that was lost, which counts as running for a while."""
+
+    def __init__(self, looks: int) -> None:
+        super().__init__()
+        self.looks = looks
+        self._lost = FormerCommand(LAMP, None, GATEWAY_LOST, None)
+
+    async def find(self, subject: str, command_id: str) -> FormerCommand | None:
+        self.looks -= 1
+        return replace(self._lost, is_running=self.looks >= 0)
+
+    async def deliver_outcome(self, subject: str, command_id: str) -> FormerCommand | None:
+        return self._lost
+
+
+@pytest.mark.parametrize(("looks", "error"), [(0, ComponentFailed), (3, ComponentFailed), (99, ConnectionLost)])
+async def test_the_end_of_a_command_at_a_gateway_that_may_be_lost_is_asked_for_again(
+    looks: int,
+    error: type[Exception],
+    line: Line,
+    clock: Clock,
+    ann: Client,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("openrois.interfaces.command._LOOKS_ELSEWHERE", 1)
+    monkeypatch.setattr("openrois.interfaces.command._LOOK_AGAIN", 0.0)
+    await ann.bind(LAMP)
+    running = await ann.component(LAMP).command("start").execute()
+    await line.lamp.glowing.wait()
+    line.host = EngineHost(line.host.engine, line.tasks, journal=SlowJournal(looks), lease_rules=line.host.lease_rules)
+    line.cut()
+    await clock.pass_time()
+    with pytest.raises(error, match="lost|another gateway"):
+        await running
 
 
 @asynccontextmanager
