@@ -22,7 +22,10 @@ pytestmark = pytest.mark.usefixtures("haproxy")
 async def test_f42_pings_keep_alive_what_a_proxy_takes_for_idle(
     seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    async with ground(seed, tmp_path, caplog, quick=True) as place, proxy(place.gateway.url, folder=tmp_path) as between:
+    async with (
+        ground(seed, tmp_path, caplog, quick=True) as place,
+        proxy(place.gateway.url, folder=tmp_path) as between,
+    ):
         await place.robot(url=between.url)
         app = await place.stack.enter_async_context(place.book.witness(between.url))
         assert await app.bind() == "OK"

@@ -30,7 +30,7 @@ async def until(holds: Callable[[], Awaitable[bool]], what: str, within: float =
     began = loop.time()
     try:
         async with asyncio.timeout(within):
-            while not await holds():
+            while not await holds():  # noqa: ASYNC110 - other processes tell nothing
                 await asyncio.sleep(_LOOK)
     except TimeoutError:
         raise TimeoutError(f"after {within:.0f} s: {what}") from None

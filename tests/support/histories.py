@@ -152,8 +152,9 @@ def _runs(entries: Iterable[Entry]) -> Iterable[str]:
             end = ended.get(entry.command)
             if entry.command in ran:
                 yield f"{entry.at:.3f}: {entry.command} runs again (I11)"
-            if end is not None and entry.at > end.at + LATE:
-                yield f"{entry.at:.3f}: {entry.command} runs {entry.at - end.at:.1f} s after it ended {end.status} (I11)"
+            late = 0.0 if end is None else entry.at - end.at
+            if end is not None and late > LATE:
+                yield f"{entry.at:.3f}: {entry.command} runs {late:.1f} s after it ended {end.status} (I11)"
             ran.setdefault(entry.command, entry.at)
         elif isinstance(entry, Completed):
             ended.setdefault(entry.command, entry)

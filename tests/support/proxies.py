@@ -26,7 +26,7 @@ class Proxy:
         targets: addresses of the gateways.
         folder: for its configuration.
         idle: seconds after which it cuts a connection over which nothing passes.
-        balance: which gateway has the next connection: haproxy's `roundrobin`, or `first`, that is the first that is ready.
+        balance: which gateway has the next connection: `roundrobin`, or `first`, which is the first that is ready.
 
     Attributes:
         url: where a gateway is reached through it.
@@ -46,7 +46,8 @@ class Proxy:
         self._file.write_text(
             f"defaults\n mode http\n{waits}"
             f"frontend page\n bind 127.0.0.1:{port}\n default_backend gateway\n"
-            f"backend gateway\n balance {balance}\n option httpchk GET /readyz\n option redispatch\n retries 3\n{servers}"
+            f"backend gateway\n balance {balance}\n option httpchk GET /readyz\n"
+            f" option redispatch\n retries 3\n{servers}"
         )
 
     async def start(self) -> None:

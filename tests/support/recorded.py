@@ -34,6 +34,7 @@ _epoch: ContextVar[int] = ContextVar("epoch")
 QUICK: Final = Reconnect(first=0.05, limit=0.3)
 """An application that looks for a gateway again soon."""
 
+
 class Arm(Component, authority="Test", function="actuation"):
     """Moves when it is told, and writes down by which epoch."""
 
@@ -109,7 +110,11 @@ class RecordedAdapter:
         self._history.add(Ran(time.monotonic(), self.arm_ref, _epoch.get(), name))
 
     async def _run(
-        self, component_ref: str, _component: Component, _command_type: str, work: Coroutine[Any, Any, tuple[Result, ...]]
+        self,
+        component_ref: str,
+        _component: Component,
+        _command_type: str,
+        work: Coroutine[Any, Any, tuple[Result, ...]],
     ) -> tuple[Result, ...]:
         """Run a command by the epoch of the gateway that sent it."""
         assert self._host is not None
@@ -212,7 +217,7 @@ class Operator:
     async def bind(self) -> None:
         """Bind the arm, as soon as that is possible."""
         async with asyncio.timeout(60):
-            while not await self.binds():
+            while not await self.binds():  # noqa: ASYNC110 - it is free, or seen, at an unknown time
                 await asyncio.sleep(0.05)
 
     async def binds(self) -> bool:

@@ -2,22 +2,23 @@
 
     python -m openrois_bench.cluster.failover [--rounds N] [--json FILE]
 
-NATS, PostgreSQL and three gateways, each a process of its own. An adapter and two applications, in this one, know all
-gateways. Of the applications one is at the owner, one elsewhere; the odd rounds kill the owner while the first one
-holds the body, the even ones while the second one does. A time is from the kill.
+NATS, PostgreSQL and three gateways, each a process of its own. An adapter and an application, in this one, know all
+gateways. The application holds the body, at its owner and at another gateway in turn, when the owner is killed.
 """
 
 import argparse
 import asyncio
 import signal
+import socket
 import sys
 import time
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
-from contextlib import AsyncExitStack, asynccontextmanager, suppress
+from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
+import asyncpg
 import uvloop
 from aiohttp import ClientError, ClientSession
 
@@ -28,15 +29,15 @@ from openrois.aio.tasks import TaskScope
 from openrois.client import Client, ConnectionFailed, ConnectionLost, Reconnect
 from openrois.client.dialling import websocket
 from openrois.errors import RoISError
+from openrois.transport.address import adapter_url
 from openrois.transport.stream import MessageStream
 from openrois_bench.cluster.postgres import postgres_server
 from openrois_bench.cluster.stream import nats_server
 from openrois_bench.errors import within
 from openrois_bench.measuring.conditions import conditions, load
-from openrois_bench.measuring.figures import Percentiles
+from openrois_bench.measuring.figures import MILLISECONDS, Percentiles
 from openrois_bench.measuring.result import write_result
 from openrois_bench.measuring.table import table
-from openrois_bench.processes.child import free_port
 
 __all__ = ["Case", "measure", "printed", "summary"]
 
@@ -69,11 +70,10 @@ class Case:
 class Gateway:
     """A gateway that is killed and started again at the same address."""
 
-    def __init__(self, gateway_id: str, nats: str, store: str) -> None:
-        self._port = free_port()
-        self.url = f"http://127.0.0.1:{self._port}/"
+    def __init__(self, gateway_id: str, port: int, nats: str, store: str) -> None:
+        self.url = f"http://127.0.0.1:{port}/"
         options = ("--gateway-id", gateway_id, "--cluster", nats, "--store", store, "--cluster-name", "bench")
-        self._words = ("-P", "-m", "openrois.cli", "gateway", "--port", str(self._port), *options)
+        self._words = ("-P", "-m", "openrois.cli", "gateway", "--port", str(port), *options)
         self._process: asyncio.subprocess.Process | None = None
 
     async def start(self) -> None:
@@ -96,30 +96,30 @@ class Gateway:
 
 
 class Adapter:
-    """An adapter that knows all gateways, and at which it is."""
+    """An adapter that knows all gateways."""
 
     def __init__(self) -> None:
-        self.attached_at = 0.0
+        self._attached_at = 0.0
         self._changed = asyncio.Event()
 
     @asynccontextmanager
     async def serving(self, urls: Sequence[str]) -> AsyncIterator[None]:
         async with hosted("body", Arm("arm")) as host, TaskScope() as tasks:
-            tasks.start(serve_parent(host, *(f"{each.replace('http', 'ws', 1)}adapter" for each in urls), attached=self._note))
+            tasks.start(serve_parent(host, *map(adapter_url, urls), attached=self._note))
             yield
 
     def _note(self, is_attached: bool) -> None:
         if is_attached:
-            self.attached_at = time.perf_counter()
+            self._attached_at = time.perf_counter()
             self._changed.set()
 
     async def attached(self, since: float) -> float:
         """Return when it was attached after a moment."""
         async with within(PATIENCE, "the adapter"):
-            while self.attached_at < since:
+            while self._attached_at < since:
                 self._changed.clear()
                 await self._changed.wait()
-        return self.attached_at
+        return self._attached_at
 
 
 def dialling(urls: Sequence[str]) -> Callable[[], Any]:
@@ -159,39 +159,110 @@ async def measure(rounds: int, progress: Callable[[str], None]) -> dict[str, Cas
     async with AsyncExitStack() as stack:
         nats, _ = await stack.enter_async_context(nats_server())
         store = await stack.enter_async_context(postgres_server())
-        gateways = [Gateway(name, nats, store) for name in "abc"]
-        for each in gateways:
+        running = {
+            gateway_id: Gateway(gateway_id, port, nats, store)
+            for gateway_id, port in zip("abc", free_ports(3), strict=True)
+        }
+        for each in running.values():
             stack.push_async_callback(each.kill)
             await each.start()
         for number in range(rounds):
             name = CASES[number % 2]
-            case = cases[name]
-            owner, *others = gateways[number % 3 :] + gateways[: number % 3]
-            async with Adapter().serving([owner.url]):
-                pass
-            await _one_round(owner, others, name == CASES[0], case)
-            await owner.start()
+            killed = await _one_round(running, store, cases[name], is_at_owner=name == CASES[0])
+            await killed.start()
             progress(f"round {number + 1} of {rounds}")
     return cases
 
 
-async def _one_round(owner: Gateway, others: Sequence[Gateway], is_at_owner: bool, case: Case) -> None:
-    urls = [owner.url, *(each.url for each in others)]
-    adapter = Adapter()
-    # The order in which an adapter dials is by chance.
-    async with adapter.serving(urls):
-        await adapter.attached(0.0)
-        first = urls if is_at_owner else [*urls[1:], urls[0]]
-        async with Client(dial=dialling(first), reconnect=Reconnect(first=0.1, limit=0.5)) as client:
-            async with within(PATIENCE, "the arm"):
-                while True:
-                    with suppress(RoISError):
-                        await client.bind(REF)
-                        break
+async def _one_round(gateways: Mapping[str, Gateway], store: str, case: Case, *, is_at_owner: bool) -> Gateway:
+    """Kill the gateway that owns the body; return it."""
+    adapter, began = Adapter(), time.perf_counter()
+    async with adapter.serving([each.url for each in gateways.values()]):
+        await adapter.attached(began)
+        owner = gateways[await _owner(store)]
+        others = [each.url for each in gateways.values() if each is not owner]
+        urls = [owner.url, *others] if is_at_owner else [*others, owner.url]
+        async with Client(dial=dialling(urls), reconnect=Reconnect(first=0.1, limit=0.5)) as client:
+            async with within(PATIENCE, "the body, as the application sees it"):
+                while not await _binds(client):  # noqa: ASYNC110 - a gateway learns of it from the one that has it
                     await asyncio.sleep(0.05)
-            await operated(client)
+                await operated(client)
             killed = time.perf_counter()
             await owner.kill()
             async with within(PATIENCE, "a command after the kill"):
                 case.operated.append(await operated(client) - killed)
             case.attached.append(await adapter.attached(killed) - killed)
+    return owner
+
+
+async def _owner(store: str) -> str:
+    connection = await asyncpg.connect(store)
+    try:
+        return str(await connection.fetchval("SELECT gateway_id FROM openrois.claim WHERE engine_id = 'body'"))
+    finally:
+        await connection.close()
+
+
+async def _binds(client: Client) -> bool:
+    try:
+        await client.bind(REF)
+    except RoISError:
+        return False
+    return True
+
+
+def free_ports(count: int) -> list[int]:
+    with ExitStack() as stack:
+        probes = [stack.enter_context(socket.socket()) for _ in range(count)]
+        for probe in probes:
+            probe.bind(("127.0.0.1", 0))
+        return [probe.getsockname()[1] for probe in probes]
+
+
+def summary(cases: Mapping[str, Case]) -> dict[str, Any]:
+    """Return the figures, times in milliseconds."""
+    return {
+        name: {
+            "attached": Percentiles.of(case.attached, MILLISECONDS).model_dump(),
+            "operated": Percentiles.of(case.operated, MILLISECONDS).model_dump(),
+            "longest": round(max(case.operated) * MILLISECONDS),
+        }
+        for name, case in cases.items()
+    }
+
+
+def printed(figures: Mapping[str, Any]) -> str:
+    """Return the figures as a table."""
+    rows = [
+        (
+            name,
+            f"{told['operated']['count']}",
+            f"{told['attached']['p50']:.0f}",
+            f"{told['operated']['p50']:.0f}",
+            f"{told['longest']}",
+        )
+        for name, told in figures.items()
+    ]
+    head = ("the owner is killed", "times", "adapter elsewhere, median ms", "operated again, median ms", "longest ms")
+    return table(head, rows)
+
+
+def _report_progress(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def main() -> None:
+    """Measure."""
+    parser = argparse.ArgumentParser(prog="python -m openrois_bench.cluster.failover", description=__doc__)
+    parser.add_argument("--rounds", type=int, default=20, help="of both cases together (%(default)s)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures to FILE")
+    chosen = parser.parse_args()
+    before = load()
+    figures = summary(uvloop.run(measure(chosen.rounds, _report_progress)))
+    met = conditions(before, {})
+    print(f"{met}\n\n{printed(figures)}")
+    write_result(chosen.json, "openrois_bench.cluster.failover", met, summary=figures)
+
+
+if __name__ == "__main__":
+    main()

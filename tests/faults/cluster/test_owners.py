@@ -18,13 +18,17 @@ async def test_f45_an_owner_that_is_killed(seed: int, postgres_server: Server, t
     async with cluster_site(seed, postgres_server, tmp_path) as here:
         await here.crowd()
         owner = await here.cluster.owner(here.chance.choice(sorted(here.adapters)))
-        owned = [each for each in here.adapters.values() if await here.cluster.owner_id(each.engine_id) == owner.gateway_id]
+        owned = [
+            each for each in here.adapters.values() if await here.cluster.owner_id(each.engine_id) == owner.gateway_id
+        ]
         await here.turns(0.3)
         killed = time.monotonic()
         await owner.kill()
         attached = max([await each.attached(killed) for each in owned])
         operable = await here.all_move()
-        print(f"seed {seed}: adapters elsewhere after {attached - killed:.2f} s, operated after {operable - killed:.2f} s")
+        print(
+            f"seed {seed}: adapters elsewhere after {attached - killed:.2f} s, operated after {operable - killed:.2f} s"
+        )
         for each in owned:
             await here.cluster.owner(each.engine_id, owner.gateway_id)
         await owner.start()
@@ -33,9 +37,7 @@ async def test_f45_an_owner_that_is_killed(seed: int, postgres_server: Server, t
 
 
 @pytest.mark.parametrize("seed", lasting(0, 1))
-async def test_f23_an_owner_that_stands_still_and_goes_on(
-    seed: int, postgres_server: Server, tmp_path: Path
-) -> None:
+async def test_f23_an_owner_that_stands_still_and_goes_on(seed: int, postgres_server: Server, tmp_path: Path) -> None:
     async with cluster_site(seed, postgres_server, tmp_path) as here:
         adapter = await here.adapter()
         owner = await here.cluster.owner("robot")

@@ -295,7 +295,7 @@ async def test_the_end_of_a_command_at_a_gateway_that_may_be_lost_is_asked_for_a
     line.host = EngineHost(line.host.engine, line.tasks, journal=SlowJournal(looks), lease_rules=line.host.lease_rules)
     line.cut()
     await clock.pass_time()
-    with pytest.raises(error, match="lost|another gateway"):
+    with pytest.raises(error, match=r"lost|another gateway"):
         await running
 
 

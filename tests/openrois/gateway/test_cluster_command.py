@@ -27,8 +27,8 @@ async def set_version(server: Server, statement: str) -> None:
 
 
 def test_a_store_that_is_newer_is_one_line(postgres_server: Server, capfd: pytest.CaptureFixture[str]) -> None:
-    newer = "CREATE SCHEMA openrois; CREATE TABLE openrois.version (version integer); INSERT INTO openrois.version VALUES (99)"
-    asyncio.run(set_version(postgres_server, f"DROP SCHEMA IF EXISTS openrois CASCADE; {newer}"))
+    make = "DROP SCHEMA IF EXISTS openrois CASCADE; CREATE SCHEMA openrois; CREATE TABLE openrois.version (version int)"
+    asyncio.run(set_version(postgres_server, f"{make}; INSERT INTO openrois.version VALUES (99)"))
     try:
         store = ("--store", postgres_server.url, "--store-password", str(postgres_server.password_file))
         assert main([*CLUSTER, *store]) == 1
