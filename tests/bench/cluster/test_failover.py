@@ -5,6 +5,7 @@ from openrois_bench.cluster.failover import CASES, measure, printed, summary
 
 
 @pytest.mark.usefixtures("nats", "postgres_programs")
+@pytest.mark.long
 async def test_it_measures_both_cases() -> None:
     said: list[str] = []
     figures = summary(await measure(2, said.append))
