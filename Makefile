@@ -15,7 +15,7 @@ BROWSER_TESTS = -n 2 --dist loadfile -m "browser$(SHORT)" $(call marked,browser)
 stage = $(1) || $(if $(LONG),failed=1,exit 1);
 marked = $(shell grep -rl --include="test_*.py" "mark\.\($(1)\)" tests)
 export PATH := $(if $(shell command -v npm),,$(CURDIR)/.venv/bin:)$(PATH)
-.PHONY: demo test unit faults robots nightly check lint fmt generate page docs pictures dist
+.PHONY: demo test unit faults cluster robots nightly check lint fmt generate page docs pictures dist
 demo: .venv/demo.stamp $(PAGE)
 	@.venv/bin/openrois demo $(ARGS)
 test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
@@ -23,6 +23,11 @@ test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
 unit: .venv/dev.stamp
 	$(PY) -m pytest -n $(WORKERS) --dist worksteal -m "$(UNIT)" $(ARGS)
 faults: .venv/dev.stamp; OPENROIS_SEEDS=20 $(PY) -m pytest -n 4 --dist worksteal tests/faults $(ARGS)
+ACROSS := command event signaling streams streams_strict reasons corners envelope
+# Several gateways: at most 20 minutes. What applications ask is asked once more with their robot at another gateway.
+cluster: .venv/dev.stamp
+	OPENROIS_SEEDS=$${OPENROIS_SEEDS:-5} $(PY) -m pytest -n $(WORKERS) --dist worksteal tests/openrois/cluster tests/openrois/ownership tests/openrois/resumption tests/openrois/federation tests/faults/cluster $(ARGS)
+	$(PY) -m pytest -n $(WORKERS) --dist worksteal --across $(ACROSS:%=tests/conformance/test_%.py) $(ARGS)
 # What needs programs of robots' vendors, Roslyn or many seeds: at most 20 minutes. What cannot be installed here is skipped, and said.
 robots: .venv/dev.stamp .venv-reachy/stamp
 	OPENROIS_SEEDS=20 $(PY) -m pytest --durations=20 -rs -m robots $(call marked,robots) $(ARGS)

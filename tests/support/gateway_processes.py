@@ -138,8 +138,8 @@ class GatewayProcesses:
     def __init__(self, nats: NatsServer, postgres: Server, folder: Path, ids: str, options: Iterable[str] = ()) -> None:
         self.nats = nats
         self.postgres = postgres
-        shared = ("--cluster", nats.url, "--cluster-name", cluster_name(), "--store", postgres.url)
-        shared += ("--store-password", str(postgres.password_file))
+        joined = ("--cluster", nats.url, "--cluster-name", cluster_name())
+        shared = (*joined, "--store", postgres.url, "--store-password", str(postgres.password_file))
         self.gateways = {each: GatewayProcess(each, folder, (*shared, *options)) for each in ids}
 
     def __getitem__(self, gateway_id: str) -> GatewayProcess:

@@ -40,7 +40,7 @@ class TestCommands:
         work.give_up(["1", "unknown"])
         work.begin("a", {"1": "robot/lamp"})
 
-    def test_there_are_not_too_many(self, work: ForeignWork) -> None:
+    def test_commands_at_other_gateways_are_bounded(self, work: ForeignWork) -> None:
         work.begin("a", {str(number): "robot/lamp" for number in range(MAX_RUNNING)})
         with pytest.raises(OutOfResources, match=f"at most {MAX_RUNNING} commands at other gateways"):
             work.begin("a", {"more": "robot/lamp"})
