@@ -24,6 +24,7 @@ from openrois.federation.lines import Lines, SessionLine
 from openrois.federation.resumption import KEEP, REPORT
 from openrois.federation.router import Router, without_directory
 from openrois.federation.sub_sessions import PRINCIPAL
+from openrois.gateway.draining import SERVICE_RESTART
 from openrois.gateway.refusals import RefusalNotes
 from openrois.gateway.renewal import Renewal, expiring
 from openrois.gateway.sign_in import SignIns
@@ -225,7 +226,9 @@ class _Served:
                 session.outbox.account = unread
                 closed = await session.run()
                 visit.ended = str(closed)
-            lost = closed.code == _WITHOUT_HANDSHAKE
+            # Of a cluster that restarts one gateway the application goes on at another one.
+            is_sent_away = self._router is not None and closed.code == SERVICE_RESTART
+            lost = closed.code == _WITHOUT_HANDSHAKE or is_sent_away
             return closed
         finally:
             stop_listening()

@@ -86,10 +86,16 @@ class History:
         return [repr(entry) for entry in sorted(self.entries, key=lambda entry: entry.at)]
 
 
-def judge(history: History) -> list[str]:
-    """Return what is wrong with a history, a line each; none where all holds."""
+def judge(history: History, *, may_forget: bool = False) -> list[str]:
+    """Return what is wrong with a history, a line each; none where all holds.
+
+    Args:
+        history: what adapters and applications saw.
+        may_forget: the journal was away with the gateway that ran a command: its end may be unknown for ever.
+    """
     by_time = sorted(history.entries, key=lambda entry: entry.at)
-    return [*_two_holders(by_time), *_shared_epochs(by_time), *_ends(by_time), *_runs(by_time)]
+    endless = () if may_forget else _endless(by_time)
+    return [*_two_holders(by_time), *_shared_epochs(by_time), *_ends(by_time), *endless, *_runs(by_time)]
 
 
 def _two_holders(entries: Iterable[Entry]) -> Iterable[str]:
@@ -124,12 +130,12 @@ def _shared_epochs(entries: Iterable[Entry]) -> Iterable[str]:
 
 
 def _ends(entries: Iterable[Entry]) -> Iterable[str]:
-    accepted: dict[str, Accepted] = {}
+    accepted: set[str] = set()
     ends: dict[str, list[str]] = defaultdict(list)
     for entry in entries:
         match entry:
             case Accepted(_, _, command):
-                accepted[command] = entry
+                accepted.add(command)
             case Completed(_, _, command, status):
                 ends[command].append(status)
             case _:
@@ -139,9 +145,14 @@ def _ends(entries: Iterable[Entry]) -> Iterable[str]:
             yield f"{command} ended {len(statuses)} times: {', '.join(statuses)} (I2)"
         if command not in accepted:
             yield f"{command} ended {statuses[0]} and was not accepted (I2)"
-    for command, told in accepted.items():
-        if command not in ends:
-            yield f"{told.at:.3f}: {command} of {told.application} was accepted and has no end (I2)"
+
+
+def _endless(entries: Iterable[Entry]) -> Iterable[str]:
+    told = list(entries)
+    ended = {entry.command for entry in told if isinstance(entry, Completed)}
+    for entry in told:
+        if isinstance(entry, Accepted) and entry.command not in ended:
+            yield f"{entry.at:.3f}: {entry.command} of {entry.application} was accepted and has no end (I2)"
 
 
 def _runs(entries: Iterable[Entry]) -> Iterable[str]:

@@ -177,6 +177,7 @@ class Operator:
     Attributes:
         client: it.
         done: how many of its commands ended OK.
+        seconds: that each of its moves takes.
         refusals: what it was told in place of an acceptance, with the seconds that took, newest last.
     """
 
@@ -184,6 +185,7 @@ class Operator:
         self._dial = websocket(url)
         self.client = Client(dial=self._connect, reconnect=QUICK, request_timeout=10)
         self.done = 0
+        self.seconds = 0.0
         self.refusals: list[tuple[float, Exception]] = []
         self._history = history
         self._name = name
@@ -230,14 +232,14 @@ class Operator:
             return False
         return True
 
-    async def move(self, seconds: float = 0.0) -> Command[Any] | None:
+    async def move(self) -> Command[Any] | None:
         """Move the arm once; return the command, or None where it was not accepted."""
         self._count += 1
         name = f"{self._name}-{self._count}"
 
         async def prepare() -> tuple[Argument, ...]:
             # Without a look at the profile: the gateway is to say what is wrong.
-            values = {"name": ("string", name), "seconds": ("double", str(seconds))}
+            values = {"name": ("string", name), "seconds": ("double", str(self.seconds))}
             return tuple(Argument(name=key, data_type_ref=kind, value=value) for key, (kind, value) in values.items())
 
         async def no_results(_command_id: str) -> None:

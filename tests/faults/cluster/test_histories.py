@@ -73,6 +73,12 @@ def test_a_command_may_begin_while_its_end_is_told_and_not_much_later() -> None:
     assert found(*told, Ran(37, ARM, 2010, "c")) == ["37.000: c runs 30.0 s after it ended ERROR (I11)"]
 
 
+def test_an_end_that_was_lost_with_the_journal() -> None:
+    endless = History([*GOOD, Accepted(6, "app", "c")])
+    assert judge(endless, may_forget=True) == []
+    assert judge(endless) == ["6.000: c of app was accepted and has no end (I2)"]
+
+
 def test_what_ended_ok_has_run() -> None:
     assert found(*GOOD, Accepted(6, "app", "c"), Completed(7, "app", "c", "OK")) == [
         "7.000: c ended OK and never ran (I11)"

@@ -1,6 +1,7 @@
 """F47, F48: NATS, which joins the gateways, or PostgreSQL, which they share, is away for a while."""
 
 import asyncio
+import shutil
 import time
 from pathlib import Path
 
@@ -77,4 +78,50 @@ async def test_f48_postgresql_is_away(seed: int, is_killed: bool, postgres_serve
         for each in gateways.values():
             await each.ready()
         await here.operator("later", "late")
+        await here.all_move()
+
+
+@pytest.mark.parametrize("seed", lasting(0))
+async def test_f48_postgresql_has_lost_its_last_commits(seed: int, postgres_server: Server, tmp_path: Path) -> None:
+    async with cluster_site(seed, postgres_server, tmp_path) as here:
+        await here.crowd()
+        former = postgres_server.data.with_name("former")
+        postgres_server.kill()
+        postgres_server.copy(postgres_server.data, former)
+        postgres_server.start()
+        try:
+            for each in here.cluster.gateways.values():
+                await each.ready()
+            first = await here.cluster.owner("robot0")
+            await first.kill()
+            await here.all_move()
+            second = await here.cluster.owner("robot0", first.gateway_id)
+            await here.turns(0.3)
+            postgres_server.restart_from(former)
+        finally:
+            shutil.rmtree(former)
+        await here.all_move()
+        await second.ready()
+        # Where it is lost for good the adapter comes to a gateway that the store knows as another one.
+        await first.start()
+        await first.ready()
+        await here.turns(0.3)
+        await second.kill()
+        await here.all_move()
+
+
+@pytest.mark.parametrize("seed", lasting(0))
+async def test_f45_f48_an_owner_is_killed_while_postgresql_is_away(
+    seed: int, postgres_server: Server, tmp_path: Path
+) -> None:
+    async with cluster_site(seed, postgres_server, tmp_path, may_forget=True) as here:
+        await here.crowd()
+        owner = await here.cluster.owner("robot0")
+        postgres_server.kill()
+        try:
+            await here.turns(0.3)
+            await owner.kill()
+            await here.turns(3.0)
+        finally:
+            postgres_server.start()
         await here.all_move()

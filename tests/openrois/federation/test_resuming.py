@@ -60,6 +60,21 @@ class TestAtAnotherGateway:
         assert await again.code("rois.command.execute", command_unit_list=[switch]) == "OK"
         assert await again.completed("2") == {"2": "OK"}
 
+    async def test_what_was_held_when_its_gateway_is_told_to_stop(self, place: Place) -> None:
+        await place.attach("a")
+        app = await place.app("b")
+        token = await bound(app)
+        assert await app.code("rois.command.execute", command_unit_list=[unit("robot/lamp", "start")]) == "OK"
+        await place.robot.lamp.glowing.wait()
+        await place.cluster.gateways["b"].drain()
+        await app.socket.wait_closed()
+        assert app.socket.close_code == 1012
+        place.robot.lamp.may_end.set()
+        again = await place.app("c")
+        answer = await again.ask("openrois.lease.resume", token=token, command_ids=["1"])
+        assert ([each["component_ref"] for each in answer["leases"]], answer["forgotten"]) == (["robot/lamp"], [])
+        assert await again.completed("1") == {"1": "OK"}
+
     async def test_at_the_owner_itself(self, place: Place) -> None:
         await place.attach("a")
         app = await place.app("b")
@@ -97,6 +112,21 @@ class TestAtAnotherGateway:
 
 
 class TestAnEngineThatChangesItsGateway:
+    async def test_its_holder_has_it_on_where_its_gateway_is_told_to_stop(self, place: Place) -> None:
+        await place.wander("a", "b")
+        await owned_by(place, "a")
+        app = await place.app("a")
+        token = await bound(app)
+        epoch = await lease_of(app, "MINE")
+        await place.cluster.gateways["a"].drain()
+        await owned_by(place, "b")
+        other = await place.app("b")
+        assert await other.code("rois.command.bind", component_ref="robot/lamp") == "OUT_OF_RESOURCES"
+        again = await place.app("c")
+        answer = await again.ask("openrois.lease.resume", token=token)
+        assert [each["component_ref"] for each in answer["leases"]] == ["robot/lamp"]
+        assert answer["leases"][0]["epoch"] > epoch
+
     async def test_its_holder_at_a_third_gateway_has_it_on(self, place: Place) -> None:
         await place.wander("a", "b")
         await owned_by(place, "a")
