@@ -27,6 +27,9 @@ _log = logging.getLogger(__name__)
 
 _FAREWELL: Final = 1.0
 _NO_HANDSHAKE: Final = 1006
+
+_RESUMABLE: Final = frozenset({_NO_HANDSHAKE, 1011, 1012})
+"""Close codes after which the session may go on: it broke, a side was silent, or one gateway of several restarts."""
 _TOKEN_ENDED: Final = 4401
 _NOT_OPENED: Final = "the client is not connected: use it in `async with client:`, or `await client.connect()` first"
 
@@ -293,7 +296,7 @@ class Connection:
                     closed = await asyncio.shield(running)
                     self._drop_session(session)
                     again = self._reconnect is not None and self._over is None
-                    lost = again and closed.code == _NO_HANDSHAKE
+                    lost = again and closed.code in _RESUMABLE
                     self._owner.end_connection(f"the connection ended: {closed}", lost=lost, again=again)
                     return closed, clock() - began
         except ConnectionFailed as error:

@@ -49,7 +49,10 @@ __all__ = ["RESUMED", "SUB_SESSION", "serve_application", "serve_sub_session"]
 _log = logging.getLogger(__name__)
 
 _WITHOUT_HANDSHAKE: Final = 1006
-"""The code of a connection that was lost."""
+"""The code of a connection that broke."""
+
+_LOST: Final = frozenset({_WITHOUT_HANDSHAKE, 1011})
+"""Close codes of a connection that was lost: it broke, or the application found the gateway silent."""
 
 SUB_SESSION: Final = "sub_session"
 """The kind, for figures, of a session whose application is connected to another gateway."""
@@ -228,7 +231,7 @@ class _Served:
                 visit.ended = str(closed)
             # Of a cluster that restarts one gateway the application goes on at another one.
             is_sent_away = self._router is not None and closed.code == SERVICE_RESTART
-            lost = closed.code == _WITHOUT_HANDSHAKE or is_sent_away
+            lost = closed.code in _LOST or is_sent_away
             return closed
         finally:
             stop_listening()

@@ -200,6 +200,7 @@ class Line:
     busy: Exception | None = None
     speaks: Callable[[EngineHost, MessageStream], Any] = serve_application
     _ends: list[MemoryStream] = field(default_factory=list)
+    _nears: list[MemoryStream] = field(default_factory=list)
 
     @asynccontextmanager
     async def dial(self) -> AsyncIterator[MessageStream]:
@@ -208,6 +209,7 @@ class Line:
             raise self.busy
         near, far = memory_pair()
         self._ends.append(far)
+        self._nears.append(near)
         self.tasks.start(self._serve(far))
         try:
             yield near
@@ -216,6 +218,11 @@ class Line:
 
     async def _serve(self, far: MemoryStream) -> None:
         await self.speaks(self.host, far)
+
+    async def leave(self, code: int) -> None:
+        """End every connection at the applications' end, as one that finds the gateway silent does."""
+        while self._nears:
+            await self._nears.pop().close(code, "no answer to a ping")
 
     def cut(self) -> None:
         """End every connection without a word."""

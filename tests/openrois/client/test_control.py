@@ -77,6 +77,21 @@ class TestResuming:
         line.lamp.may_end.set()
         await running
 
+    async def test_what_ran_at_a_gateway_that_seemed_silent_is_told_of(
+        self, line: Line, clock: Clock, ann: Client
+    ) -> None:
+        notices = ann.notices(Connected)
+        await ann.bind(LAMP)
+        epoch = (await ann.control.status(LAMP)).epoch
+        running = await ann.component(LAMP).command("start").execute()
+        await line.lamp.glowing.wait()
+        await line.leave(1011)
+        await clock.pass_time()
+        await heard(notices)
+        assert (await ann.control.status(LAMP)).epoch == epoch
+        line.lamp.may_end.set()
+        await running
+
     async def test_what_ended_meanwhile_is_told_of(self, line: Line, clock: Clock, ann: Client) -> None:
         await ann.bind(LAMP)
         running = await ann.component(LAMP).command("start").execute()
