@@ -13,7 +13,7 @@ from tests.support.seeds import lasting
 pytestmark = [pytest.mark.usefixtures("haproxy", "nats"), pytest.mark.timeout(300)]
 
 
-@pytest.mark.parametrize("seed", lasting(0))
+@pytest.mark.parametrize("seed", lasting())
 async def test_f46_a_front_that_is_killed_and_no_other_gets_the_arm(
     seed: int, postgres_server: Server, tmp_path: Path
 ) -> None:
@@ -37,7 +37,7 @@ async def test_f46_a_front_that_is_killed_and_no_other_gets_the_arm(
             await front.ready()
 
 
-@pytest.mark.parametrize("seed", lasting(0))
+@pytest.mark.parametrize("seed", lasting())
 async def test_f46_a_front_that_stands_still(seed: int, postgres_server: Server, tmp_path: Path) -> None:
     async with cluster_site(seed, postgres_server, tmp_path, balance="first") as here:
         gateways = here.cluster.gateways

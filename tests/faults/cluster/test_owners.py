@@ -36,7 +36,7 @@ async def test_f45_an_owner_that_is_killed(seed: int, postgres_server: Server, t
         await here.all_move()
 
 
-@pytest.mark.parametrize("seed", lasting(0, 1))
+@pytest.mark.parametrize("seed", lasting())
 async def test_f23_an_owner_that_stands_still_and_goes_on(seed: int, postgres_server: Server, tmp_path: Path) -> None:
     async with cluster_site(seed, postgres_server, tmp_path) as here:
         adapter = await here.adapter()
@@ -62,7 +62,7 @@ async def test_f23_an_owner_that_stands_still_and_goes_on(seed: int, postgres_se
         await app.moves()
 
 
-@pytest.mark.parametrize("seed", lasting(0, 1))
+@pytest.mark.parametrize("seed", lasting())
 async def test_f45_an_owner_that_stands_still_for_a_while(seed: int, postgres_server: Server, tmp_path: Path) -> None:
     async with cluster_site(seed, postgres_server, tmp_path) as here:
         await here.crowd()

@@ -14,7 +14,7 @@ from tests.support.seeds import lasting
 pytestmark = [pytest.mark.usefixtures("haproxy", "nats"), pytest.mark.timeout(300)]
 
 
-@pytest.mark.parametrize("seed", lasting(0))
+@pytest.mark.parametrize("seed", lasting())
 async def test_f49_a_rolling_restart_loses_no_command(seed: int, postgres_server: Server, tmp_path: Path) -> None:
     async with cluster_site(seed, postgres_server, tmp_path) as here:
         await here.crowd()

@@ -25,7 +25,7 @@ async def pair(here: Site) -> None:
     await here.all_move()
 
 
-@pytest.mark.parametrize("seed", lasting(0))
+@pytest.mark.parametrize("seed", lasting())
 @pytest.mark.parametrize("is_killed", [True, False], ids=["killed", "stopped"])
 async def test_f47_nats_is_away(seed: int, is_killed: bool, postgres_server: Server, tmp_path: Path) -> None:
     async with cluster_site(seed, postgres_server, tmp_path) as here:
@@ -54,7 +54,7 @@ async def test_f47_nats_is_away(seed: int, is_killed: bool, postgres_server: Ser
         print(f"seed {seed}: operated {operable - back:.2f} s after NATS was back")
 
 
-@pytest.mark.parametrize("seed", lasting(0))
+@pytest.mark.parametrize("seed", lasting())
 @pytest.mark.parametrize("is_killed", [True, False], ids=["killed", "stopped"])
 async def test_f48_postgresql_is_away(seed: int, is_killed: bool, postgres_server: Server, tmp_path: Path) -> None:
     async with cluster_site(seed, postgres_server, tmp_path) as here:
@@ -81,7 +81,7 @@ async def test_f48_postgresql_is_away(seed: int, is_killed: bool, postgres_serve
         await here.all_move()
 
 
-@pytest.mark.parametrize("seed", lasting(0))
+@pytest.mark.parametrize("seed", lasting())
 async def test_f48_postgresql_has_lost_its_last_commits(seed: int, postgres_server: Server, tmp_path: Path) -> None:
     async with cluster_site(seed, postgres_server, tmp_path) as here:
         await here.crowd()
@@ -110,7 +110,7 @@ async def test_f48_postgresql_has_lost_its_last_commits(seed: int, postgres_serv
         await here.all_move()
 
 
-@pytest.mark.parametrize("seed", lasting(0))
+@pytest.mark.parametrize("seed", lasting())
 async def test_f45_f48_an_owner_is_killed_while_postgresql_is_away(
     seed: int, postgres_server: Server, tmp_path: Path
 ) -> None:
