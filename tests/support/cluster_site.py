@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.support.gateway_processes import PATIENCE, GatewayProcess, GatewayProcesses, gateway_processes
-from tests.support.histories import History, judge
+from tests.support.histories import LATE, History, judge
 from tests.support.nats import NatsServer, nats_server
 from tests.support.postgres import Server
 from tests.support.proxies import Proxy, proxy
@@ -96,6 +96,7 @@ async def cluster_site(
     *,
     balance: str = "roundrobin",
     may_forget: bool = False,
+    late: float = LATE,
     **options: Any,
 ) -> AsyncIterator[Site]:
     """Run three gateways for one seed of a fault; in the end the history is judged.
@@ -106,6 +107,7 @@ async def cluster_site(
         folder: for logs.
         balance: of haproxy.
         may_forget: ends of commands may be unknown for ever.
+        late: seconds after the end of a command was told in which it may still begin.
         options: of the gateways.
     """
     async with AsyncExitStack() as stack:
@@ -121,5 +123,5 @@ async def cluster_site(
             error.add_note(f"seed {seed}\n{here.said()}")
             raise
         await around.aclose()
-        wrong = judge(here.history, may_forget=may_forget)
+        wrong = judge(here.history, may_forget=may_forget, late=late)
         assert not wrong, "\n".join((f"seed {seed}", *wrong, here.said(), *here.history.told()))

@@ -13,7 +13,7 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-__all__ = ["Accepted", "Completed", "Connected", "Held", "History", "Ran", "judge"]
+__all__ = ["LATE", "Accepted", "Completed", "Connected", "Held", "History", "Ran", "judge"]
 
 LATE = 2.0
 """Seconds after the end of a command was told in which it may still begin: a gateway that knew of it was lost then."""
@@ -86,16 +86,17 @@ class History:
         return [repr(entry) for entry in sorted(self.entries, key=lambda entry: entry.at)]
 
 
-def judge(history: History, *, may_forget: bool = False) -> list[str]:
+def judge(history: History, *, may_forget: bool = False, late: float = LATE) -> list[str]:
     """Return what is wrong with a history, a line each; none where all holds.
 
     Args:
         history: what adapters and applications saw.
         may_forget: the journal was away with the gateway that ran a command: its end may be unknown for ever.
+        late: seconds after the end of a command was told in which it may still begin.
     """
     by_time = sorted(history.entries, key=lambda entry: entry.at)
     endless = () if may_forget else _endless(by_time)
-    return [*_two_holders(by_time), *_shared_epochs(by_time), *_ends(by_time), *endless, *_runs(by_time)]
+    return [*_two_holders(by_time), *_shared_epochs(by_time), *_ends(by_time), *endless, *_runs(by_time, late)]
 
 
 def _two_holders(entries: Iterable[Entry]) -> Iterable[str]:
@@ -155,7 +156,7 @@ def _endless(entries: Iterable[Entry]) -> Iterable[str]:
             yield f"{entry.at:.3f}: {entry.command} of {entry.application} was accepted and has no end (I2)"
 
 
-def _runs(entries: Iterable[Entry]) -> Iterable[str]:
+def _runs(entries: Iterable[Entry], allowed: float) -> Iterable[str]:
     ran: dict[str, float] = {}
     ended: dict[str, Completed] = {}
     for entry in entries:
@@ -164,7 +165,7 @@ def _runs(entries: Iterable[Entry]) -> Iterable[str]:
             if entry.command in ran:
                 yield f"{entry.at:.3f}: {entry.command} runs again (I11)"
             late = 0.0 if end is None else entry.at - end.at
-            if end is not None and late > LATE:
+            if end is not None and late > allowed:
                 yield f"{entry.at:.3f}: {entry.command} runs {late:.1f} s after it ended {end.status} (I11)"
             ran.setdefault(entry.command, entry.at)
         elif isinstance(entry, Completed):

@@ -70,6 +70,7 @@ def test_an_application_goes_on_by_its_epoch_over_another_connection() -> None:
 def test_a_command_may_begin_while_its_end_is_told_and_not_much_later() -> None:
     told: list[Entry] = [*GOOD, Accepted(6, "app", "c"), Completed(7, "app", "c", "ERROR")]
     assert found(*told, Ran(8, ARM, 2010, "c")) == []
+    assert judge(History([*told, Ran(37, ARM, 2010, "c")]), late=40) == []
     assert found(*told, Ran(37, ARM, 2010, "c")) == ["37.000: c runs 30.0 s after it ended ERROR (I11)"]
 
 
