@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Mapping
-from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Final, Protocol, cast
@@ -34,6 +34,9 @@ from openrois.transport.stream import POLICY_VIOLATION, MessageStream
 __all__ = ["ClusterParts", "Clustering"]
 
 _log = logging.getLogger(__name__)
+
+LOOK_AGAIN: Final = 0.5
+"""Seconds between two looks for the former holders of engines that were taken while the store did not answer."""
 
 SETTLING_TIME: Final = 1.0
 """Seconds that the end of a gateway waits for the store, before its adapters go to another one."""
@@ -151,7 +154,17 @@ class Clustering:
         try:
             self._lines.await_engines(await self._parts.resume_store.held(engine_ids))
         except StoreUnreachable as error:
-            _log.warning("%s: nothing of %s is kept for former holders", error, ", ".join(sorted(engine_ids)))
+            _log.warning("%s: what is kept for former holders of %s waits", error, ", ".join(sorted(engine_ids)))
+            self._host.tasks.start(self._look_again(engine_ids))
+
+    async def _look_again(self, engine_ids: Collection[str]) -> None:
+        """Look for former holders until the store answers, or the grace of their leases is over."""
+        for _ in range(round(self._host.lease_rules.grace / LOOK_AGAIN)):
+            await self._host.sleep(LOOK_AGAIN)
+            with suppress(StoreUnreachable):
+                self._lines.await_engines(await self._parts.resume_store.held(engine_ids))
+                self._lines.restore(each for each in engine_ids if self._host.engine.tree.has_engine(each))
+                return
 
     async def _handle(self, auth_setup: AuthSetup, stream: MessageStream, said: Mapping[str, Any]) -> None:
         """Serve an application of another gateway, as that gateway asserts it."""

@@ -93,31 +93,45 @@ class RemoteOffer:
             self._changed()
 
     async def read(self) -> tuple[Directory, frozenset[str]]:
-        """Say hello, unless there seem to be no extensions; return the directory, and which engines have streams.
+        """Return the directory, and which engines have streams.
+
+        An engine of the base wire is asked for its profile first, and so is any until it has said that it has a
+        directory: it may take a hello for a fault.
 
         Raises:
             RoISError: the engine did not answer as it should.
         """
+        whole = None if self._has_directory else await self._read_profile()
         if not self._is_plain:
             await self._greet()
-        greeting = self.greeting
-        if greeting is not None and DIRECTORY in greeting.extensions:
+        if self._has_directory:
             return await self._read_directory()
-        return await self._read_profile()
+        if whole is None:
+            whole = await self._read_profile()
+        return whole, self._streaming_of(whole)
 
-    async def _read_profile(self) -> tuple[Directory, frozenset[str]]:
-        """Return the other side's whole profile, and which of its engines have streams."""
+    @property
+    def _has_directory(self) -> bool:
+        greeting = self.greeting
+        return greeting is not None and DIRECTORY in greeting.extensions
+
+    def _streaming_of(self, whole: Directory) -> frozenset[str]:
+        """Return which engines of a profile have streams, by the greeting."""
+        greeting = self.greeting
+        if greeting is None or "rois.stream" not in greeting.extensions:
+            return frozenset()
+        named = greeting.engines or (whole.profile.identifier.code,)
+        return frozenset(named).intersection(whole.profile.engine_ids())
+
+    async def _read_profile(self) -> Directory:
+        """Return the other side's whole profile."""
         result = await self._calls.ask("rois.system.get_profile", {"condition": ""}, ProfileResult)
         if result.profile is None:
             raise ComponentFailed("the engine has no profile")
         # It speaks for the components that it lists: another profile could belong to another engine.
         listed = {ref: result.component_profiles.get(ref) for ref in result.profile.component_refs()}
         profiles = {ref: shared_profile(profile) for ref, profile in listed.items() if profile is not None}
-        streaming = frozenset[str]()
-        if self._greeting is not None and "rois.stream" in self._greeting.extensions:
-            named = self._greeting.engines or (result.profile.identifier.code,)
-            streaming = frozenset(named).intersection(result.profile.engine_ids())
-        return Directory(result.profile, profiles), streaming
+        return Directory(result.profile, profiles)
 
     async def _read_directory(self) -> tuple[Directory, frozenset[str]]:
         """Return the same by the other side's directory: what is as it was is not read again."""

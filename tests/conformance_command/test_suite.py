@@ -77,7 +77,7 @@ def speak_the_base_alone(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr("openrois.gateway.applications.stream_methods", lambda _app: {})
     monkeypatch.setattr("openrois.gateway.applications._Signaling.methods", lambda _signaling: {})
-    monkeypatch.setattr("openrois.remote.proxy.RemoteProxy._greet", no_greeting)
+    monkeypatch.setattr("openrois.remote.remote_offer.RemoteOffer._greet", no_greeting)
 
 
 async def test_without_an_adapter_what_needs_none_is_tried(gateway: Gateway) -> None:

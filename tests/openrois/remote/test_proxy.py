@@ -56,6 +56,7 @@ class Far:
         discovering = asyncio.ensure_future(self.proxy.discover())
         profile = profile_result("toy")
         profile["component_profiles"][TOY]["command_profiles"][0]["timeout"] = timeout
+        await self.answer(await self.asked("rois.system.get_profile"), **profile)
         if plain:
             error = {"code": -32601, "message": "Method not found"}
             request = await self.asked("openrois.hello")
@@ -63,7 +64,6 @@ class Far:
         else:
             hello = {"version": "1", "extensions": list(extensions), "engines": list(engines), "client_id": "", **who}
             await self.answer(await self.asked("openrois.hello"), **hello)
-        await self.answer(await self.asked("rois.system.get_profile"), **profile)
         await discovering
 
 
@@ -114,8 +114,8 @@ class TestDiscover:
     ) -> None:
         monkeypatch.setattr("openrois.remote.remote_offer.HELLO_TIMEOUT", 0.01)
         discovering = asyncio.ensure_future(far.proxy.discover())
-        late = await far.asked("openrois.hello")
         await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
+        late = await far.asked("openrois.hello")
         await discovering
         assert (far.proxy.extension, far.proxy.speaks_extensions, far.changes) == (None, False, 0)
         # It is not asked again until it has answered.
@@ -131,8 +131,8 @@ class TestDiscover:
         assert far.changes == 1
         # One that is slow each time keeps what it has said, and asks for no new look each time.
         discovering = asyncio.ensure_future(far.proxy.discover())
-        late = await far.asked("openrois.hello")
         await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
+        late = await far.asked("openrois.hello")
         await discovering
         assert far.proxy.extension is not None
         assert far.proxy.speaks_extensions
@@ -153,6 +153,7 @@ class TestDiscover:
 
     async def test_one_that_fails_to_say(self, far: Far) -> None:
         discovering = asyncio.ensure_future(far.proxy.discover())
+        await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
         request = await far.asked("openrois.hello")
         error = {"code": -32603, "message": "Internal error"}
         await far.stream.send(json.dumps({"jsonrpc": "2.0", "id": request["id"], "error": error}))
@@ -164,6 +165,7 @@ class TestDiscover:
             return {"engine_id": engine_id, "parent_id": parent_id, "version": "1"}
 
         discovering = asyncio.ensure_future(far.proxy.discover())
+        await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
         await far.answer(await far.asked("openrois.hello"), version="1", extensions=["openrois.directory"])
         await far.answer(await far.asked("openrois.directory.list"), engines=[entry("main", "")])
         assert (await discovering).profile.engine_ids() == ("main",)
