@@ -132,10 +132,10 @@ async def compare(wire: Wire, method: str, build: Callable[[str], Any], hidden: 
 async def test_a_thousand_pairs(role: Role) -> None:
     chance, tried = random.Random(6), set()
     async with place("fleet", "hidden") as where:
-        for start in range(0, PAIRS, 20):  # More in one session would be too many messages of signaling.
+        for start in range(0, PAIRS, 10):  # More in one session would be too many messages of signaling.
             async with where.application(principal(role, *SCOPE)) as wire:
                 await wire.result("openrois.hello", {"version": "1"})
-                for number in range(start, start + 20):
+                for number in range(start, start + 10):
                     hidden = OUT[number % len(OUT)]
                     cases = shapes(hidden)
                     for step in range(SHAPES_OF_A_PAIR):
