@@ -137,4 +137,4 @@ def _session(holder: object) -> ApplicationSession:
 
 
 def _drop(_method: str, _params: object, **_more: bool) -> None:
-    """Notify nobody: the session has no connection."""
+    """Drop a notification: the session has no connection."""

@@ -16,7 +16,7 @@ from tests.support.deployment import PATIENCE, Adapter, Application, Robot, adap
 from tests.support.nats import NatsServer
 from tests.support.postgres import Server
 
-__all__ = ["Place", "place_of", "unit"]
+__all__ = ["Place", "owned_by", "place_of", "unit"]
 
 
 def unit(ref: str, command_type: str, command_id: str = "1", **arguments: str) -> dict[str, Any]:

@@ -1,53 +1,21 @@
 """An adapter at one gateway, applications at others: what is asked and notified passes between them."""
 
 from collections.abc import AsyncIterator
-from contextlib import AsyncExitStack
-from typing import Any
 
 import pytest
 
-from openrois.gateway.server import Gateway
-from tests.support.cluster import Cluster, cluster, seen_by
-from tests.support.deployment import Application, Robot, adapter, application, patience
+from tests.support.cluster import seen_by
+from tests.support.deployment import Robot, patience
 from tests.support.nats import NatsServer
+from tests.support.place import Place, place_of, unit
 from tests.support.postgres import Server
 
 pytestmark = pytest.mark.extra(name="cluster")
 
 
-def unit(ref: str, command_type: str, command_id: str = "1", **arguments: str) -> dict[str, Any]:
-    values = [{"name": name, "data_type_ref": "String", "value": value} for name, value in arguments.items()]
-    return {"component_ref": ref, "command_type": command_type, "command_id": command_id, "arguments": values}
-
-
-class Place:
-    """Two gateways, a robot at the first one, and applications at either."""
-
-    def __init__(self, running: Cluster, robot: Robot, stack: AsyncExitStack) -> None:
-        self.cluster = running
-        self.robot = robot
-        self.stack = stack
-
-    async def app(self, gateway_id: str = "b", *, is_extended: bool = True) -> Application:
-        """Connect an application to a gateway, and wait until it sees the robot."""
-        app = await self.stack.enter_async_context(application(self.cluster.gateways[gateway_id]))
-        if is_extended:
-            await app.ask("openrois.hello", version="1", extensions=["openrois.lease"])
-        await app.ask("rois.system.connect")
-        await seen_by(app, "robot")
-        return app
-
-    async def attach(self, gateway_id: str, engine_id: str = "robot", robot: Robot | None = None) -> Any:
-        parts = robot or self.robot
-        gateway: Gateway = self.cluster.gateways[gateway_id]
-        at = adapter(gateway, *parts.parts(), engine_id=engine_id, extension=parts.streams)
-        return await self.stack.enter_async_context(at)
-
-
 @pytest.fixture
 async def place(shared_nats: NatsServer, postgres_server: Server) -> AsyncIterator[Place]:
-    async with cluster(shared_nats, postgres_server, "a", "b") as running, AsyncExitStack() as stack:
-        here = Place(running, Robot(), stack)
+    async with place_of(shared_nats, postgres_server, "a", "b") as here:
         await here.attach("a")
         yield here
 

@@ -47,7 +47,7 @@ async def test_sessions_that_live_are_kept_in_the_store() -> None:
 
 def test_an_engine_of_another_gateway_that_is_not_reached_is_named_with_the_reason() -> None:
     here = federation()
-    here.require_reachable("nobody-owns-it")
+    here.require_reachable("without-owner")
     with pytest.raises(EngineUnreachable, match="robot belongs to gateway b, which is not reached: it is not there"):
         here.require_reachable("robot")
     link = SimpleNamespace(gateway_id="a", trouble="NATS is away", present={})
