@@ -41,25 +41,20 @@ class CommandRoutes:
     async def _execute(self, params: dict[str, Any]) -> Any:
         name = "rois.command.execute"
         commands = command_ids(params)
-        named = {engine_id: self._routes.gateway(engine_id) for engine_id in engines_commanded(params)}
-        gateways = set(named.values())
+        refs = {engine_of(ref): ref for ref in commands.values()}
+        engine_ids = sorted(engines_commanded(params))
+        gateways = {self._routes.gateway(engine_id, refs.get(engine_id)) for engine_id in engine_ids}
         if len(gateways) > 1:
-            engines = ", ".join(sorted(named))
-            raise BadParameter(f"{engines} are at different gateways: send a sequence to each of them")
-        for engine_id in named:
-            self._routes.gateway(
-                engine_id, next((ref for ref in commands.values() if engine_of(ref) == engine_id), None)
-            )
+            raise BadParameter(f"{', '.join(engine_ids)} are at different gateways: send a sequence to each of them")
         gateway_id = gateways.pop() if gateways else None
+        elsewhere = self._routes.work if gateway_id is None else self._routes.app.commands
+        for command_id in commands:
+            if command_id in elsewhere:
+                raise BadParameter(f"the command_id {command_id[:200]!r} is empty or taken")
         if gateway_id is None:
-            taken = next((each for each in commands if each in self._routes.work), None)
-            if taken is not None:
-                raise BadParameter(f"the command_id {taken[:200]!r} is empty or taken")
             return await self._routes.local[name](params)
-        taken = next((each for each in commands if each in self._routes.app.commands), None)
-        if taken is not None:
-            raise BadParameter(f"the command_id {taken[:200]!r} is empty or taken")
-        sub = await self._routes.subs.to(gateway_id)
+        # Opened before the commands are noted: it is no end of theirs that the gateway is not reached.
+        await self._routes.subs.to(gateway_id)
         self._routes.work.begin(gateway_id, commands)
         is_accepted = False
 
@@ -67,33 +62,29 @@ class CommandRoutes:
             nonlocal is_accepted
             is_accepted = result.get("return_code") == ReturnCode.OK.value
 
-        for ref in commands.values():
-            sub.note_ref(ref)
         try:
-            return await sub.relay(name, params, urgent=only_stops(params), accepted=note)
+            return await self._routes.ask_at(
+                gateway_id, name, params, refs=commands.values(), urgent=only_stops(params), accepted=note
+            )
         finally:
             if not is_accepted:
                 self._routes.work.give_up(commands)
 
     async def _set_parameter(self, params: dict[str, Any]) -> Any:
         name, component_ref = "rois.command.set_parameter", params.get("component_ref")
-        sub = await self._routes.sub(engine_named(name, params), component_ref)
-        if sub is None:
-            return await self._routes.local[name](params)
+        gateway_id = self._routes.gateway(engine_named(name, params), component_ref)
 
         def note(result: Mapping[str, Any]) -> None:
             command_id = result.get("command_id")
-            if result.get("return_code") == ReturnCode.OK.value and isinstance(command_id, str):
-                self._routes.work.begin(sub.gateway_id, {command_id: str(component_ref)})
+            if result.get("return_code") == ReturnCode.OK.value and isinstance(command_id, str) and gateway_id:
+                self._routes.work.begin(gateway_id, {command_id: str(component_ref)})
 
-        return await sub.relay(name, params, accepted=note)
+        return await self._routes.ask_at(gateway_id, name, params, accepted=note)
 
     async def _get_command_result(self, params: dict[str, Any]) -> Any:
         name, command_id = "rois.command.get_command_result", params.get("command_id")
         gateway_id = self._routes.work.gateway_of_command(command_id) if isinstance(command_id, str) else None
-        if gateway_id is None:
-            return await self._routes.local[name](params)
-        return await (await self._routes.subs.to(gateway_id)).relay(name, params)
+        return await self._routes.ask_at(gateway_id, name, params)
 
     async def _search(self, params: dict[str, Any]) -> Any:
         asked = fitting(ConditionParams, params)

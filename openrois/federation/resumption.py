@@ -65,28 +65,30 @@ class Resumption:
             return await self._routes.local["openrois.lease.token"](params)
         app = self._routes.app
         app.extended = app.leasing = True
-        return LeaseTokenResult(token=await self._new_token(), grace_ms=self._grace_ms)
+        line = self._routes.line if self._routes.line.line_id else new_line()
+        token = await self._issue(line)
+        self._belong_to(line)
+        await self._routes.federation.lines.written(WRITING_TIME)
+        return LeaseTokenResult(token=token, grace_ms=self._grace_ms)
 
     @property
     def _grace_ms(self) -> int:
         return round(self._routes.app.host.leases.model.rules.grace * 1000)
 
-    async def _new_token(self) -> str:
-        """Return a token that resumes this session at any gateway; the one before counts as used.
+    async def _issue(self, line: SessionLine) -> str:
+        """Return a token that resumes the sessions of a line at any gateway; the one before counts as used.
 
         Raises:
             Unsupported: leases do not survive a connection here, or the session was resumed elsewhere.
             StoreUnreachable: tokens cannot be kept now.
         """
-        routes, line = self._routes, self._routes.line if self._routes.line.line_id else new_line()
+        routes = self._routes
         # Refused here where there is no grace.
         routes.app.host.leases.token(routes.app)
         token = new_token()
         store = routes.federation.resume_store
         if not await store.issue(line.line_id, line.generation, routes.app.principal.subject, _digest(token)):
             raise Unsupported("this session was resumed by another connection since")
-        self._belong_to(line)
-        await routes.federation.lines.written(WRITING_TIME)
         return token
 
     def _belong_to(self, line: SessionLine) -> None:
@@ -113,8 +115,11 @@ class Resumption:
         app.host.audit.acted(app.principal, _RESUME, " ".join(sorted(each.component_ref for each in held)), "")
         known = {command_id for command_id in asked.command_ids if command_id in app.commands}
         known |= {each for report in reports for each in asked.command_ids if each not in report.forgotten}
+        token = await self._issue(line)
+        # What this session holds now is kept for the next one that goes on.
+        await routes.federation.lines.written(WRITING_TIME)
         result = ResumeResult(
-            token=await self._new_token(),
+            token=token,
             grace_ms=self._grace_ms,
             leases=(*held, *(lease for report in reports for lease in report.leases)),
             forgotten=tuple(command_id for command_id in asked.command_ids if command_id not in known),
@@ -190,7 +195,9 @@ class Resumption:
 
     async def _open(self, engine_id: str) -> None:
         try:
-            await self._routes.sub(engine_id)
+            gateway_id = self._routes.gateway(engine_id)
+            if gateway_id is not None:
+                await self._routes.subs.to(gateway_id)
         except RoISError as error:
             _log.info("a session does not go on at %s yet: %s", engine_id, error)
             self._missed[engine_id] = None

@@ -39,7 +39,6 @@ _log = logging.getLogger(__name__)
 _RESULTS: Final = {method.name: method.result for method in METHODS}
 _OF_DIRECTORY: Final = frozenset({"rois.system.profile_changed", DirectoryChangedNotification.method})
 
-
 _LOOKING: Final = frozenset({"rois.command.get_parameter", "rois.command.release"})
 _BINDING: Final = frozenset({"rois.command.bind", "rois.command.release"})
 
@@ -127,23 +126,36 @@ class Router:
             "rois.query.query": self._query,
             "rois.event.subscribe": self._subscribe,
             "rois.stream.connect_stream": self._connect_stream,
-            "openrois.lease.grant": self._answering("openrois.lease.grant"),
-            "openrois.lease.decline": self._answering("openrois.lease.decline"),
+            "openrois.lease.grant": self._deciding("openrois.lease.grant"),
+            "openrois.lease.decline": self._deciding("openrois.lease.decline"),
             **CommandRoutes(self._routes).methods(),
             **SystemRoutes(self._routes, self.change_notice).methods(),
             **StopRoutes(self._routes, self._routes.federation.other_way).methods(),
             **self._resumption.methods(),
         }
-        refusing = {name: _refusing(name, handler, self._routes.local[name]) for name, handler in table.items()}
-        whole = {**self._routes.local, **directory_methods(self), **refusing}
-        return {name: self._extending(handler) if _extends(name) else handler for name, handler in whole.items()}
+        answering = {name: self._answering(name, handler) for name, handler in table.items()}
+        unrouted = {**self._routes.local, **directory_methods(self)}
+        extending = {name: self._answering(name, handler) for name, handler in unrouted.items() if _extends(name)}
+        return {**unrouted, **extending, **answering}
 
-    def _extending(self, handler: Handler) -> Handler:
-        """Return the handler of an extension's method, after which the sessions elsewhere speak the extensions too."""
+    def _answering(self, name: str, handler: Handler) -> Handler:
+        """Return a handler that answers a failure in RoIS terms as an operation does.
+
+        After the methods of extensions the sessions elsewhere speak these too.
+        """
+        extends = _extends(name)
 
         async def answer(params: dict[str, Any]) -> Any:
-            said = await handler(params)
-            self._routes.extend()
+            try:
+                said = await handler(params)
+            except UnwritableParams:
+                # The session here says what is wrong with params that do not fit.
+                said = await self._routes.local[name](params)
+            except RoISError as error:
+                _log.debug("%s: %s", name, error)
+                return Reply(_RESULTS.get(name, ReturnResult)(return_code=error.return_code), reason=str(error))
+            if extends:
+                self._routes.extend()
             return said
 
         return answer
@@ -153,15 +165,16 @@ class Router:
 
         async def lead(params: dict[str, Any]) -> Any:
             component_ref = params.get("component_ref")
-            sub = await self._routes.sub(engine_named(name, params), component_ref)
-            if isinstance(component_ref, str) and name not in _LOOKING:
-                self._resumption.note_use(component_ref)
-            if sub is None:
-                return await self._routes.local[name](params)
-            if isinstance(component_ref, str):
-                sub.note_ref(component_ref)
-            return await sub.relay(
-                name, params, urgent=is_urgent, accepted=lambda result: self._note_held(name, component_ref, result)
+            gateway_id = self._routes.gateway(engine_named(name, params), component_ref)
+            refs = (component_ref,) if isinstance(component_ref, str) else ()
+            if name not in _LOOKING:
+                for each in refs:
+                    self._resumption.note_use(each)
+            return await self._routes.ask_at(
+                *(gateway_id, name, params),
+                refs=refs,
+                urgent=is_urgent,
+                accepted=lambda result: self._note_held(name, component_ref, result),
             )
 
         return lead
@@ -185,7 +198,7 @@ class Router:
             if component_ref is not None and self._has_lost(component_ref):
                 return ResultsResult(results=(FAILING,))
         component_ref = queried_component(self.engine, asked.query_type, asked.condition)
-        return await self._routes.lead_to(component_ref, "rois.query.query", params)
+        return await self._routes.ask_about(component_ref, "rois.query.query", params)
 
     def _has_lost(self, component_ref: str) -> bool:
         return component_ref in self._routes.federation.directory.lost and self.engine.sees(component_ref)
@@ -195,32 +208,28 @@ class Router:
         if asked is None:
             return await self._routes.local["rois.event.subscribe"](params)
         component_ref = observed_component(self.engine, asked.event_type, asked.condition)
-        return await self._routes.lead_to(component_ref, "rois.event.subscribe", params)
+        return await self._routes.ask_about(component_ref, "rois.event.subscribe", params)
 
     async def _connect_stream(self, params: dict[str, Any]) -> Any:
         name, component_ref = "rois.stream.connect_stream", params.get("component_ref")
-        sub = await self._routes.sub(engine_named(name, params), component_ref)
-        if sub is None:
-            return await self._routes.local[name](params)
-        self._routes.app.extended = True
+        gateway_id = self._routes.gateway(engine_named(name, params), component_ref)
+        if gateway_id is not None:
+            self._routes.app.extended = True
 
         def note(result: Mapping[str, Any]) -> None:
             stream_id = result.get("stream_id")
-            if isinstance(stream_id, str) and stream_id:
-                self._routes.work.note_stream(sub.gateway_id, stream_id, str(component_ref))
+            if isinstance(stream_id, str) and stream_id and gateway_id is not None:
+                self._routes.work.note_stream(gateway_id, stream_id, str(component_ref))
 
-        sub.note_ref(str(component_ref))
-        return await sub.relay(name, params, accepted=note)
+        return await self._routes.ask_at(gateway_id, name, params, refs=(str(component_ref),), accepted=note)
 
-    def _answering(self, name: str) -> Handler:
-        async def answer(params: dict[str, Any]) -> Any:
+    def _deciding(self, name: str) -> Handler:
+        async def decide(params: dict[str, Any]) -> Any:
             request_id = params.get("request_id")
             gateway_id = self._routes.work.gateway_of_request(request_id) if isinstance(request_id, str) else None
-            if gateway_id is None:
-                return await self._routes.local[name](params)
-            return await (await self._routes.subs.to(gateway_id)).relay(name, params)
+            return await self._routes.ask_at(gateway_id, name, params)
 
-        return answer
+        return decide
 
     def _handle_loss(self, sub: SubSession, closed: StreamClosed) -> None:
         app, lost = self._routes.app, self._routes.work.lose(sub.gateway_id)
@@ -239,24 +248,3 @@ class Router:
 def _extends(name: str) -> bool:
     """Tell whether a method is an extension's; an application that calls one gets its notifications."""
     return name.startswith(("signaling.", "rois.stream.", "openrois."))
-
-
-def _refusing(name: str, handler: Handler, local: Handler) -> Handler:
-    """Return a handler that answers a failure in RoIS terms as an operation does.
-
-    Args:
-        name: the method.
-        handler: its handler.
-        local: that of the session here, which says what is wrong with params that do not fit.
-    """
-
-    async def answer(params: dict[str, Any]) -> Any:
-        try:
-            return await handler(params)
-        except UnwritableParams:
-            return await local(params)
-        except RoISError as error:
-            _log.debug("%s: %s", name, error)
-            return Reply(_RESULTS.get(name, ReturnResult)(return_code=error.return_code), reason=str(error))
-
-    return answer

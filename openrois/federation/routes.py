@@ -1,6 +1,6 @@
 """The ways of one application's requests: to the session here, or to one at the gateway that owns the engine."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -88,22 +88,40 @@ class Routes:
             self.federation.require_reachable(engine_id)
         return None
 
-    async def sub(self, engine_id: str, component_ref: object = None) -> SubSession | None:
-        """Return the session at the other gateway that owns an engine; None where the session here answers.
+    async def ask_at(
+        self,
+        gateway_id: str | None,
+        name: str,
+        params: dict[str, Any],
+        *,
+        refs: Iterable[str] = (),
+        urgent: bool = False,
+        accepted: Callable[[Mapping[str, Any]], None] = lambda _result: None,
+    ) -> Any:
+        """Ask the session at a gateway what the application asks, and return its reply.
+
+        Args:
+            gateway_id: the other gateway; None where the session here answers.
+            name: the method.
+            params: as they came.
+            refs: the components that the application works with by that.
+            urgent: whether another gateway is asked also where there is no room for questions.
+            accepted: called with the result of another gateway before any later message of it is read.
 
         Raises:
-            EngineUnreachable: that gateway is not reached.
+            EngineUnreachable: the other gateway is not reached.
         """
-        gateway_id = self.gateway(engine_id, component_ref)
-        return None if gateway_id is None else await self.subs.to(gateway_id)
-
-    async def lead_to(self, component_ref: str, name: str, params: dict[str, Any]) -> Any:
-        """Ask the session that has a component, and return its reply."""
-        sub = await self.sub(engine_of(component_ref), component_ref)
-        if sub is None:
+        if gateway_id is None:
             return await self.local[name](params)
-        sub.note_ref(component_ref)
-        return await sub.relay(name, params)
+        sub = await self.subs.to(gateway_id)
+        for component_ref in refs:
+            sub.note_ref(component_ref)
+        return await sub.relay(name, params, urgent=urgent, accepted=accepted)
+
+    async def ask_about(self, component_ref: str, name: str, params: dict[str, Any]) -> Any:
+        """Ask the session that has a component, and return its reply."""
+        gateway_id = self.gateway(engine_of(component_ref), component_ref)
+        return await self.ask_at(gateway_id, name, params, refs=(component_ref,))
 
     async def ask_here(self, name: str, params: dict[str, Any]) -> tuple[Any, str, Reply]:
         """Ask the session here; return the result, the reason of a refusal, and both as a reply."""

@@ -77,25 +77,22 @@ class StopRoutes:
         self, gateway_id: str, params: dict[str, Any], engine_ids: Iterable[str]
     ) -> tuple[StopAllResult, str]:
         """Stop engines of another gateway: by the link, and where that does not answer soon by the store too."""
-        by_link = asyncio.ensure_future(self._by_link(gateway_id, params))
-        await asyncio.wait({by_link}, timeout=HEAD_START)
-        if _is_answered(by_link):
-            return by_link.result()
-        by_store = asyncio.ensure_future(self._by_store(gateway_id, engine_ids))
+        ways = [asyncio.ensure_future(self._by_link(gateway_id, params))]
         try:
-            await asyncio.wait({by_link, by_store}, return_when=asyncio.FIRST_COMPLETED)
-            if not (_is_answered(by_link) or _is_answered(by_store)):
-                await asyncio.wait({by_link, by_store})
-            answered = next((each for each in (by_link, by_store) if _is_answered(each)), None)
+            await asyncio.wait(ways, timeout=HEAD_START)
+            if not _is_answered(ways[0]):
+                ways.append(asyncio.ensure_future(self._by_store(gateway_id, engine_ids)))
+            while not any(map(_is_answered, ways)) and (open_ways := [each for each in ways if not each.done()]):
+                await asyncio.wait(open_ways, return_when=asyncio.FIRST_COMPLETED)
+            answered = next(filter(_is_answered, ways), None)
             if answered is not None:
                 return answered.result()
-            reasons = "; ".join(dict.fromkeys(str(each.exception()) for each in (by_link, by_store)))
+            reasons = "; ".join(dict.fromkeys(str(each.exception()) for each in ways))
             return StopAllResult(return_code=ReturnCode.ERROR), f"STOP has not reached gateway {gateway_id}: {reasons}"
         finally:
-            for each in (by_link, by_store):
+            for each in ways:
                 each.cancel()
-                # What it raised is told already.
-                each.cancelled() or (each.done() and each.exception())
+            await asyncio.gather(*ways, return_exceptions=True)
 
     async def _by_link(self, gateway_id: str, params: dict[str, Any]) -> tuple[StopAllResult, str]:
         sub = await self._routes.subs.to(gateway_id)

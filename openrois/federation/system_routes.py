@@ -87,7 +87,7 @@ class SystemRoutes:
         engine_id = engine_of(error_id) if isinstance(error_id, str) else ""
         gateway_id = self._routes.gateway(engine_id)
         if gateway_id is not None:
-            return await (await self._routes.subs.to(gateway_id)).relay(name, params)
+            return await self._routes.ask_at(gateway_id, name, params)
         result, _, reply = await self._routes.ask_here(name, params)
         if engine_id != self._routes.engine.tree.engine_id or result.return_code is ReturnCode.OK:
             return reply

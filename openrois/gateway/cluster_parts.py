@@ -11,6 +11,7 @@ from openrois.cluster.postgres.resumption import PostgresResumeStore
 from openrois.cluster.postgres.stops import Stops
 from openrois.gateway.clustering import ClusterParts
 from openrois.gateway.settings import GatewaySettings
+from openrois.leases.epochs import ClaimedEpochs
 from openrois.ownership.directorate import Directorate
 
 __all__ = ["open_parts"]
@@ -42,4 +43,5 @@ async def open_parts(settings: GatewaySettings) -> AsyncIterator[ClusterParts]:
         await stack.enter_async_context(journal)
         stops = await stack.enter_async_context(Stops(database, settings.gateway_id))
         link = NatsLink(nats, settings.gateway_id)
-        yield ClusterParts(link, directorate, journal, PostgresResumeStore(database), stops)
+        epochs = ClaimedEpochs(lambda: directorate.problem)
+        yield ClusterParts(link, directorate, journal, PostgresResumeStore(database), stops, epochs)

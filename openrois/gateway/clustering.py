@@ -60,6 +60,7 @@ class ClusterParts:
         journal: which commands were accepted, and how they ended.
         resume_store: which sessions can be resumed, and what they hold.
         stops: STOP of other gateways, and to them, where the link fails.
+        epochs: of the engines that this gateway owns.
     """
 
     link: GatewayLink
@@ -67,6 +68,7 @@ class ClusterParts:
     journal: Journal
     resume_store: ResumeStore
     stops: ServedStops
+    epochs: ClaimedEpochs
 
 
 class Clustering:
@@ -81,13 +83,13 @@ class Clustering:
         claims: of the engines whose adapters are here.
     """
 
-    def __init__(self, parts: ClusterParts, host: EngineHost, epochs: ClaimedEpochs) -> None:
+    def __init__(self, parts: ClusterParts, host: EngineHost) -> None:
         self._writer = HoldingsWriter(parts.resume_store)
         self._lines = Lines(host, self._writer)
         self.federation = Federation(
             parts.link, parts.directorate, host.engine, self._lines, parts.resume_store, parts.stops
         )
-        self.claims = GatewayClaims(host.engine, parts.directorate, epochs)
+        self.claims = GatewayClaims(host.engine, parts.directorate, parts.epochs)
         self._parts = parts
         self._host = host
 
@@ -152,17 +154,20 @@ class Clustering:
     async def _look_for_holders(self, engine_ids: Collection[str]) -> None:
         """Look which sessions have held components of engines at another gateway, before these are attached here."""
         try:
-            self._lines.await_engines(await self._parts.resume_store.held(engine_ids))
+            await self._await_holders(engine_ids)
         except StoreUnreachable as error:
             _log.warning("%s: what is kept for former holders of %s waits", error, ", ".join(sorted(engine_ids)))
             self._host.tasks.start(self._look_again(engine_ids))
+
+    async def _await_holders(self, engine_ids: Collection[str]) -> None:
+        self._lines.await_engines(await self._parts.resume_store.held(engine_ids))
 
     async def _look_again(self, engine_ids: Collection[str]) -> None:
         """Look for former holders until the store answers, or the grace of their leases is over."""
         for _ in range(round(self._host.lease_rules.grace / LOOK_AGAIN)):
             await self._host.sleep(LOOK_AGAIN)
             with suppress(StoreUnreachable):
-                self._lines.await_engines(await self._parts.resume_store.held(engine_ids))
+                await self._await_holders(engine_ids)
                 self._lines.restore(each for each in engine_ids if self._host.engine.tree.has_engine(each))
                 return
 

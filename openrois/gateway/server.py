@@ -47,7 +47,7 @@ from openrois.http_limits.tcp_server import serving_tcp
 from openrois.journal.journal import Journal, NoJournal
 from openrois.journal.sqlite_journal import SqliteJournal
 from openrois.jsonrpc.unread import UnreadBudget
-from openrois.leases.epochs import ClaimedEpochs, CountedEpochs
+from openrois.leases.epochs import CountedEpochs
 from openrois.leases.model import Rules
 from openrois.metrics.server import metrics_address, serving_metrics
 from openrois.observability.audit import Audit
@@ -117,7 +117,6 @@ async def run_gateway(
         tasks = await stack.enter_async_context(TaskScope())
         lag = LoopLag()
         tasks.start(lag.watch())
-        claimed_epochs = None if parts is None else ClaimedEpochs(lambda: parts.directorate.problem)
         host = EngineHost(
             Engine(settings.engine_id),
             tasks,
@@ -127,7 +126,7 @@ async def run_gateway(
             journal=journal,
             lease_rules=Rules(settings.lease_grace, settings.lease_answer),
             # Greater than those of a process before this one, as long as the wall clock is not set back.
-            epochs=CountedEpochs(round(time.time() * 1000)) if claimed_epochs is None else claimed_epochs,
+            epochs=CountedEpochs(round(time.time() * 1000)) if parts is None else parts.epochs,
             unread=UnreadBudget(settings.unread),
             quotas=SubjectQuotas(settings.subject_connections, settings.subject_sessions, settings.subject_streams),
         )
@@ -150,8 +149,8 @@ async def run_gateway(
         )
         readiness.require("room for connections", lambda: not connection_limits.is_full)
         clustering = None
-        if parts is not None and claimed_epochs is not None:
-            clustering = Clustering(parts, host, claimed_epochs)
+        if parts is not None:
+            clustering = Clustering(parts, host)
             await stack.enter_async_context(clustering.serving(auth_setup, readiness))
         server = _Server(
             settings, host, auth_setup, connection_limits, header_timeouts, readiness, application, adapter, clustering

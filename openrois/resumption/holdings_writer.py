@@ -3,12 +3,12 @@
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable
-from contextlib import AbstractAsyncContextManager, AsyncExitStack
+from contextlib import AbstractAsyncContextManager
 from itertools import islice
 from types import TracebackType
 from typing import Final, Self
 
-from openrois.aio.tasks import TaskScope
+from openrois.aio.write_loop import WriteLoop
 from openrois.errors import StoreUnreachable
 from openrois.resumption.lines import Change
 from openrois.resumption.store import ResumeStore
@@ -24,7 +24,6 @@ DRAIN_TIME: Final = 2.0
 """Seconds that the end of a gateway waits for what is not written."""
 
 _BATCH: Final = 512
-_RETRY: Final = 1.0
 
 
 class HoldingsWriter(AbstractAsyncContextManager["HoldingsWriter"]):
@@ -55,26 +54,22 @@ class HoldingsWriter(AbstractAsyncContextManager["HoldingsWriter"]):
         self.lost = 0
         self.failures = 0
         self._store = store
-        self._sleep = sleep
         self._most = most
         self._waiting: dict[str, Change] = {}
-        self._more = asyncio.Event()
-        self._empty = asyncio.Event()
-        self._empty.set()
-        self._stack = AsyncExitStack()
+        self._loop = WriteLoop(lambda: bool(self._waiting), self._write, sleep)
 
     async def __aenter__(self) -> Self:
-        async with AsyncExitStack() as stack:
-            tasks = await stack.enter_async_context(TaskScope())
-            tasks.start(self._keep_writing())
-            stack.push_async_callback(self._drain)
-            self._stack = stack.pop_all()
+        await self._loop.__aenter__()
         return self
 
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        await self._stack.aclose()
+        try:
+            if not await self.flushed():
+                _log.error("%d changes of holders are not in %s: %s", self.waiting, self._store.name, self.problem)
+        finally:
+            await self._loop.__aexit__(kind, error, trace)
 
     @property
     def waiting(self) -> int:
@@ -92,30 +87,11 @@ class HoldingsWriter(AbstractAsyncContextManager["HoldingsWriter"]):
                 _log.error("changes of holders are lost: more than %d wait for %s", self._most, self._store.name)
             self.lost += 1
         self._waiting[change.component_ref] = change
-        self._more.set()
-        self._empty.clear()
+        self._loop.wake()
 
     async def flushed(self, seconds: float = DRAIN_TIME) -> bool:
         """Wait until everything is written, or for so long; tell whether it is."""
-        try:
-            async with asyncio.timeout(seconds):
-                await self._empty.wait()
-        except TimeoutError:
-            return False
-        return True
-
-    async def _drain(self) -> None:
-        if not await self.flushed():
-            _log.error("%d changes of holders are not in %s: %s", self.waiting, self._store.name, self.problem)
-
-    async def _keep_writing(self) -> None:
-        while True:
-            await self._more.wait()
-            self._more.clear()
-            while self._waiting:
-                if not await self._write():
-                    await self._sleep(_RETRY)
-            self._empty.set()
+        return await self._loop.flushed(seconds)
 
     async def _write(self) -> bool:
         """Write one batch; tell whether that worked."""

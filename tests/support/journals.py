@@ -1,6 +1,5 @@
 """Journals of gateways that are started again, over a file and over PostgreSQL."""
 
-import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from itertools import count
@@ -23,8 +22,7 @@ CONTACT = 3600.0
 
 async def until_written(journal: Any) -> None:
     """Wait until no record of a journal in PostgreSQL waits."""
-    async with asyncio.timeout(PATIENT):
-        await journal._empty.wait()
+    assert await journal._loop.flushed(PATIENT)
 
 
 def in_a_file(path: Path) -> MakeJournal:

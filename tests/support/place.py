@@ -12,7 +12,7 @@ from openrois.engine.registry import LocalRegistry
 from openrois.gateway.server import Gateway
 from openrois.session.session import EngineHost
 from tests.support.cluster import Cluster, cluster, seen_by
-from tests.support.deployment import PATIENCE, Adapter, Application, Robot, adapter, application, no_wait
+from tests.support.deployment import Adapter, Application, Robot, adapter, application, no_wait, until
 from tests.support.nats import NatsServer
 from tests.support.postgres import Server
 
@@ -79,13 +79,4 @@ async def place_of(nats: NatsServer, postgres: Server, *gateway_ids: str, **sett
 
 async def owned_by(place: Place, gateway_id: str, engine_id: str = "robot") -> None:
     """Wait until a gateway has the adapter of an engine."""
-    engine = place.gateway(gateway_id).engine
-    changed = asyncio.Event()
-    stop = engine.on_change(changed.set)
-    try:
-        async with asyncio.timeout(PATIENCE):
-            while not engine.tree.has_engine(engine_id):
-                changed.clear()
-                await changed.wait()
-    finally:
-        stop()
+    await until(place.gateway(gateway_id).engine, lambda engine_ids: engine_id in engine_ids)

@@ -104,9 +104,7 @@ class _Asking:
         times = []
         for _ in range(number + number // 10):
             began = time.perf_counter()
-            await self.ask(
-                "rois.query.query", query_type="component_status", condition=f"component_ref = '{COMPONENT}'"
-            )
+            await self.ask("rois.query.query", query_type="level", condition=CONDITION)
             times.append(time.perf_counter() - began)
         return times[number // 10 :]
 

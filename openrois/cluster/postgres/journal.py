@@ -4,14 +4,14 @@ import asyncio
 import logging
 from collections import deque
 from collections.abc import Awaitable, Callable, Mapping
-from contextlib import AbstractAsyncContextManager, AsyncExitStack
+from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
 from hashlib import sha256
 from itertools import count, islice
 from types import TracebackType
 from typing import TYPE_CHECKING, Final, Self
 
-from openrois.aio.tasks import TaskScope
+from openrois.aio.write_loop import WriteLoop
 from openrois.cluster.postgres.calls import CALL_TIME, Calls
 from openrois.cluster.postgres.database import NOW, Database
 from openrois.errors import StoreUnreachable
@@ -30,7 +30,6 @@ __all__ = ["PostgresJournal"]
 _log = logging.getLogger(__name__)
 
 _BATCH: Final = 1024
-_RETRY: Final = 1.0
 _PRUNE_AFTER: Final = 1024
 _CLOSING: Final = 5.0
 _INTERRUPTED: Final = "INTERRUPTED"
@@ -150,7 +149,6 @@ class PostgresJournal(AbstractAsyncContextManager["PostgresJournal"]):
         self._of_run = gateway_id, run
         self._contact = contact
         self._patience = patience
-        self._sleep = sleep
         self._most = most
         # What is asked does not delay what is written.
         self._writing = Calls(database, 1, seconds)
@@ -163,24 +161,22 @@ class PostgresJournal(AbstractAsyncContextManager["PostgresJournal"]):
         self._unpruned = _PRUNE_AFTER
         self._numbers = count(1)
         self._queue: deque[_Waiting] = deque()
-        self._more = asyncio.Event()
-        self._empty = asyncio.Event()
-        self._empty.set()
-        self._stack = AsyncExitStack()
+        self._loop = WriteLoop(lambda: bool(self._queue), self._write, sleep)
 
     async def __aenter__(self) -> Self:
-        async with AsyncExitStack() as stack:
-            tasks = await stack.enter_async_context(TaskScope())
-            tasks.start(self._keep_writing())
-            stack.push_async_callback(self._drain)
-            self._stack = stack.pop_all()
+        await self._loop.__aenter__()
         return self
 
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Write what waits, for at most some seconds."""
-        await self._stack.aclose()
+        try:
+            if not await self._loop.flushed(_CLOSING):
+                self.lost += len(self._queue)
+                _log.error("the journal in %s ends without %d records", self._name, len(self._queue))
+        finally:
+            await self._loop.__aexit__(kind, error, trace)
 
     @property
     def waiting(self) -> int:
@@ -230,25 +226,7 @@ class PostgresJournal(AbstractAsyncContextManager["PostgresJournal"]):
                 done.set_result(None)
             return
         self._queue.append(_Waiting(next(self._numbers), record, done))
-        self._more.set()
-        self._empty.clear()
-
-    async def _drain(self) -> None:
-        try:
-            async with asyncio.timeout(_CLOSING):
-                await self._empty.wait()
-        except TimeoutError:
-            self.lost += len(self._queue)
-            _log.error("the journal in %s ends without %d records", self._name, len(self._queue))
-
-    async def _keep_writing(self) -> None:
-        while True:
-            await self._more.wait()
-            self._more.clear()
-            while self._queue:
-                if not await self._write(self._next_batch()):
-                    await self._sleep(_RETRY)
-            self._empty.set()
+        self._loop.wake()
 
     def _next_batch(self) -> list[_Waiting]:
         """Return the next records. What is accepted is written before what ended: one that is accepted again waits."""
@@ -261,8 +239,9 @@ class PostgresJournal(AbstractAsyncContextManager["PostgresJournal"]):
             batch.append(each)
         return batch
 
-    async def _write(self, batch: list[_Waiting]) -> bool:
+    async def _write(self) -> bool:
         """Write one batch; tell whether that worked."""
+        batch = self._next_batch()
         try:
             async with self._writing.connection() as connection:
                 await self._write_records(connection, batch)

@@ -32,8 +32,8 @@ async def test_former_holders_are_looked_for_until_the_store_answers() -> None:
         host = EngineHost(engine, tasks, sleep=sleep, epochs=epochs)
         store = SimpleNamespace(held=held, name="the store")
         directorate = SimpleNamespace(owners={})
-        parts = ClusterParts(*cast(Any, (SimpleNamespace(gateway_id="a"), directorate, None, store, None)))
-        clustering = Clustering(parts, host, epochs)
+        parts = ClusterParts(*cast(Any, (SimpleNamespace(gateway_id="a"), directorate, None, store, None, epochs)))
+        clustering = Clustering(parts, host)
         await clustering._look_for_holders(["robot"])
         await clustering._look_again(["robot"])
         assert slept[:3] == [LOOK_AGAIN] * 3

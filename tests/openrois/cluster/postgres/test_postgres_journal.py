@@ -176,7 +176,7 @@ class TestWriting:
             assert (await b.deliver_outcome("ann", "one")).status is OK
             again = module._Waiting(1, Accepted("s", "one", "ann", "robot/lamp", 0.0), None)
             a._queue.extend([again, *first])
-            assert await a._write(a._next_batch())
+            assert await a._write()
             former = await b.find("ann", "one")
             assert (former.status, former.is_notified) == (OK, True)
 
