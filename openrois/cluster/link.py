@@ -124,6 +124,13 @@ class NatsLink:
         """Call `listener` when a gateway comes, changes or goes; return a function that removes it."""
         return self._pulse.listeners.add(listener)
 
+    def notice_pause(self) -> None:
+        """Lose all streams where this process stood still for so long that the others have given it up.
+
+        What begins something that was asked of it before calls this first.
+        """
+        self._pulse.notice_pause()
+
     def announce(self, attributes: Mapping[str, Any]) -> None:
         """Tell all other gateways these attributes from now on.
 

@@ -53,6 +53,8 @@ class CommandRoutes:
                 raise BadParameter(f"the command_id {command_id[:200]!r} is empty or taken")
         if gateway_id is None:
             return await self._routes.local[name](params)
+        if not (is_urgent := only_stops(params)):
+            self._routes.app.host.require_staying()
         # Opened before the commands are noted: it is no end of theirs that the gateway is not reached.
         await self._routes.subs.to(gateway_id)
         self._routes.work.begin(gateway_id, commands)
@@ -64,7 +66,7 @@ class CommandRoutes:
 
         try:
             return await self._routes.ask_at(
-                gateway_id, name, params, refs=commands.values(), urgent=only_stops(params), accepted=note
+                gateway_id, name, params, refs=commands.values(), urgent=is_urgent, accepted=note
             )
         finally:
             if not is_accepted:
@@ -73,6 +75,8 @@ class CommandRoutes:
     async def _set_parameter(self, params: dict[str, Any]) -> Any:
         name, component_ref = "rois.command.set_parameter", params.get("component_ref")
         gateway_id = self._routes.gateway(engine_named(name, params), component_ref)
+        if gateway_id is not None:
+            self._routes.app.host.require_staying()
 
         def note(result: Mapping[str, Any]) -> None:
             command_id = result.get("command_id")

@@ -13,6 +13,7 @@ from openrois.engine.tree import TreeChange
 from openrois.errors import EngineUnreachable, StoreUnreachable
 from openrois.federation.assertion import Assertion
 from openrois.federation.cluster_directory import ClusterDirectory, Offer
+from openrois.federation.foreign_work import ForeignWork
 from openrois.federation.gateway_link import GatewayLink
 from openrois.federation.lines import Lines
 from openrois.federation.neighbours import Neighbours
@@ -45,6 +46,7 @@ class Federation:
         sleep: waits for some seconds.
 
     Attributes:
+        works: what each application here has at other gateways.
         gateway_id: of this gateway.
         directory: the engines of all gateways.
         views: what applications of each scope see of them.
@@ -60,6 +62,7 @@ class Federation:
         other_way: OtherWay,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
     ) -> None:
+        self.works: set[ForeignWork] = set()
         self.lines = lines
         self.resume_store = resume_store
         self.other_way = other_way
@@ -94,6 +97,11 @@ class Federation:
             return await self._link.dial(gateway_id, assertion.hello())
         except DialFailed as error:
             raise EngineUnreachable(str(error)) from None
+
+    @property
+    def relayed(self) -> int:
+        """The number of commands of applications here that run at other gateways."""
+        return sum(work.running for work in self.works)
 
     @property
     def others(self) -> tuple[str, ...]:

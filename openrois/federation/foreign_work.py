@@ -99,9 +99,9 @@ class ForeignWork:
         self._streams[stream_id] = gateway_id, component_ref
 
     @property
-    def has_commands(self) -> bool:
-        """Whether commands run at other gateways."""
-        return bool(self._running)
+    def running(self) -> int:
+        """The number of commands that run at other gateways."""
+        return len(self._running)
 
     def adopt(self, gateway_id: str, command_ids: Iterable[str]) -> None:
         """Note commands of a session in whose place this one goes on."""

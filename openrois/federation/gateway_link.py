@@ -4,9 +4,19 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Protocol, Self
 
 from openrois.cluster.presence import Present
-from openrois.transport.stream import MessageStream
+from openrois.transport.stream import MessageStream, StreamClosed
 
-__all__ = ["GatewayLink"]
+__all__ = ["GatewayLink", "GatewayStream"]
+
+
+class GatewayStream(MessageStream, Protocol):
+    """A stream from another gateway.
+
+    Attributes:
+        closed: the reason for which it has ended, as soon as that is known; None while it lives.
+    """
+
+    closed: StreamClosed | None
 
 
 class GatewayLink(Protocol):
@@ -25,6 +35,10 @@ class GatewayLink(Protocol):
         """The gateways that are there, this one too, by id."""
         ...
 
+    def notice_pause(self) -> None:
+        """Lose all streams where this process stood still for so long that the others have given it up."""
+        ...
+
     def on_presence(self, listener: Callable[[Mapping[str, Present]], None]) -> Callable[[], None]:
         """Call `listener` when a gateway comes, changes or goes; return a function that removes it."""
         ...
@@ -35,7 +49,7 @@ class GatewayLink(Protocol):
 
     async def __aexit__(self, *_error: object) -> None: ...
 
-    async def listen(self, handler: Callable[[MessageStream, Mapping[str, Any]], Awaitable[None]]) -> None:
+    async def listen(self, handler: Callable[[GatewayStream, Mapping[str, Any]], Awaitable[None]]) -> None:
         """Let other gateways dial this one: the handler gets each stream and what is asserted, in a task of its own."""
         ...
 

@@ -116,6 +116,7 @@ class Router:
         self._stop_listening()
         self.change_notice.close()
         self.engine.close()
+        self._routes.federation.works.discard(self._routes.work)
         await self._routes.subs.close(lost=lost)
         await self._resumption.close(lost=lost)
 

@@ -55,6 +55,7 @@ class Routes:
         self.address = address
         self.engine = ScopedTree(federation.directory, app.principal, federation.views)
         self.work = ForeignWork()
+        federation.works.add(self.work)
         self.line = SessionLine()
         self.subs = SubSessions(
             federation.dial, app.host.tasks, self.assertion, notify, self.work.note_notification, on_lost

@@ -81,6 +81,7 @@ class SubSession:
         self._seen = seen
         self._unsent = 0
         self._held: deque[tuple[str, Mapping[str, Any]]] = deque()
+        self._reason: Mapping[str, Any] | None = None
         self._session = RpcSession(
             stream, notifications=_Relayed(self), call_timeout=ANSWER_TIMEOUT, peer=f"gateway {gateway_id}"
         )
@@ -210,8 +211,15 @@ class SubSession:
             self._pass_on(name, params)
 
     def _pass_on(self, name: str, params: Mapping[str, Any]) -> None:
+        if name == ReasonNotification.method:
+            # It stands right before what it explains: nothing of this gateway comes between them.
+            self._reason = params
+            return
+        reason, self._reason = self._reason, None
+        if reason is not None and self._seen(ReasonNotification.method, reason):
+            self._notify(ReasonNotification.method, reason, dispensable=True)
         if self._seen(name, params):
-            self._notify(name, params, droppable=name in _EVENTS, dispensable=name == ReasonNotification.method)
+            self._notify(name, params, droppable=name in _EVENTS)
 
 
 class _Relayed(Mapping[str, NotificationHandler]):

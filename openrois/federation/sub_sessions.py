@@ -19,6 +19,8 @@ _log = logging.getLogger(__name__)
 PRINCIPAL: Final = "openrois.cluster.principal"
 """Notification to another gateway: the application has another principal from now on."""
 
+_APPLICATION_LOST: Final = 1011
+
 Dial = Callable[[str, Assertion], Awaitable[MessageStream]]
 
 
@@ -130,11 +132,8 @@ class SubSessions:
         self._is_closed = True
         subs = self.open
         self._open.clear()
-        if lost:
-            for sub in subs:
-                sub.abort()
-        else:
-            await asyncio.gather(*(sub.close() for sub in subs))
+        code, reason = (_APPLICATION_LOST, "the application is lost") if lost else (1000, "")
+        await asyncio.gather(*(sub.close(code, reason) for sub in subs))
 
 
 def _settle(opening: "asyncio.Future[SubSession]", outcome: SubSession | Exception) -> None:

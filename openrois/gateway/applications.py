@@ -4,7 +4,7 @@ import asyncio
 import logging
 import time
 from collections import ChainMap
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, Final, cast
 
@@ -108,6 +108,7 @@ async def serve_sub_session(
     sign_ins: SignIns,
     lines: Lines,
     assertion: Assertion,
+    is_cut: Callable[[], bool],
 ) -> StreamClosed:
     """Serve one application that is connected to another gateway; return why that ended.
 
@@ -118,9 +119,11 @@ async def serve_sub_session(
         sign_ins: records that it came and left.
         lines: the sessions here that can be resumed.
         assertion: of the other gateway.
+        is_cut: tells whether the stream was lost, so that the other gateway may have told the application so.
     """
     served = _Served(host, stream, expiry, None, assertion.client_id)
     app = served.app
+    app.is_cut = is_cut
 
     def replace(params: Mapping[str, Any]) -> None:
         principal = Assertion.parse(params).principal

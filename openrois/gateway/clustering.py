@@ -4,6 +4,7 @@ import logging
 from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Mapping
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from typing import Any, Final, Protocol, cast
 
@@ -13,7 +14,7 @@ from openrois.commands.stop import stop_components
 from openrois.errors import BadParameter, StoreUnreachable, Unsupported
 from openrois.federation.assertion import Assertion
 from openrois.federation.federation import Federation
-from openrois.federation.gateway_link import GatewayLink
+from openrois.federation.gateway_link import GatewayLink, GatewayStream
 from openrois.federation.lines import Lines
 from openrois.federation.other_way import OtherWay
 from openrois.gateway.applications import serve_sub_session
@@ -29,7 +30,7 @@ from openrois.ownership.directorate import Directorate
 from openrois.resumption.holdings_writer import HoldingsWriter
 from openrois.resumption.store import ResumeStore
 from openrois.session.session import EngineHost
-from openrois.transport.stream import POLICY_VIOLATION, MessageStream
+from openrois.transport.stream import POLICY_VIOLATION
 
 __all__ = ["ClusterParts", "Clustering"]
 
@@ -40,6 +41,8 @@ LOOK_AGAIN: Final = 0.5
 
 SETTLING_TIME: Final = 1.0
 """Seconds that the end of a gateway waits for the store, before its adapters go to another one."""
+
+_CUT: Final = 1006
 
 
 class ServedStops(OtherWay, Protocol):
@@ -171,7 +174,7 @@ class Clustering:
                 self._lines.restore(each for each in engine_ids if self._host.engine.tree.has_engine(each))
                 return
 
-    async def _handle(self, auth_setup: AuthSetup, stream: MessageStream, said: Mapping[str, Any]) -> None:
+    async def _handle(self, auth_setup: AuthSetup, stream: GatewayStream, said: Mapping[str, Any]) -> None:
         """Serve an application of another gateway, as that gateway asserts it."""
         if self._host.draining:
             await stream.close(SERVICE_RESTART, f"retry_after={RETRY_AFTER}")
@@ -186,4 +189,13 @@ class Clustering:
             return
         expiry = TokenExpiry(assertion.principal, address=assertion.address)
         with auth_setup.expiries.holding(expiry, stream):
-            await serve_sub_session(self._host, stream, expiry, auth_setup.sign_ins, self._lines, assertion)
+            host, sign_ins, is_cut = self._host, auth_setup.sign_ins, partial(self._is_cut, stream)
+            await serve_sub_session(host, stream, expiry, sign_ins, self._lines, assertion, is_cut)
+
+    def _is_cut(self, stream: GatewayStream) -> bool:
+        """Tell whether another gateway may have lost a stream, and told its application that what it asked has failed.
+
+        Where an application is lost to that gateway, its stream is closed in good order.
+        """
+        self._parts.link.notice_pause()
+        return stream.closed is not None and stream.closed.code == _CUT

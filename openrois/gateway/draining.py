@@ -45,6 +45,7 @@ class Drain:
     Args:
         host: the gateway's engine.
         patience: seconds that what runs has to end by itself.
+        relayed: the number of commands of applications here that run at other gateways.
         settle: waited for before the connections are closed.
         sleep: waits for some seconds.
         clock: monotonic seconds.
@@ -56,6 +57,7 @@ class Drain:
         host: EngineHost,
         patience: float,
         *,
+        relayed: Callable[[], int] = lambda: 0,
         settle: Callable[[], Awaitable[None]] = _at_once,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
         clock: Callable[[], float] = time.monotonic,
@@ -63,6 +65,7 @@ class Drain:
     ) -> None:
         self._host = host
         self._patience = patience
+        self._relayed = relayed
         self._settle = settle
         self._sleep = sleep
         self._clock = clock
@@ -71,12 +74,13 @@ class Drain:
     async def run(self) -> None:
         """Admit no connection, wait for what runs, hand back what still does, and close every connection.
 
-        The components of what is handed back are stopped, and its commands end with ABORT.
+        The components of what is handed back are stopped, and its commands end with ABORT. What still runs at other
+        gateways runs on: its application finds it again at any of them.
         """
         host = self._host
         host.draining = True
         _log.info("stopping: %d commands run, and have %.0f s", host.commands.taken, self._patience)
-        await self._until_idle(self._patience)
+        await self._until(lambda: not host.commands.taken and not self._relayed(), self._patience)
         if left := host.commands.taken:
             _log.warning("stopping: %d commands are handed back", left)
             busy = host.pending.components()
@@ -84,16 +88,16 @@ class Drain:
                 # Before the component says that it was stopped: why it was is worth more.
                 command.abort(RESTARTS)
             await stop_components(host.engine, host.pending, host.tasks, busy, RESTARTS)
-            await self._until_idle(_LAST_WORDS)
+            await self._until(lambda: not host.commands.taken, _LAST_WORDS)
         await self._settle()
         applications = host.connection_stats.sessions("application")
         spread = min(len(applications) / PER_SECOND, MOST)
         await self._close(applications, _APPLICATIONS, spread)
         await self._close(host.connection_stats.sessions("adapter"), *_ADAPTERS)
 
-    async def _until_idle(self, patience: float) -> None:
+    async def _until(self, is_idle: Callable[[], bool], patience: float) -> None:
         deadline = self._clock() + patience
-        while self._host.commands.taken and self._clock() < deadline:
+        while not is_idle() and self._clock() < deadline:
             await self._sleep(_LOOK)
 
     async def _close(self, sessions: tuple[RpcSession, ...], least: float, spread: float) -> None:

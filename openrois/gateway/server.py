@@ -166,6 +166,10 @@ async def run_gateway(
         port = await stack.enter_async_context(
             serving_tcp(settings.host, settings.port, header_timeouts, connections, context)
         )
+        drain = Drain(host, settings.drain)
+        if clustering is not None:
+            federation = clustering.federation
+            drain = Drain(host, settings.drain, relayed=lambda: federation.relayed, settle=clustering.settle)
         shown = f"[{settings.host}]" if ":" in settings.host else settings.host
         metrics = ""
         if settings.metrics is not None:
@@ -186,7 +190,7 @@ async def run_gateway(
             host.engine,
             metrics,
             lambda: auth_setup.reloader.reload_changed(at_all=True),
-            Drain(host, settings.drain, settle=_nothing if clustering is None else clustering.settle).run,
+            drain.run,
             None if clustering is None else clustering.federation,
         )
 

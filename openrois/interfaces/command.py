@@ -11,13 +11,13 @@ from openrois.commands.history import MAX_ID, STOP_RESERVE
 from openrois.commands.pending import PendingCommand
 from openrois.commands.sequence import commands_of, run_sequence, size_of
 from openrois.component.authoring.parameters import check_arguments
-from openrois.errors import BadParameter, OutOfResources, RoISError, TimedOut, Unsupported
+from openrois.errors import Aborted, BadParameter, OutOfResources, RoISError, TimedOut, Unsupported
 from openrois.interfaces import stream
 from openrois.interfaces.operation import operation
 from openrois.interfaces.overload_rules import is_stop
 from openrois.interfaces.selection import found_by
 from openrois.jsonrpc.session import Handler, Reply
-from openrois.session.session import RESTARTS, ApplicationSession
+from openrois.session.session import ApplicationSession
 from openrois.types.codes import CompletedStatus, ComponentFunction
 from openrois.types.messages import (
     Argument,
@@ -192,8 +192,8 @@ class _Commands:
             raise Unsupported(f"{unit.component_ref} has no command {unit.command_type[:200]!r}")
         if profile.function is ComponentFunction.ACTUATION and not self._app.may_operate(unit.component_ref):
             raise OutOfResources(f"{unit.component_ref} has to be bound first")
-        if self._app.host.draining and unit.command_type != "stop":
-            raise OutOfResources(f"{RESTARTS}, and begins nothing new")
+        if unit.command_type != "stop":
+            self._app.host.require_staying()
         command = profile.command(unit.command_type)
         check_arguments(profile.parameter_profiles if command is None else command.arguments, unit.arguments)
 
@@ -293,9 +293,12 @@ def _require_still(app: ApplicationSession, unit: CommandUnit) -> None:
     """Do nothing where a command may run that was accepted a while ago.
 
     Raises:
+        Aborted: its application may have been told that it is lost.
         Unsupported: the application in whose place this one goes on may not run it.
         OutOfResources: another application has its component by now.
     """
+    if app.is_cut():
+        raise Aborted(f"the stream to the application's gateway was lost before {unit.command_type} began")
     present = app.present()
     error: type[RoISError] = Unsupported
     if not (present.principal.may_call("rois.command.execute") and present.engine.sees(unit.component_ref)):

@@ -19,6 +19,7 @@ from openrois.commands.pending import PendingCommands
 from openrois.commands.quota import MAX_UNFINISHED, MAX_UNFINISHED_TEXT, CommandQuota
 from openrois.contract import Client, Fault
 from openrois.engine.engine import Engine
+from openrois.errors import OutOfResources
 from openrois.journal.journal import Journal, NoJournal
 from openrois.jsonrpc.connection_stats import ConnectionStats
 from openrois.jsonrpc.heartbeat import Heartbeat
@@ -118,6 +119,15 @@ class EngineHost:
         )
         self.quotas.absent = lambda: self.leases.model.absent
 
+    def require_staying(self) -> None:
+        """Do nothing unless this is about to end.
+
+        Raises:
+            OutOfResources: it is, and begins nothing new.
+        """
+        if self.draining:
+            raise OutOfResources(f"{RESTARTS}, and begins nothing new")
+
     def crashed(self, what: str) -> None:
         """Report an error inside the engine, which is no application's fault."""
         self.engine.report(ErrorType.ENGINE_INTERNAL_ERROR, f"{what} failed inside the engine")
@@ -148,6 +158,7 @@ class ApplicationSession:
     Attributes:
         engine: the part of the engine in the principal's scope: every name in a request is looked up there.
         end_connection: ends the connection at once; called when another session has gone on in this one's place.
+        is_cut: tells whether the gateway that the application is connected to may have given up what it has here.
         streams: the component_ref of each of its streams, by stream_id.
         change_notice: notifies of changes of the directory.
         uplinks: those of them that it may have only as long as it operates their engine.
@@ -186,6 +197,7 @@ class ApplicationSession:
         self.closed = False
         self.successor: ApplicationSession | None = None
         self.end_connection: Callable[[], None] = lambda: None
+        self.is_cut: Callable[[], bool] = lambda: False
         self.send_notification = self._notify = notify
         self._passes = passes
         self._left = left

@@ -18,11 +18,11 @@ class TestCommands:
     def test_a_command_has_one_end(self, work: ForeignWork) -> None:
         work.begin("a", {"1": "robot/lamp"})
         assert "1" in work
-        assert work.has_commands
+        assert work.running == 1
         assert work.gateway_of_command("1") == "a"
         assert work.note_notification("a", COMPLETED, {"command_id": "1"})
         assert not work.note_notification("a", COMPLETED, {"command_id": "1"}), "a second end goes nowhere"
-        assert not work.has_commands
+        assert work.running == 0
         assert work.gateway_of_command("1") == "a", "its results are there"
         assert work.gateway_of_command("2") is None
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from aiohttp import ClientSession
 
-from tests.openrois.federation.test_resuming import bound
+from tests.openrois.federation.test_resuming import bound, lost
 from tests.support.cluster import seen_by
 from tests.support.deployment import patience
 from tests.support.nats import NatsServer, nats_server
@@ -77,6 +77,26 @@ class TestNats:
         switch = unit("robot/lamp", "switch", "2")
         await app.eventually("OK", "rois.command.execute", command_unit_list=[switch])
         assert await app.completed("2") == {"2": "OK"}
+
+    async def test_what_had_not_begun_begins_no_more(self, place: Place, own_nats: NatsServer) -> None:
+        app, lamp = await place.app("b"), place.robot.lamp
+        token = await bound(app)
+        sequence = [unit("robot/lamp", "start"), unit("robot/lamp", "switch", "2")]
+        assert await app.code("rois.command.execute", command_unit_list=sequence) == "OK"
+        await lamp.glowing.wait()
+        own_nats.kill()
+        assert await app.completed("1", "2") == {"1": "ERROR", "2": "ERROR"}
+        async with patience():
+            while not await lacking(place, "a"):
+                pass
+        lamp.may_end.set()
+        await lost(app)
+        own_nats.start()
+        again = await place.app("a")
+        await again.eventually("OK", "openrois.lease.resume", token=token, command_ids=["1", "2"])
+        assert await again.completed("1", "2") == {"1": "OK", "2": "ABORT"}
+        assert again.reasons["2"] == "the stream to the application's gateway was lost before switch began"
+        assert lamp.total == 0
 
     async def test_stop_goes_by_the_store(self, place: Place, own_nats: NatsServer) -> None:
         app = await place.app("b")

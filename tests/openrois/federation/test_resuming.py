@@ -1,5 +1,6 @@
 """A session that goes on over another connection, at another gateway, or at an engine that another gateway has now."""
 
+import asyncio
 from collections.abc import AsyncIterator
 
 import pytest
@@ -60,20 +61,57 @@ class TestAtAnotherGateway:
         assert await again.code("rois.command.execute", command_unit_list=[switch]) == "OK"
         assert await again.completed("2") == {"2": "OK"}
 
-    async def test_what_was_held_when_its_gateway_is_told_to_stop(self, place: Place) -> None:
+    async def test_a_sequence_runs_on_where_the_application_alone_was_lost(self, place: Place) -> None:
         await place.attach("a")
         app = await place.app("b")
         token = await bound(app)
-        assert await app.code("rois.command.execute", command_unit_list=[unit("robot/lamp", "start")]) == "OK"
+        sequence = [unit("robot/lamp", "start"), unit("robot/lamp", "switch", "2")]
+        assert await app.code("rois.command.execute", command_unit_list=sequence) == "OK"
         await place.robot.lamp.glowing.wait()
-        await place.cluster.gateways["b"].drain()
-        await app.socket.wait_closed()
-        assert app.socket.close_code == 1012
-        place.robot.lamp.may_end.set()
+        await lost(app)
         again = await place.app("c")
-        answer = await again.ask("openrois.lease.resume", token=token, command_ids=["1"])
-        assert ([each["component_ref"] for each in answer["leases"]], answer["forgotten"]) == (["robot/lamp"], [])
-        assert await again.completed("1") == {"1": "OK"}
+        assert await again.code("openrois.lease.resume", token=token, command_ids=["1", "2"]) == "OK"
+        place.robot.lamp.may_end.set()
+        assert await again.completed("1", "2") == {"1": "OK", "2": "OK"}
+
+    async def test_what_was_held_when_its_gateway_is_told_to_stop(
+        self, shared_nats: NatsServer, postgres_server: Server
+    ) -> None:
+        async with place_of(shared_nats, postgres_server, "a", "b", "c", drain=0) as place:
+            await place.attach("a")
+            app = await place.app("b")
+            token = await bound(app)
+            assert await app.code("rois.command.execute", command_unit_list=[unit("robot/lamp", "start")]) == "OK"
+            await place.robot.lamp.glowing.wait()
+            await place.gateway("b").drain()
+            await app.socket.wait_closed()
+            assert app.socket.close_code == 1012
+            place.robot.lamp.may_end.set()
+            again = await place.app("c")
+            answer = await again.ask("openrois.lease.resume", token=token, command_ids=["1"])
+            assert ([each["component_ref"] for each in answer["leases"]], answer["forgotten"]) == (["robot/lamp"], [])
+            assert await again.completed("1") == {"1": "OK"}
+
+    async def test_its_gateway_waits_for_what_runs_elsewhere_and_begins_nothing_there(
+        self, shared_nats: NatsServer, postgres_server: Server
+    ) -> None:
+        async with place_of(shared_nats, postgres_server, "a", "b", drain=600) as place:
+            await place.attach("a")
+            app = await place.app("b")
+            await bound(app)
+            assert await app.code("rois.command.execute", command_unit_list=[unit("robot/lamp", "start")]) == "OK"
+            await place.robot.lamp.glowing.wait()
+            draining = asyncio.ensure_future(place.gateway("b").drain())
+            await asyncio.sleep(0)
+            refused = "the gateway is about to restart, and begins nothing new"
+            switch = unit("robot/lamp", "switch", "2")
+            assert await app.why("rois.command.execute", command_unit_list=[switch]) == ("OUT_OF_RESOURCES", refused)
+            setting = {"component_ref": "robot/lamp", "parameters": []}
+            assert await app.why("rois.command.set_parameter", **setting) == ("OUT_OF_RESOURCES", refused)
+            assert not draining.done()
+            place.robot.lamp.may_end.set()
+            assert await app.completed("1") == {"1": "OK"}
+            await draining
 
     async def test_at_the_owner_itself(self, place: Place) -> None:
         await place.attach("a")

@@ -93,6 +93,19 @@ class TestASession:
         reply.then()
         assert far.told == [(EVENT["method"], EVENT["params"])] * 2
 
+    async def test_a_reason_waits_for_what_it_explains(self, far: Far) -> None:
+        await far.subs.to("a")
+        reason = {"command_id": "1", "reason": "it was stopped"}
+        await far.say({"method": "openrois.reason", "params": reason})
+        await far.say({"method": "openrois.ping", "params": {}, "id": 7})
+        assert (await far.asked())["id"] == 7, "the reason was read"
+        assert far.told == []
+        completed = {"command_id": "1", "status": "ABORT"}
+        await far.say({"method": "rois.command.completed", "params": completed})
+        async with patience():
+            await far.is_told.wait()
+        assert far.told == [("openrois.reason", reason), ("rois.command.completed", completed)]
+
     async def test_a_reason_is_that_of_its_reply(self, far: Far) -> None:
         sub = await far.subs.to("a")
         asking = asyncio.ensure_future(sub.relay("rois.command.bind", {}))
@@ -175,7 +188,7 @@ class TestSessions:
         assert [gateway_id for gateway_id, _ in far.lost] == ["a"]
         assert await far.subs.to("a") is not sub
 
-    @pytest.mark.parametrize(("lost", "code"), [(False, 1000), (True, 1006)])
+    @pytest.mark.parametrize(("lost", "code"), [(False, 1000), (True, 1011)])
     async def test_they_end_as_the_connection_of_the_application_did(self, far: Far, lost: bool, code: int) -> None:
         await far.subs.to("a")
         await far.subs.close(lost=lost)
