@@ -51,8 +51,11 @@ _log = logging.getLogger(__name__)
 _WITHOUT_HANDSHAKE: Final = 1006
 """The code of a connection that broke."""
 
-_LOST: Final = frozenset({_WITHOUT_HANDSHAKE, 1011})
-"""Close codes of a connection that was lost: it broke, or the application found the gateway silent."""
+_LOST: Final = frozenset({_WITHOUT_HANDSHAKE, 1011, 4000})
+"""Close codes of a connection that was lost: it broke, or the application found the gateway silent.
+
+Of these a page, and what is made of the SDK for C#, can only send 4000.
+"""
 
 SUB_SESSION: Final = "sub_session"
 """The kind, for figures, of a session whose application is connected to another gateway."""

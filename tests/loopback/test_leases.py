@@ -67,6 +67,20 @@ async def test_a_cut_connection_is_resumed(house: House) -> None:
             assert await again.completed("b") == {"b": "OK"}
 
 
+@pytest.mark.parametrize("code", [1011, 4000])
+async def test_a_session_whose_application_found_the_gateway_silent_is_resumed(house: House, code: int) -> None:
+    async with application(house.gateway) as ann, application(house.gateway) as bob:
+        token = await holding(ann)
+        assert (await bob.ask("openrois.lease.query", component_ref=LAMP))["lease"]["state"] == "HELD"
+        await ann.socket.close(code, "no answer")
+        assert (await bob.next("openrois.lease.changed"))["state"] == "ABSENT"
+        async with application(house.gateway) as again:
+            resumed = await again.ask("openrois.lease.resume", token=token, command_ids=["glow"])
+            assert [held["component_ref"] for held in resumed["leases"]] == [LAMP]
+            house.robot.lamp.may_end.set()
+            assert await again.completed("glow") == {"glow": "OK"}
+
+
 async def test_command_ended_meanwhile_is_reported_on_resume(house: House) -> None:
     async with application(house.gateway) as ann, application(house.gateway) as bob:
         token = await holding(ann)

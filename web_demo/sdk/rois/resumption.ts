@@ -12,6 +12,9 @@ const PATIENCE = 30_000;
 const MOST = 1024;
 const AT_ONCE = 64;
 
+/** Queries for the end of a command that may still run at another gateway: each waits for some seconds. */
+const QUERIES = 6;
+
 /** Close code of a connection whose session was resumed by another one. */
 const RESUMED = 4409;
 
@@ -107,17 +110,21 @@ export class Resumption {
     if (this.#orphans === orphans) this.#giveUp();
   }
 
-  /** Asks twice: the notification of the command comes right behind the first response, before the second. */
+  /** Asks until two answers: the notification of the end comes right behind the first one, before the second. */
   async #findEnd(call: Call, commandId: string): Promise<void> {
-    for (let turn = 0; turn < 2; turn++) {
+    for (let answers = 0, query = 0; answers < 2 && query < QUERIES; query++) {
       if (!this.#completions.awaits(commandId)) return;
       try {
         await call("rois.command.get_command_result", { command_id: commandId });
+        answers += 1;
       } catch (error) {
         if (!(error instanceof RoISError || error instanceof RpcError)) throw error;
+        const code = error instanceof RoISError ? error.returnCode : "";
+        // The gateway that runs it may be lost. This one has waited for some seconds, and will know.
+        if (code === "TIMEOUT") continue;
         // It failed, or did not end before the gateway did: a notification says so, too.
-        if (error instanceof RoISError && error.returnCode === "ERROR") continue;
-        break;
+        if (code !== "ERROR") break;
+        answers += 1;
       }
     }
     this.#completions.lost([commandId]);

@@ -112,6 +112,33 @@ describe("a lost connection", () => {
     ]);
   });
 
+  it.each([1011, 1012, 4000])("that was closed with %i is resumed", async (code) => {
+    await client.bind(ARM);
+    const [id = ""] = await client.execute([unit]);
+    gateway.on("openrois.lease.resume", () => resumed());
+    gateway.socket.endSocket(code, "no answer");
+    await vi.advanceTimersByTimeAsync(2000);
+    expect(gateway.called("openrois.lease.resume")).toEqual([{ token: "t1", command_ids: [id] }]);
+    const ended = client.completed(id);
+    gateway.notify("rois.command.completed", { command_id: id, status: "OK" });
+    await expect(ended).resolves.toMatchObject({ status: "OK" });
+  });
+
+  it("that the client found silent is resumed", async () => {
+    const [id = ""] = await client.execute([unit]);
+    client.completed(id).catch(() => undefined);
+    gateway.on("openrois.lease.resume", () => resumed());
+    gateway.mute = true;
+    const silent = gateway.socket;
+    const searching = expect(client.search("")).rejects.toThrow();
+    await vi.advanceTimersByTimeAsync(10_000);
+    await searching;
+    gateway.mute = false;
+    await vi.advanceTimersByTimeAsync(2000);
+    expect(gateway.socket).not.toBe(silent);
+    expect(gateway.called("openrois.lease.resume")).toEqual([{ token: "t1", command_ids: [id] }]);
+  });
+
   it("that another connection has resumed is not resumed again", async () => {
     const [id = ""] = await client.execute([unit]);
     const lost = expect(client.completed(id)).rejects.toBeInstanceOf(ConnectionLost);
@@ -173,6 +200,28 @@ describe("a gateway that was restarted", () => {
     await lost;
     expect(asked()).toEqual(code === "BAD_PARAMETER" ? [id] : [id, id]);
   });
+
+  it.each([
+    [3, { status: "ERROR" }, 4],
+    [99, null, 6],
+  ])(
+    "and waits for another one that may be lost is asked again, %i times in vain",
+    async (looks, end, times) => {
+      const [id = ""] = await client.execute([unit]);
+      const ended = client.completed(id);
+      const settled = end
+        ? expect(ended).resolves.toMatchObject(end)
+        : expect(ended).rejects.toBeInstanceOf(ConnectionLost);
+      gateway.on("rois.command.get_command_result", () => {
+        if (asked().length > looks)
+          queueMicrotask(() => gateway.notify("rois.command.completed", { command_id: id, ...end }));
+        return { return_code: asked().length > looks ? "ERROR" : "TIMEOUT" };
+      });
+      await cut();
+      await settled;
+      expect(asked()).toHaveLength(times);
+    },
+  );
 
   it("and ends again is asked again", async () => {
     const [id = ""] = await client.execute([unit]);
