@@ -111,10 +111,7 @@ public static class ConnectionTests
     public static async Task ACommandWhoseEndNeverComesIsGivenUpAfterAWhile()
     {
         var place = new Place();
-        await place.Client.ConnectAsync();
-        Task<Command> sending = new Step(place.Client, "robot/lamp", "start").ExecuteAsync();
-        place.Gateway.Answer(await place.Gateway.RequestAsync("rois.command.execute"), ScriptedGateway.Ok());
-        Command command = await sending;
+        Command command = await Running(place);
         for (int number = 0; number < 9; number++)
         {
             place.Gateway.Refuse(new ConnectionFailedException("no network"));
@@ -127,6 +124,63 @@ public static class ConnectionTests
         Check.True(!thrown.IsCompleted, "the gateway may be back yet");
         place.Clock.Advance(1);
         Check.True((await thrown).StartsWith("start of robot/lamp: the connection ended: "), await thrown);
+    }
+
+    public static async Task TheEndOfACommandAtAGatewayThatMayBeLostIsAskedForAgain()
+    {
+        foreach (int looks in new[] { 0, 3, 99 })
+        {
+            var place = new Place();
+            Command command = await Running(place);
+            place.Gateway.Answers["openrois.lease.resume"] = given => Code("UNSUPPORTED");
+            int asked = 0;
+            place.Gateway.Answers["rois.command.get_command_result"] = given => Code(++asked <= looks ? "TIMEOUT" : "ERROR");
+            place.Gateway.Socket.Break();
+            await place.Next(ConnectionState.Waiting);
+            Task<string> thrown = Thrown(command.WaitAsync());
+            await place.AdvanceTo(1000, ConnectionState.Connected);
+            string wanted = looks < 99 ? "never arrived" : "it may still run at another gateway";
+            Check.True((await thrown).Contains(wanted), await thrown);
+            Check.Equal(looks < 99 ? looks + 2 : 6, asked);
+            await place.Client.CloseAsync();
+        }
+    }
+
+    public static async Task AConnectionThatWasClosedAsSilentOrForARestartIsResumed()
+    {
+        foreach (int code in new[] { 1006, 1011, 1012, 4000 })
+        {
+            var place = new Place();
+            Command command = await Running(place);
+            string shown = null;
+            place.Gateway.Answers["openrois.lease.resume"] = given =>
+            {
+                shown = (string)given["token"];
+                return ScriptedGateway.Ok(new JProperty("token", "u"), new JProperty("grace_ms", 10000));
+            };
+            await place.Gateway.Socket.CloseAsync(code, "no answer");
+            await place.Next(ConnectionState.Waiting);
+            await place.AdvanceTo(1000, ConnectionState.Connected);
+            Check.Equal("t", shown);
+            place.Gateway.Notify("rois.command.completed", new JObject(
+                new JProperty("command_id", command.CommandId), new JProperty("status", "OK")));
+            await command.WaitAsync();
+            await place.Client.CloseAsync();
+        }
+    }
+
+    /// <summary>A command that was accepted.</summary>
+    private static async Task<Command> Running(Place place)
+    {
+        await place.Client.ConnectAsync();
+        Task<Command> sending = new Step(place.Client, "robot/lamp", "start").ExecuteAsync();
+        place.Gateway.Answer(await place.Gateway.RequestAsync("rois.command.execute"), ScriptedGateway.Ok());
+        return await sending;
+    }
+
+    private static JObject Code(string code)
+    {
+        return new JObject(new JProperty("return_code", code));
     }
 
     private static async Task<string> Thrown(Task waiting)

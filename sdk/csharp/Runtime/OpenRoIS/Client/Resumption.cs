@@ -21,6 +21,9 @@ namespace OpenRoIS
         private const int MostResumed = 1024;
         private const int AtOnce = 64;
 
+        /// <summary>Queries for the end of a command that may still run at another gateway: each waits for some seconds.</summary>
+        private const int Queries = 6;
+
         private readonly UnfinishedCommands _commands;
         private readonly Bindings _bindings;
         private readonly ITiming _timing;
@@ -144,25 +147,37 @@ namespace OpenRoIS
             }
         }
 
-        /// <summary>Asks twice: a notification of the end comes right behind the first answer, before the second.</summary>
+        /// <summary>Asks until two answers: a notification of the end comes right behind the first, before the second.</summary>
         private async Task FindEndAsync(
             JsonRpcSession session, long within, string commandId, CancellationToken token)
         {
             var given = new CommandResultParams { CommandId = commandId };
-            string why = "its end was notified over the lost connection, and never arrived";
-            for (int turn = 0; turn < 2; turn++)
+            string why = "it may still run at another gateway";
+            int answers = 0;
+            for (int query = 0; query < Queries; query++)
             {
                 if (!_commands.Contains(commandId))
                 {
                     return;
                 }
+                if (answers == 2)
+                {
+                    why = "its end was notified over the lost connection, and never arrived";
+                    break;
+                }
                 try
                 {
                     await RpcCall.AskAsync(session, Methods.CommandGetCommandResult, given, within, token);
+                    answers++;
                 }
                 catch (ComponentFailedException)
                 {
                     // It failed, or did not end before the gateway did: a notification says so, too.
+                    answers++;
+                }
+                catch (TimedOutException)
+                {
+                    // The gateway that runs it may be lost. This one has waited for some seconds, and will know.
                 }
                 catch (Exception error) when (error is RoISException || error is RpcException)
                 {
