@@ -198,6 +198,7 @@ class Router:
             component_ref = parse_condition(asked.condition, COMPONENT_PROPERTIES).value_of("component_ref")
             if component_ref is not None and self._has_lost(component_ref):
                 return ResultsResult(results=(FAILING,))
+        self._routes.require_reachable(asked.condition)
         component_ref = queried_component(self.engine, asked.query_type, asked.condition)
         return await self._routes.ask_about(component_ref, "rois.query.query", params)
 
@@ -208,6 +209,7 @@ class Router:
         asked = fitting(SubscribeParams, params)
         if asked is None:
             return await self._routes.local["rois.event.subscribe"](params)
+        self._routes.require_reachable(asked.condition)
         component_ref = observed_component(self.engine, asked.event_type, asked.condition)
         return await self._routes.ask_about(component_ref, "rois.event.subscribe", params)
 

@@ -1,16 +1,18 @@
 """The ways of one application's requests: to the session here, or to one at the gateway that owns the engine."""
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 
+from openrois.engine.condition import parse_condition
 from openrois.federation.assertion import Assertion
 from openrois.federation.federation import Federation
 from openrois.federation.foreign_work import ForeignWork
 from openrois.federation.lines import SessionLine
 from openrois.federation.sub_session import SubSession
 from openrois.federation.sub_sessions import SubSessions
+from openrois.interfaces.selection import COMPONENT_PROPERTIES
 from openrois.jsonrpc.session import Handler, Reply
 from openrois.scope.scoped_tree import ScopedTree
 from openrois.session.session import ApplicationSession
@@ -19,6 +21,9 @@ from openrois.types.references import engine_of
 from openrois.types.streams import EXTENSION_VERSION
 
 __all__ = ["Routes", "fitting"]
+
+_PROPERTIES: Final = COMPONENT_PROPERTIES | {"stream_id"}
+"""What any condition may name: its own reader refuses what is too much."""
 
 
 class Routes:
@@ -88,6 +93,17 @@ class Routes:
         if isinstance(component_ref, str) and self.engine.sees(component_ref):
             self.federation.require_reachable(engine_id)
         return None
+
+    def require_reachable(self, condition: str) -> None:
+        """Do nothing unless a condition names a component that the application would see at a gateway in reach.
+
+        Raises:
+            BadParameter: it cannot be read.
+            EngineUnreachable: it does, and that gateway is not reached.
+        """
+        component_ref = parse_condition(condition, _PROPERTIES).value_of("component_ref")
+        if component_ref is not None:
+            self.gateway(engine_of(component_ref), component_ref)
 
     async def ask_at(
         self,

@@ -79,6 +79,7 @@ class SystemRoutes:
         asked = fitting(ConditionParams, params)
         if asked is None:
             return await self._routes.local["rois.system.get_profile"](params)
+        self._routes.require_reachable(asked.condition)
         self._notice.flush()
         return profile_of(self._routes.engine.tree, asked)
 

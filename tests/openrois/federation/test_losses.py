@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from aiohttp import ClientSession
 
+from openrois.client import Client, ComponentFailed, Unsupported
 from tests.openrois.federation.test_resuming import bound, lost
 from tests.support.cluster import seen_by
 from tests.support.deployment import patience
@@ -60,6 +61,31 @@ class TestNats:
         async with patience():
             while await lacking(place, "b"):
                 pass
+
+    async def test_a_client_says_why_a_component_of_another_gateway_does_nothing(
+        self, place: Place, own_nats: NatsServer
+    ) -> None:
+        await place.app("b")
+        async with Client(place.gateway("b").url.replace("http", "ws")) as client:
+            lamp = client.component("robot/lamp")
+            await lamp.profile()
+            own_nats.kill()
+            async with patience():
+                while not await lacking(place, "b"):
+                    pass
+            asked = (
+                client.bind("robot/lamp"),
+                lamp.profile(),
+                lamp.command("switch").execute(),
+                lamp.query("brightness"),
+                lamp.get_parameter(),
+                aiter(lamp.event("switched")).__anext__(),
+            )
+            for each in asked:
+                with pytest.raises(ComponentFailed, match="robot belongs to gateway a, which is not reached: NATS"):
+                    await each
+            with pytest.raises(Unsupported, match="there is no component other/lamp"):
+                await client.component("other/lamp").command("switch").execute()
 
     async def test_a_command_that_ran_has_one_end_and_its_lease_is_found_again(
         self, place: Place, own_nats: NatsServer
