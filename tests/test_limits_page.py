@@ -13,6 +13,7 @@ from openrois_streaming.network.admission import AdmissionSettings
 from openrois_streaming.network.session_limits import SessionLimits
 from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT
 
+from openrois.gateway.cluster_metrics import CLUSTER_FIGURES
 from openrois.gateway.configuration import settings_of
 from openrois.gateway.metrics import FIGURES, HISTOGRAMS
 from openrois.gateway.socket import ADAPTER, APPLICATION
@@ -190,7 +191,7 @@ def test_every_row_says_what_it_bounds() -> None:
 def test_the_figures_are_served() -> None:
     media = {figure.name for figure in avatar.ADAPTER} | {figure.name for figure in avatar.GUARD}
     media |= {figure.name for figure in avatar.SOURCE}
-    served = {figure.name for figure in FIGURES} | media | set(HISTOGRAMS)
+    served = {figure.name for figure in (*FIGURES, *CLUSTER_FIGURES)} | media | set(HISTOGRAMS)
     assert {full(name) for row in rows() for name in row.figures} <= served
 
 

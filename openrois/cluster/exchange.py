@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import secrets
+from collections import Counter
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final
 
@@ -57,6 +58,7 @@ class Exchange:
         tasks: the parent of what handles streams.
         max_streams: at a time; more are refused.
         max_message: bytes of one incoming message.
+        on_gap: called when a stream has ended because a frame was missing.
 
     Attributes:
         link: the token of the connection, another one each time: what was on its way to streams of a former connection
@@ -73,6 +75,7 @@ class Exchange:
         *,
         max_streams: int,
         max_message: int = MAX_MESSAGE,
+        on_gap: Callable[[], None] = lambda: None,
     ) -> None:
         self.link = secrets.token_hex(8)
         self._connection = connection
@@ -82,6 +85,7 @@ class Exchange:
         self._tasks = tasks
         self._max_streams = max_streams
         self._max_message = max_message
+        self._on_gap = on_gap
         self._handler: Handler | None = None
         self._streams: dict[int, NatsStream] = {}
         self._next_number = 0
@@ -91,6 +95,10 @@ class Exchange:
 
     def __len__(self) -> int:
         return len(self._streams)
+
+    def count_streams(self) -> Counter[str]:
+        """Return how many streams there are with each gateway."""
+        return Counter(stream.gateway_id for stream in self._streams.values())
 
     def listen(self, handler: Handler) -> None:
         """Let other gateways dial this one."""
@@ -139,6 +147,8 @@ class Exchange:
 
     def _remove(self, stream: NatsStream) -> None:
         self._streams.pop(stream.number, None)
+        if stream.has_gap:
+            self._on_gap()
 
     # What comes
 

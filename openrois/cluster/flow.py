@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from openrois.cluster.frames import Frame, FrameFault, Kind, pack_frame, pack_texts, parse_texts
+from openrois.cluster.frames import Frame, FrameFault, FrameGap, Kind, pack_frame, pack_texts, parse_texts
 
 __all__ = ["MAX_MESSAGE", "MESSAGE_COST", "PIECE", "WINDOW", "Receiving", "Sending"]
 
@@ -131,10 +131,10 @@ class Receiving:
         """Count a frame that came.
 
         Raises:
-            FrameFault: it is not the next one.
+            FrameGap: it is not the next one.
         """
         if number != self._number:
-            raise FrameFault(f"frame {number} came where {self._number} was due")
+            raise FrameGap(f"frame {number} came where {self._number} was due")
         self._number += 1
 
     def put(self, frame: Frame) -> None:

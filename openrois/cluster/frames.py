@@ -26,6 +26,7 @@ __all__ = [
     "Dial",
     "Frame",
     "FrameFault",
+    "FrameGap",
     "Kind",
     "pack_close",
     "pack_frame",
@@ -83,6 +84,10 @@ CUT_FRAME: Final = _HEAD.pack(Kind.CUT, 0)
 
 class FrameFault(Exception):
     """What came is no frame that may come here."""
+
+
+class FrameGap(FrameFault):
+    """A frame is missing before the one that came."""
 
 
 class Frame(NamedTuple):

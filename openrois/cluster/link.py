@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import time
+from collections import Counter
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final, Self
 
@@ -48,6 +49,7 @@ class NatsLink:
     Attributes:
         gateway_id: names this gateway among the others.
         trouble: why no other gateway can be reached; empty while NATS is there.
+        gaps: number of streams that ended because a frame was missing.
     """
 
     def __init__(
@@ -63,6 +65,7 @@ class NatsLink:
     ) -> None:
         self.gateway_id = gateway_id
         self.trouble = "NATS has not been dialled yet"
+        self.gaps = 0
         self._settings = settings
         self._max_streams = max_streams
         self._max_message = max_message
@@ -114,6 +117,10 @@ class NatsLink:
     def __len__(self) -> int:
         """Return how many streams there are."""
         return 0 if self._exchange is None else len(self._exchange)
+
+    def count_streams(self) -> Counter[str]:
+        """Return how many streams there are with each gateway."""
+        return Counter() if self._exchange is None else self._exchange.count_streams()
 
     @property
     def present(self) -> Mapping[str, Present]:
@@ -218,6 +225,7 @@ class NatsLink:
             self._tasks,
             max_streams=self._max_streams,
             max_message=self._max_message,
+            on_gap=self._note_gap,
         )
         if self._handler is not None:
             self._exchange.listen(self._handler)
@@ -231,6 +239,9 @@ class NatsLink:
             self._note_trouble(reason)
             exchange.lose_all(reason)
             self._pulse.lose_connection()
+
+    def _note_gap(self) -> None:
+        self.gaps += 1
 
     def _note_trouble(self, problem: str) -> None:
         if problem != self.trouble:

@@ -17,6 +17,7 @@ from openrois.cluster.frames import (
     Dial,
     Frame,
     FrameFault,
+    FrameGap,
     Kind,
     pack_close,
     pack_grant,
@@ -57,6 +58,7 @@ class NatsStream:
         hello: what it asserted, if it has dialled.
         opened: is set when it has accepted or refused a stream that was dialled here.
         closed: the reason for which the stream has ended; None while it lives.
+        has_gap: whether it has ended because a frame was missing.
     """
 
     def __init__(
@@ -88,6 +90,7 @@ class NatsStream:
         self.hello: Mapping[str, Any] = {}
         self.opened = asyncio.Event()
         self.closed: StreamClosed | None = None
+        self.has_gap = False
         if dialled_by is not None:
             self.hello = dialled_by.hello
             self._meet(dialled_by)
@@ -126,6 +129,7 @@ class NatsStream:
             self._receiving.count(frame.number)
             self._handle_frame(frame)
         except FrameFault as fault:
+            self.has_gap = isinstance(fault, FrameGap)
             self.lose(str(fault))
         except OverflowError as fault:
             self._refuse(_TOO_LONG, str(fault))

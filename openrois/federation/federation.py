@@ -13,6 +13,7 @@ from openrois.engine.tree import TreeChange
 from openrois.errors import EngineUnreachable, StoreUnreachable
 from openrois.federation.assertion import Assertion
 from openrois.federation.cluster_directory import ClusterDirectory, Offer
+from openrois.federation.counts import Counts
 from openrois.federation.foreign_work import ForeignWork
 from openrois.federation.gateway_link import GatewayLink
 from openrois.federation.lines import Lines
@@ -50,6 +51,7 @@ class Federation:
         gateway_id: of this gateway.
         directory: the engines of all gateways.
         views: what applications of each scope see of them.
+        counts: of requests to other gateways, and of sessions that were resumed.
     """
 
     def __init__(
@@ -66,6 +68,7 @@ class Federation:
         self.lines = lines
         self.resume_store = resume_store
         self.other_way = other_way
+        self.counts = Counts()
         self._sleep = sleep
         self._kept: dict[str, object] = {}
         self.gateway_id = link.gateway_id
@@ -96,6 +99,7 @@ class Federation:
         try:
             return await self._link.dial(gateway_id, assertion.hello())
         except DialFailed as error:
+            self.counts.calls["unreached"] += 1
             raise EngineUnreachable(str(error)) from None
 
     @property
@@ -107,6 +111,11 @@ class Federation:
     def others(self) -> tuple[str, ...]:
         """The other gateways that are there now."""
         return tuple(sorted(self._link.present.keys() - {self.gateway_id}))
+
+    @property
+    def is_joined(self) -> bool:
+        """Whether other gateways can be reached now, as far as NATS goes."""
+        return not self._link.trouble
 
     def keep_alive(self, line_id: str, owner: object) -> None:
         """Keep a line in the store until `forget_line` is called with the same owner."""
@@ -132,6 +141,7 @@ class Federation:
         owner = self._directorate.owners.get(engine_id)
         if owner is None or owner.gateway_id == self.gateway_id:
             return
+        self.counts.calls["unreached"] += 1
         why = self._link.trouble or (_NOT_LISTED if owner.gateway_id in self._link.present else "it is not there")
         raise EngineUnreachable(f"{engine_id} belongs to gateway {owner.gateway_id}, which is not reached: {why}")
 

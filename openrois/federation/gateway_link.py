@@ -25,10 +25,12 @@ class GatewayLink(Protocol):
     Attributes:
         gateway_id: of this gateway.
         trouble: why no other gateway can be reached; empty where they can.
+        gaps: number of streams that ended because a message was missing.
     """
 
     gateway_id: str
     trouble: str
+    gaps: int
 
     @property
     def present(self) -> Mapping[str, Present]:
@@ -37,6 +39,10 @@ class GatewayLink(Protocol):
 
     def notice_pause(self) -> None:
         """Lose all streams where this process stood still for so long that the others have given it up."""
+        ...
+
+    def count_streams(self) -> Mapping[str, int]:
+        """Return how many streams there are with each gateway that has some."""
         ...
 
     def on_presence(self, listener: Callable[[Mapping[str, Present]], None]) -> Callable[[], None]:

@@ -111,17 +111,20 @@ class Resumption:
         line = await self._redeem(asked.token)
         self._belong_to(line)
         reports = await gather(*(self._report(gateway_id, asked) for gateway_id in routes.federation.others))
+        is_whole = routes.federation.is_joined and None not in reports
+        routes.federation.counts.resumptions["whole" if is_whole else "partial"] += 1
+        found = [report for report in reports if report is not None]
         held = held_leases(app)
         app.host.audit.acted(app.principal, _RESUME, " ".join(sorted(each.component_ref for each in held)), "")
         known = {command_id for command_id in asked.command_ids if command_id in app.commands}
-        known |= {each for report in reports for each in asked.command_ids if each not in report.forgotten}
+        known |= {each for report in found for each in asked.command_ids if each not in report.forgotten}
         token = await self._issue(line)
         # What this session holds now is kept for the next one that goes on.
         await routes.federation.lines.written(WRITING_TIME)
         result = ResumeResult(
             token=token,
             grace_ms=self._grace_ms,
-            leases=(*held, *(lease for report in reports for lease in report.leases)),
+            leases=(*held, *(lease for report in found for lease in report.leases)),
             forgotten=tuple(command_id for command_id in asked.command_ids if command_id not in known),
         )
         return Reply(result, lambda: tell_missed(app, asked.command_ids))
@@ -137,13 +140,13 @@ class Resumption:
         found = await self._routes.federation.resume_store.redeem(_digest(token), app.principal.subject)
         if found.line_id and not found.is_replayed:
             return SessionLine(found.line_id, found.generation)
+        self._routes.federation.counts.resumptions["replayed" if found.is_replayed else "refused"] += 1
         reason = "a resume token was used twice" if found.is_replayed else _NOT_VALID
         app.host.audit.refused(app.principal, _RESUME, "", reason)
         raise Unsupported(_NOT_VALID)
 
-    async def _report(self, gateway_id: str, asked: ResumeParams) -> ResumeResult:
-        """Return what a gateway has of the line; nothing where it is not reached."""
-        nothing = ResumeResult(forgotten=asked.command_ids)
+    async def _report(self, gateway_id: str, asked: ResumeParams) -> ResumeResult | None:
+        """Return what a gateway has of the line; None where it is not reached, or does not say."""
         params = {"command_ids": list(asked.command_ids)}
         try:
             sub = await self._routes.subs.to(gateway_id)
@@ -151,7 +154,7 @@ class Resumption:
             report = ResumeResult.model_validate(said[0])
         except (RoISError, ValidationError) as error:
             _log.warning("a resumed session finds nothing at gateway %s: %s", gateway_id, error)
-            return nothing
+            return None
         for lease in report.leases:
             sub.note_ref(lease.component_ref)
             self._routes.work.note_held(lease.component_ref, is_held=True)

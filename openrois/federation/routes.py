@@ -63,7 +63,13 @@ class Routes:
         federation.works.add(self.work)
         self.line = SessionLine()
         self.subs = SubSessions(
-            federation.dial, app.host.tasks, self.assertion, notify, self.work.note_notification, on_lost
+            federation.dial,
+            app.host.tasks,
+            self.assertion,
+            notify,
+            self.work.note_notification,
+            on_lost,
+            federation.counts,
         )
 
     def assertion(self) -> Assertion:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Final
 
 from openrois.errors import ComponentFailed, EngineUnreachable, NotResponding
+from openrois.federation.counts import Counts
 from openrois.jsonrpc import protocol
 from openrois.jsonrpc.session import (
     CALL_TIMEOUT,
@@ -61,6 +62,7 @@ class SubSession:
         stream: to it.
         notify: sends the application a notification: method, params, `droppable`, `dispensable`.
         seen: sees each notification, and tells whether it goes on.
+        counts: of what is asked.
 
     Attributes:
         gateway_id: of the other gateway.
@@ -73,17 +75,23 @@ class SubSession:
         stream: MessageStream,
         notify: Callable[..., None],
         seen: Callable[[str, Mapping[str, Any]], bool],
+        counts: Counts,
     ) -> None:
         self.gateway_id = gateway_id
         self.refs: dict[str, None] = {}
         self._stream = stream
         self._notify = notify
         self._seen = seen
+        self._calls = counts.calls
         self._unsent = 0
         self._held: deque[tuple[str, Mapping[str, Any]]] = deque()
         self._reason: Mapping[str, Any] | None = None
         self._session = RpcSession(
-            stream, notifications=_Relayed(self), call_timeout=ANSWER_TIMEOUT, peer=f"gateway {gateway_id}"
+            stream,
+            notifications=_Relayed(self),
+            call_timeout=ANSWER_TIMEOUT,
+            call_latencies=counts.latencies,
+            peer=f"gateway {gateway_id}",
         )
 
     async def run(self) -> StreamClosed:
@@ -182,18 +190,24 @@ class SubSession:
 
     async def _call(self, method: str, params: Mapping[str, Any], **more: Any) -> Any:
         try:
-            return await self._session.call(method, dict(params), **more)
+            result = await self._session.call(method, dict(params), **more)
         except ValueError:
             # JSON has been read that cannot be written, such as 1e999.
             raise UnwritableParams from None
         except TimeoutError:
+            self._calls["late"] += 1
             raise NotResponding(f"gateway {self.gateway_id} did not answer {method} in time") from None
         except SessionClosed as closed:
+            self._calls["lost"] += 1
             raise EngineUnreachable(f"gateway {self.gateway_id}, which has the engine, was lost: {closed}") from closed
         except RpcError as error:
             if error.code == protocol.INVALID_PARAMS and isinstance(error.data, list):
+                self._calls["answered"] += 1
                 raise InvalidParams(error.data) from None
+            self._calls["refused"] += 1
             raise ComponentFailed(f"gateway {self.gateway_id} refused {method} with the error {error.code}") from error
+        self._calls["answered"] += 1
+        return result
 
     def _sent(self) -> None:
         self._unsent = max(0, self._unsent - 1)

@@ -9,6 +9,7 @@ from typing import Any, Final
 from openrois.aio.tasks import TaskScope
 from openrois.errors import EngineUnreachable
 from openrois.federation.assertion import Assertion
+from openrois.federation.counts import Counts
 from openrois.federation.sub_session import SubSession
 from openrois.transport.stream import MessageStream, StreamClosed
 
@@ -34,6 +35,7 @@ class SubSessions:
         notify: sends the application a notification.
         seen: sees each notification, with its gateway, and tells whether it goes on.
         on_lost: called when a sub-session has ended, with it and the reason.
+        counts: of what is asked over them.
     """
 
     def __init__(
@@ -44,6 +46,7 @@ class SubSessions:
         notify: Callable[..., None],
         seen: Callable[[str, str, Mapping[str, Any]], bool],
         on_lost: Callable[[SubSession, StreamClosed], None],
+        counts: Counts,
     ) -> None:
         self._dial = dial
         self._tasks = tasks
@@ -51,6 +54,7 @@ class SubSessions:
         self._notify = notify
         self._seen = seen
         self._on_lost = on_lost
+        self._counts = counts
         self._open: dict[str, SubSession] = {}
         self._opening: dict[str, asyncio.Future[SubSession]] = {}
         self._said: dict[str, Mapping[str, Any]] = {}
@@ -100,7 +104,7 @@ class SubSessions:
         closed = StreamClosed(1006)
         try:
             stream = await self._dial(gateway_id, self._assertion())
-            sub = SubSession(gateway_id, stream, self._notify, partial(self._seen, gateway_id))
+            sub = SubSession(gateway_id, stream, self._notify, partial(self._seen, gateway_id), self._counts)
             for method, params in self._said.items():
                 sub.post(method, params)
             if self._is_closed:

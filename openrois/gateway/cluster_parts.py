@@ -39,7 +39,7 @@ async def open_parts(settings: GatewaySettings) -> AsyncIterator[ClusterParts]:
         await stack.enter_async_context(database)
         store = PostgresStore(database)
         directorate = await stack.enter_async_context(Directorate(store, settings.gateway_id))
-        journal = PostgresJournal(database, settings.gateway_id, directorate.run, lambda: directorate.contact)
+        journal = PostgresJournal(database, settings.gateway_id, directorate.run, lambda: directorate.access.contact)
         await stack.enter_async_context(journal)
         stops = await stack.enter_async_context(Stops(database, settings.gateway_id))
         link = NatsLink(nats, settings.gateway_id)

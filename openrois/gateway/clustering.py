@@ -84,16 +84,20 @@ class Clustering:
     Attributes:
         federation: the engines of all gateways, and the way to these.
         claims: of the engines whose adapters are here.
+        parts: what it shares with the others.
+        writer: writes what is held here to the store.
+        sub_sessions: number of sessions here of applications of other gateways, and of these gateways themselves.
     """
 
     def __init__(self, parts: ClusterParts, host: EngineHost) -> None:
-        self._writer = HoldingsWriter(parts.resume_store)
-        self._lines = Lines(host, self._writer)
+        self.writer = HoldingsWriter(parts.resume_store)
+        self.sub_sessions = 0
+        self._lines = Lines(host, self.writer)
         self.federation = Federation(
             parts.link, parts.directorate, host.engine, self._lines, parts.resume_store, parts.stops
         )
         self.claims = GatewayClaims(host.engine, parts.directorate, parts.epochs)
-        self._parts = parts
+        self.parts = parts
         self._host = host
 
     @classmethod
@@ -119,15 +123,15 @@ class Clustering:
     @asynccontextmanager
     async def serving(self, auth_setup: AuthSetup, readiness: Readiness) -> AsyncIterator[None]:
         """Serve the applications of other gateways, and know the engines of these, while the block runs."""
-        link, directorate = self._parts.link, self._parts.directorate
+        link, directorate = self.parts.link, self.parts.directorate
         readiness.require("NATS, which joins the gateways", lambda: not link.trouble)
         readiness.require("the store that the gateways share", lambda: not directorate.problem)
         async with AsyncExitStack() as stack:
-            await stack.enter_async_context(self._writer)
+            await stack.enter_async_context(self.writer)
             await stack.enter_async_context(self.claims)
             self.claims.on_claimed = self._look_for_holders
             stack.callback(self._host.engine.changes.add(lambda change: self._lines.restore(change.engines_now)))
-            stack.callback(self._parts.stops.serve(self._stop_engine))
+            stack.callback(self.parts.stops.serve(self._stop_engine))
             await stack.enter_async_context(link)
             await stack.enter_async_context(self.federation.running())
             await link.listen(lambda stream, said: self._handle(auth_setup, stream, said))
@@ -163,7 +167,7 @@ class Clustering:
             self._host.tasks.start(self._look_again(engine_ids))
 
     async def _await_holders(self, engine_ids: Collection[str]) -> None:
-        self._lines.await_engines(await self._parts.resume_store.held(engine_ids))
+        self._lines.await_engines(await self.parts.resume_store.held(engine_ids))
 
     async def _look_again(self, engine_ids: Collection[str]) -> None:
         """Look for former holders until the store answers, or the grace of their leases is over."""
@@ -190,12 +194,16 @@ class Clustering:
         expiry = TokenExpiry(assertion.principal, address=assertion.address)
         with auth_setup.expiries.holding(expiry, stream):
             host, sign_ins, is_cut = self._host, auth_setup.sign_ins, partial(self._is_cut, stream)
-            await serve_sub_session(host, stream, expiry, sign_ins, self._lines, assertion, is_cut)
+            self.sub_sessions += 1
+            try:
+                await serve_sub_session(host, stream, expiry, sign_ins, self._lines, assertion, is_cut)
+            finally:
+                self.sub_sessions -= 1
 
     def _is_cut(self, stream: GatewayStream) -> bool:
         """Tell whether another gateway may have lost a stream, and told its application that what it asked has failed.
 
         Where an application is lost to that gateway, its stream is closed in good order.
         """
-        self._parts.link.notice_pause()
+        self.parts.link.notice_pause()
         return stream.closed is not None and stream.closed.code == _CUT

@@ -4,21 +4,21 @@ import asyncio
 import threading
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import accumulate
 from typing import Any, Final
 
-from prometheus_client.core import HistogramMetricFamily, Metric
+from prometheus_client.core import Metric
 
 from openrois.aio.loop_lag import LoopLag
 from openrois.auth.jwks import KeySetCache
 from openrois.auth.keys import KeySource
+from openrois.gateway.cluster_metrics import cluster_families
+from openrois.gateway.clustering import Clustering
 from openrois.gateway.connection_limits import ConnectionLimits
 from openrois.gateway.encryption import Certificate
 from openrois.gateway.reloading import Reloader
 from openrois.http_limits.header_timeout import HeaderTimeouts
 from openrois.jsonrpc.connection_stats import Seen
-from openrois.jsonrpc.latencies import BOUNDS, Latencies
-from openrois.metrics.exposition import families, written
+from openrois.metrics.exposition import families, histogram, written
 from openrois.metrics.figure import Figure
 from openrois.session.session import EngineHost
 
@@ -368,6 +368,7 @@ class Sources:
         keys: the source of keys for tokens; None where no token is needed.
         reloader: reads again what has changed.
         certificate: what TLS is done with; None for none.
+        clustering: the gateway among others; None where it is on its own.
     """
 
     host: EngineHost
@@ -377,6 +378,7 @@ class Sources:
     keys: KeySource | None
     reloader: Reloader
     certificate: Certificate | None
+    clustering: Clustering | None = None
 
 
 async def figures(sources: Sources, accept: str) -> tuple[bytes, str]:
@@ -406,7 +408,9 @@ def _families(sources: Sources) -> Iterator[Metric]:
     yield from families(CLOSED, ("code",), [((code,), count) for code, count in _codes(connection_stats.closed)])
     yield from families(ADAPTER, ("engine",), [((engine_id,), 1) for engine_id in _engines(host)])
     for name, latencies in zip(HISTOGRAMS, (connection_stats.latencies, connection_stats.call_latencies), strict=True):
-        yield _histogram(name, latencies)
+        yield histogram(name, HISTOGRAMS[name], latencies)
+    if sources.clustering is not None:
+        yield from cluster_families(sources.clustering)
 
 
 def _codes(closed: Mapping[int, int]) -> Iterator[tuple[str, int]]:
@@ -419,11 +423,3 @@ def _codes(closed: Mapping[int, int]) -> Iterator[tuple[str, int]]:
 
 def _engines(host: EngineHost) -> list[str]:
     return host.engine.tree.sub_engine_ids
-
-
-def _histogram(name: str, latencies: Latencies) -> Metric:
-    family = HistogramMetricFamily(name, HISTOGRAMS[name], labels=("method",))
-    bounds = [*(str(bound) for bound in BOUNDS), "+Inf"]
-    for method, counts, seconds in latencies:
-        family.add_metric((method,), buckets=list(zip(bounds, accumulate(counts), strict=True)), sum_value=seconds)
-    return family

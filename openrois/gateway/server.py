@@ -175,7 +175,14 @@ async def run_gateway(
         if settings.metrics is not None:
             keys = None if verifier is None else verifier.keys
             sources = Sources(
-                host, lag, header_timeouts, connection_limits, keys, auth_setup.reloader, auth_setup.certificate
+                host,
+                lag,
+                header_timeouts,
+                connection_limits,
+                keys,
+                auth_setup.reloader,
+                auth_setup.certificate,
+                clustering,
             )
             look = partial(figures, sources)
             serving = serving_metrics(

@@ -101,6 +101,11 @@ class ClaimedEpochs:
         if known is None or known.first != first:
             self._blocks[engine_id] = _Block(first, last, first)
 
+    @property
+    def used_up(self) -> int:
+        """Number of engines whose block is used up: they give no leases until they are claimed again."""
+        return sum(block.next > block.last for block in self._blocks.values())
+
     def withdraw(self, engine_id: str) -> None:
         """Take the block of an engine away: this gateway does not own it any more."""
         self._blocks.pop(engine_id, None)

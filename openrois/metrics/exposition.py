@@ -1,15 +1,23 @@
 """Figures in the text format that Prometheus reads."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import accumulate
 from typing import Final, TypeVar
 
 from prometheus_client import CollectorRegistry, PlatformCollector, ProcessCollector
-from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric, StateSetMetricFamily
+from prometheus_client.core import (
+    CounterMetricFamily,
+    GaugeMetricFamily,
+    HistogramMetricFamily,
+    Metric,
+    StateSetMetricFamily,
+)
 from prometheus_client.exposition import choose_encoder
 
+from openrois.jsonrpc.latencies import BOUNDS, Latencies
 from openrois.metrics.figure import Figure
 
-__all__ = ["families", "states", "written"]
+__all__ = ["families", "histogram", "states", "written"]
 
 _PROCESS: Final = CollectorRegistry()
 PlatformCollector(registry=_PROCESS)
@@ -56,6 +64,15 @@ def families(
             if value is not None:
                 family.add_metric(values, float(value))
         yield family
+
+
+def histogram(name: str, meaning: str, latencies: Latencies) -> Metric:
+    """Return the durations of calls, with the label `method`."""
+    family = HistogramMetricFamily(name, meaning, labels=("method",))
+    bounds = [*(str(bound) for bound in BOUNDS), "+Inf"]
+    for method, counts, seconds in latencies:
+        family.add_metric((method,), buckets=list(zip(bounds, accumulate(counts), strict=True)), sum_value=seconds)
+    return family
 
 
 def states(

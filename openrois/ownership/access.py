@@ -34,10 +34,16 @@ class StoreAccess:
 
     Attributes:
         problem: why the store cannot be used; empty where it can.
+        steps: number of steps that were asked.
+        seconds: how long they took together.
+        failures: how many of them failed, or were given up.
     """
 
     def __init__(self, name: str, ttl: float, patience: float, clock: Callable[[], float]) -> None:
         self.problem = ""
+        self.steps = 0
+        self.seconds = 0.0
+        self.failures = 0
         self._name = name
         self._patience = patience
         self._clock = clock
@@ -90,7 +96,7 @@ class StoreAccess:
         Raises:
             StoreUnreachable: it failed, or did not answer in time; whether it was made is not known.
         """
-        seconds = self._patience * _STEP
+        seconds, started = self._patience * _STEP, self._clock()
         try:
             async with asyncio.timeout(seconds):
                 result = await step
@@ -99,6 +105,9 @@ class StoreAccess:
         except StoreUnreachable as error:
             self._note_failure(error)
             raise
+        finally:
+            self.steps += 1
+            self.seconds += self._clock() - started
         if self.problem and not self._is_replaced:
             _log.info("%s answers again", self._name)
             self.problem = ""
@@ -110,6 +119,7 @@ class StoreAccess:
         return error
 
     def _note_failure(self, error: StoreUnreachable) -> None:
+        self.failures += 1
         self._contact.break_off()
         if self._is_replaced:
             return

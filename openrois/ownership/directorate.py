@@ -16,7 +16,7 @@ from types import MappingProxyType, TracebackType
 from typing import Final, Self
 
 from openrois.aio.tasks import TaskScope
-from openrois.errors import StoreUnreachable
+from openrois.errors import BadParameter, StoreUnreachable
 from openrois.ownership.access import StoreAccess
 from openrois.ownership.claims import Claim, Owner
 from openrois.ownership.errors import ClaimRefused, GatewayReplaced
@@ -63,6 +63,8 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
         gateway_id: of this gateway.
         claims: the claims of this gateway by engine; a claim leaves when another gateway has the engine.
         owners: the owner of each engine that has one, for routing. The gateway of an owner may be dead.
+        access: the way to the store.
+        outcomes: number of claims that were granted, refused or failed; those that held already are not counted.
 
     Raises:
         StoreUnreachable: on entering: the store is not there.
@@ -89,7 +91,8 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
         self._run = 0
         self._renewed = 0.0
         self._expires_ms = 0
-        self._access = StoreAccess(store.name, ttl, patience, clock)
+        self.access = StoreAccess(store.name, ttl, patience, clock)
+        self.outcomes: Counter[str] = Counter({"granted": 0, "refused": 0, "failed": 0})
         self._claims: dict[str, Claim] = {}
         self._claiming: Counter[str] = Counter()
         self._owners = Owners()
@@ -106,7 +109,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
     async def __aenter__(self) -> Self:
         async with AsyncExitStack() as stack:
             started = self._clock()
-            registered = await self._access.ask(self._store.register(self.gateway_id, self._ttl_ms))
+            registered = await self.access.ask(self._store.register(self.gateway_id, self._ttl_ms))
             self._run = registered.run
             self._note_renewed(started, registered)
             stack.callback(self._owners.close)
@@ -149,8 +152,16 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
             return replace(held, until=self._renewed + self._ttl)
         self._claiming[engine_id] += 1
         try:
-            async with self._access.bounded():
-                return await self._claim(engine_id, instance, above)
+            async with self.access.bounded():
+                claim = await self._claim(engine_id, instance, above)
+            self.outcomes["granted"] += 1
+            return claim
+        except ClaimRefused:
+            self.outcomes["refused"] += 1
+            raise
+        except (StoreUnreachable, GatewayReplaced, BadParameter):
+            self.outcomes["failed"] += 1
+            raise
         finally:
             self._claiming[engine_id] -= 1
             if not self._claiming[engine_id]:
@@ -165,7 +176,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
         claim = self._claims.pop(engine_id, None)
         if claim is None:
             return
-        async with self._access.bounded():
+        async with self.access.bounded():
             await self._release(Record(engine_id, self.gateway_id, claim.instance, claim.first_epoch))
 
     async def renew(self) -> None:
@@ -176,20 +187,20 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
             GatewayReplaced: another process runs as this gateway.
         """
         async with self._settling:
-            async with self._access.bounded(is_urgent=True):
+            async with self.access.bounded(is_urgent=True):
                 digest = await self._renew()
                 if digest != self._owners.digest:
                     self._is_stale = True
                 if self._is_stale:
                     await self._read_owners()
             for engine_id in [each for each in self._doubtful if not self._claiming[each]]:
-                async with self._access.bounded():
+                async with self.access.bounded():
                     await self._settle_doubt(engine_id)
 
     @property
     def problem(self) -> str:
         """Why nothing can be claimed now; empty where it can."""
-        return self._access.problem
+        return self.access.problem
 
     @property
     def run(self) -> int:
@@ -197,9 +208,9 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
         return self._run
 
     @property
-    def contact(self) -> float:
-        """Seconds for which this gateway has been in contact with the store without a break."""
-        return self._access.contact
+    def hold_left(self) -> float:
+        """Seconds for which the claims of this gateway hold without another renewal."""
+        return max(0.0, self._renewed + self._ttl - self._clock())
 
     def holds(self, engine_id: str) -> bool:
         """Tell whether a claim of this gateway holds, by its own clock: it was renewed less than a time-out ago."""
@@ -226,7 +237,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
             if reading.run != self._run:
                 await self._renew()
                 continue
-            ruling = judge_claim(reading, instance, above, self._access.contact)
+            ruling = judge_claim(reading, instance, above, self.access.contact)
             if isinstance(ruling, Waiting):
                 raise ClaimRefused(engine_id, ruling.gateway_id, ruling.seconds)
             record = Record(engine_id, self.gateway_id, instance, ruling.first_epoch)
@@ -239,14 +250,14 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
         raise StoreUnreachable(f"{engine_id} has changed hands {_ATTEMPTS} times while it was claimed: dial again")
 
     async def _read(self, engine_id: str) -> Reading:
-        reading = await self._access.ask(self._store.read(engine_id, self.gateway_id))
-        self._access.note_answer(reading.now_ms, has_lost_renewal=reading.own_expires_ms < self._expires_ms)
+        reading = await self.access.ask(self._store.read(engine_id, self.gateway_id))
+        self.access.note_answer(reading.now_ms, has_lost_renewal=reading.own_expires_ms < self._expires_ms)
         return reading
 
     async def _write(self, record: Record, seen: Record | None, expired_ms: int | None) -> bool:
         """Write a claim, and tell whether that was done; where that is not known, it is read."""
         try:
-            return await self._access.ask(self._store.write(record, self._run, seen, expired_ms))
+            return await self.access.ask(self._store.write(record, self._run, seen, expired_ms))
         except StoreUnreachable:
             # It may be written yet: then the next renewal finds a claim that this gateway does not have.
             if (await self._read(record.engine_id)).record != record:
@@ -256,7 +267,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
     async def _release(self, record: Record) -> None:
         self._owners.note(record.engine_id, None)
         self._doubtful.add(record.engine_id)
-        await self._access.ask(self._store.release(record, self._run))
+        await self.access.ask(self._store.release(record, self._run))
         self._doubtful.discard(record.engine_id)
 
     def _note_claim(self, record: Record) -> Claim:
@@ -282,7 +293,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
 
     async def _renew(self) -> Digest:
         started = self._clock()
-        renewed = await self._access.ask(self._store.renew(self.gateway_id, self._run, self._ttl_ms))
+        renewed = await self.access.ask(self._store.renew(self.gateway_id, self._run, self._ttl_ms))
         if renewed is None:
             raise self._note_replaced()
         self._note_renewed(started, renewed)
@@ -291,14 +302,14 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
     def _note_renewed(self, started: float, renewed: Renewed) -> None:
         # Counted from before the question: the store's own count begins later, and so does not end sooner.
         self._renewed = started
-        self._access.note_answer(renewed.now_ms, has_lost_renewal=renewed.former_expires_ms < self._expires_ms)
+        self.access.note_answer(renewed.now_ms, has_lost_renewal=renewed.former_expires_ms < self._expires_ms)
         self._expires_ms = renewed.now_ms + self._ttl_ms
 
     def _note_replaced(self) -> GatewayReplaced:
         error = GatewayReplaced(self.gateway_id)
         for engine_id in tuple(self._claims):
             self._lose(engine_id, None)
-        self._access.note_replaced(error)
+        self.access.note_replaced(error)
         return error
 
     async def _settle_doubt(self, engine_id: str) -> None:
@@ -346,7 +357,7 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
             self._hinted.clear()
             self._is_stale = False
             try:
-                found = {each.engine_id: each for each in await self._access.ask(self._store.owners(engine_ids))}
+                found = {each.engine_id: each for each in await self.access.ask(self._store.owners(engine_ids))}
             except BaseException:
                 self._is_stale = True
                 raise
@@ -375,5 +386,5 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
 
     async def _leave(self) -> None:
         with suppress(StoreUnreachable):
-            async with self._access.bounded():
-                await self._access.ask(self._store.leave(self.gateway_id, self._run))
+            async with self.access.bounded():
+                await self.access.ask(self._store.leave(self.gateway_id, self._run))

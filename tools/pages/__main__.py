@@ -8,7 +8,7 @@ from typing import Final
 from tools.pages.bodies import bodies
 from tools.pages.commands import commands
 from tools.pages.configuration import gateway_settings
-from tools.pages.figures import adapter_figures, gateway_figures
+from tools.pages.figures import adapter_figures, cluster_figures, gateway_figures
 from tools.pages.parts import Part, filled, outdated
 from tools.pages.scale import (
     scale_compared,
@@ -26,6 +26,7 @@ ROOT: Final = Path(__file__).parents[2]
 
 PARTS: Final[dict[str, Part]] = {
     "adapter-figures": adapter_figures,
+    "cluster-figures": cluster_figures,
     "bodies": bodies,
     "commands": commands,
     "gateway-figures": gateway_figures,

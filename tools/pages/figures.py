@@ -1,6 +1,6 @@
 """The figures for Prometheus as tables: name, kind, labels and meaning."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
 from openrois_body import metrics as body
@@ -9,10 +9,11 @@ from openrois_robots.adapter import metrics as robots
 from openrois_robots.kachaka import metrics as kachaka
 from openrois_robots.reachy import metrics as reachy
 
+from openrois.gateway import cluster_metrics as cluster
 from openrois.gateway import metrics as gateway
 from openrois.metrics.figure import Figure
 
-__all__ = ["adapter_figures", "gateway_figures"]
+__all__ = ["adapter_figures", "cluster_figures", "gateway_figures"]
 
 _HEAD: Final = ["| figure | kind | meaning |", "|---|---|---|"]
 
@@ -29,6 +30,15 @@ _GATEWAY: Final[tuple[tuple[str, Sequence[str], Sequence[Figure[Any]]], ...]] = 
     ("Refused, cut, ended", ("reason",), (*gateway.TURNED_AWAY, *gateway.CUT, *gateway.LEASES_ENDED)),
     ("Connections that ended", ("code",), gateway.CLOSED),
     ("Adapters", ("engine",), gateway.ADAPTER),
+)
+_CLUSTER: Final[tuple[tuple[str, Sequence[str], Sequence[Figure[Any]]], ...]] = (
+    ("A gateway of a cluster", (), cluster.CLUSTER),
+    ("Other gateways", ("gateway",), cluster.PEER),
+    (
+        "Claims, requests to other gateways, resumed sessions",
+        ("outcome",),
+        (*cluster.CLAIMS, *cluster.CALLS, *cluster.RESUMPTIONS),
+    ),
 )
 _ADAPTER: Final[tuple[tuple[str, Sequence[str], Sequence[Figure[Any]]], ...]] = (
     ("The adapter", (), adapter.ADAPTER),
@@ -53,8 +63,23 @@ def gateway_figures() -> list[str]:
     """
     _require_all(gateway.FIGURES, _GATEWAY)
     lines = [line for group in _GATEWAY for line in _table(*group)]
-    rows = [f"| `{name}` | histogram | {meaning} |" for name, meaning in gateway.HISTOGRAMS.items()]
-    return [*lines, *_titled("Times", ("method",)), *_HEAD, *rows]
+    return [*lines, *_times(gateway.HISTOGRAMS)]
+
+
+def cluster_figures() -> list[str]:
+    """Return the tables of what a gateway of a cluster has besides, by their labels.
+
+    Raises:
+        ValueError: a figure stands in none of the tables.
+    """
+    _require_all(cluster.CLUSTER_FIGURES, _CLUSTER)
+    lines = [line for group in _CLUSTER for line in _table(*group)]
+    return [*lines, *_times(cluster.CLUSTER_HISTOGRAMS)]
+
+
+def _times(histograms: Mapping[str, str]) -> list[str]:
+    rows = [f"| `{name}` | histogram | {meaning} |" for name, meaning in histograms.items()]
+    return [*_titled("Times", ("method",)), *_HEAD, *rows]
 
 
 def adapter_figures() -> list[str]:

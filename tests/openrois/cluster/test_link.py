@@ -341,6 +341,7 @@ class TestStrangers:
         assert closed.code == 1006
         assert closed.reason
         assert len(near) == 0
+        assert near.gaps == closed.reason.startswith("frame ")
 
     async def test_what_is_no_text_ends_with_its_code(self, strange: Strange) -> None:
         near, stranger = strange

@@ -11,6 +11,7 @@ from openrois.aio.tasks import TaskScope
 from openrois.auth.principal import LOCAL
 from openrois.errors import ComponentFailed, EngineUnreachable, NotResponding
 from openrois.federation.assertion import Assertion
+from openrois.federation.counts import Counts
 from openrois.federation.sub_session import MAX_REFS, SubSession
 from openrois.federation.sub_sessions import SubSessions
 from openrois.jsonrpc.session import InvalidParams
@@ -31,7 +32,10 @@ class Far:
         self.shown: set[str] = set()
         self.is_lost = asyncio.Event()
         self.is_told = asyncio.Event()
-        self.subs = SubSessions(self.dial, tasks, lambda: Assertion.of(LOCAL), self.notify, self.see, self.lose)
+        self.counts = Counts()
+        self.subs = SubSessions(
+            self.dial, tasks, lambda: Assertion.of(LOCAL), self.notify, self.see, self.lose, self.counts
+        )
 
     async def dial(self, gateway_id: str, assertion: Assertion) -> MessageStream:
         self.dialled.append((gateway_id, assertion))
@@ -142,11 +146,14 @@ class TestASession:
         await far.say({"id": (await far.asked())["id"], "result": 7})
         with pytest.raises(ComponentFailed, match=r"answers openrois\.stop_all with what is no object"):
             await asking
+        counted = {"answered": 2, "refused": 1, "late": 0, "lost": 0, "unreached": 0}
+        assert far.counts.calls == counted
 
     async def test_a_gateway_that_does_not_answer_is_left(self, far: Far) -> None:
         sub = await far.subs.to("a")
         with pytest.raises(NotResponding, match=r"gateway a did not answer openrois\.stop_all in time"):
             await sub.ask("openrois.stop_all", {}, timeout=0)
+        assert far.counts.calls["late"] == 1
 
     async def test_components_and_engines_are_remembered_up_to_a_bound(self, far: Far) -> None:
         sub = await far.subs.to("a")
@@ -183,6 +190,7 @@ class TestSessions:
         far.streams[-1].abort()
         with pytest.raises(EngineUnreachable, match="gateway a, which has the engine, was lost"):
             await asking
+        assert far.counts.calls["lost"] == 1
         async with patience():
             await far.is_lost.wait()
         assert [gateway_id for gateway_id, _ in far.lost] == ["a"]

@@ -7,8 +7,6 @@ from pathlib import Path
 
 import aiohttp
 import pytest
-from prometheus_client import Metric
-from prometheus_client.parser import text_string_to_metric_families
 
 from openrois.gateway import metrics
 from openrois.gateway.connection_limits import MAX_ADAPTERS, MAX_APPLICATIONS
@@ -19,25 +17,13 @@ from tests.support import deployment
 from tests.support.certificates import Authority
 from tests.support.deployment import Robot
 from tests.support.guarded import guarded
-
-Samples = dict[tuple[str, ...], float]
+from tests.support.scraped import scraped
 
 
 @pytest.fixture
 async def gateway() -> AsyncIterator[Gateway]:
     async with deployment.gateway(metrics="0") as running:
         yield running
-
-
-async def scraped(gateway: Gateway) -> dict[str, Samples]:
-    """Values by the name of the sample and the values of its labels, in the order of the labels' names."""
-    async with aiohttp.ClientSession() as http, http.get(gateway.metrics) as answer:
-        families: list[Metric] = list(text_string_to_metric_families(await answer.text()))
-    found: dict[str, Samples] = {}
-    for family in families:
-        for sample in family.samples:
-            found.setdefault(sample.name, {})[tuple(value for _, value in sorted(sample.labels.items()))] = sample.value
-    return found
 
 
 async def test_what_happened_is_counted(gateway: Gateway) -> None:

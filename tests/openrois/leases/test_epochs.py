@@ -77,13 +77,14 @@ class TestClaimed:
         problem = "the store did not answer"
         epochs = ClaimedEpochs(lambda: problem)
         epochs.grant("r", 1, 1)
-        assert epochs.next(LAMP) == 1
+        assert epochs.next(LAMP) == epochs.used_up == 1
         with pytest.raises(OutOfResources, match=r"the epochs of r are used up .* the store did not answer"):
             epochs.next(LAMP)
         problem = ""
         with pytest.raises(OutOfResources, match="used up until it is claimed again: the claim is being made"):
             epochs.next(LAMP)
         epochs.grant("r", 2_000_002, 3_000_001)
+        assert epochs.used_up == 0
         assert epochs.next(LAMP) == 2_000_002
 
     def test_an_engine_that_is_not_owned_has_none(self) -> None:

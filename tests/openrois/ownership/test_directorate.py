@@ -62,11 +62,12 @@ async def test_a_process_has_a_number_and_a_contact_without_breaks(network: Netw
     assert a.run == network.store.gateways["a"].run
     network.advance(3.0)
     await a.renew()
-    assert a.contact == 3.0
+    assert a.access.contact == 3.0
     network.a.fates = [Fate.LOST]
     with pytest.raises(StoreUnreachable):
         await a.renew()
-    assert a.contact == 0.0
+    assert a.access.contact == 0.0
+    assert a.access.failures == 1 < a.access.steps
     async with network.gateway("a") as later:
         assert later.run > a.run
 
@@ -87,6 +88,7 @@ class TestUnknownWrites:
             await a.claim("kachaka", "one")
         assert network.a.calls[-3:] == ["read", "write", "read"]
         assert network.store.records == a.claims == {}
+        assert a.outcomes == {"granted": 0, "refused": 0, "failed": 1}
 
     @pytest.mark.parametrize("fate", [Fate.ANSWER_LOST, Fate.LATE])
     async def test_a_claim_that_was_written_after_all_is_released_by_the_next_renewal(
@@ -98,6 +100,7 @@ class TestUnknownWrites:
         await network.a.arrive()
         with pytest.raises(ClaimRefused):
             await b.claim("kachaka", "two")
+        assert b.outcomes == {"granted": 0, "refused": 1, "failed": 0}
         await a.renew()
         assert await b.claim("kachaka", "two")
 
