@@ -340,8 +340,8 @@ async def adapter(
         engine = Engine(engine_id)
         await engine.attach(LocalRegistry(engine_id, components, extension=extension))
         attached = Adapter(gateway, EngineHost(engine, tasks, sleep=no_wait))
-        await attached.start()
         try:
+            await attached.start()
             yield attached
         finally:
             if attached.dialling is not None:
