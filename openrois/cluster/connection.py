@@ -41,6 +41,7 @@ class NatsConnection(asyncio.Protocol):
 
     Attributes:
         server: its address.
+        version: of the server's program, as it says.
         max_payload: bytes of a message that the server takes.
         lost: is set when it has ended.
         reason: why it has ended.
@@ -54,7 +55,7 @@ class NatsConnection(asyncio.Protocol):
         self._writable.set()
         self._pongs: list[asyncio.Future[None]] = []
         self._opened: Opened | None = None
-        self.server = ""
+        self.server = self.version = ""
         self.max_payload = 0
         self.lost = asyncio.Event()
         self.reason = ""
@@ -76,7 +77,8 @@ class NatsConnection(asyncio.Protocol):
         """
         made = cls(on_lost)
         opened = await open_connection(settings, server, name, made)
-        made._opened, made.server, made.max_payload = opened, opened.server, opened.max_payload
+        made._opened, made.server, made.version = opened, opened.server, opened.version
+        made.max_payload = opened.max_payload
         opened.transport.set_write_buffer_limits(high=WRITE_BUFFER)
         if hasattr(socket, "TCP_NOTSENT_LOWAT"):
             made._set_option(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, _UNSENT)

@@ -24,6 +24,8 @@ __all__ = ["Opened", "Unreachable", "open_connection"]
 OPEN_TIMEOUT: Final = 2.0
 """Seconds that a server may take to admit this gateway."""
 
+_LONGEST_VERSION: Final = 32
+
 
 class Unreachable(Exception):
     """A server of NATS could not be dialled; the text says why, and what helps."""
@@ -35,6 +37,7 @@ class Opened:
 
     Attributes:
         server: its address.
+        version: of its program, as it says.
         transport: it.
         rest: what came already.
         max_payload: bytes of a message that the server takes.
@@ -42,6 +45,7 @@ class Opened:
     """
 
     server: str
+    version: str
     transport: asyncio.Transport
     rest: bytes
     max_payload: int
@@ -58,6 +62,11 @@ class _Dialler(Client):
     def __init__(self, *, is_encrypted: bool) -> None:
         super().__init__()
         self._is_encrypted = is_encrypted
+
+    @property
+    def said_version(self) -> str:
+        """The version that the server says it has."""
+        return str(self._server_info.get("version", ""))[:_LONGEST_VERSION]
 
     async def _process_info(self, info: dict[str, Any], initial_connection: bool = False) -> None:
         """Look at what the server says first: what is said next holds the credentials."""
@@ -128,12 +137,12 @@ async def open_connection(settings: NatsSettings, server: str, name: str, protoc
     """
     try:
         async with asyncio.timeout(OPEN_TIMEOUT), _dialler(settings, server, name) as client:
-            max_payload = client.max_payload
+            version, max_payload = client.said_version, client.max_payload
             transport, rest = await client.hand_over(protocol)
     except Exception as error:
         # Whatever answers there may say anything, and nats-py trips over some of it.
         raise Unreachable(f"NATS at {server} is not reached: {_explained(error)}") from None
-    return Opened(server, transport, rest, max_payload, client)
+    return Opened(server, version, transport, rest, max_payload, client)
 
 
 def _explained(error: Exception) -> str:

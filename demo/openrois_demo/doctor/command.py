@@ -1,4 +1,4 @@
-"""`openrois doctor`: look at this machine and say what to change; streams work where it ends with 0."""
+"""`openrois doctor`: look at this machine, or what gateways share, and say what to change; 0 where it works."""
 
 import asyncio
 import sys
@@ -15,6 +15,7 @@ from openrois_streaming.network.settings import NetworkSettings
 from openrois.cli.command_line import CommandLine, port_number
 from openrois.extras import missing_modules
 from openrois_demo.doctor import machine
+from openrois_demo.doctor.cluster_options import add_cluster_options, shared_parts
 from openrois_demo.doctor.extras import extras
 from openrois_demo.doctor.finding import Finding, Level, as_json, as_text, exit_status, summary
 
@@ -22,9 +23,11 @@ __all__ = ["main"]
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run the command and return its exit status: 0 if streams will work, 1 if not, 2 for wrong usage."""
+    """Run the command and return its exit status: 0 if what it looks at will work, 1 if not, 2 for wrong usage."""
     parser = CommandLine(
-        "openrois doctor", description="What of the media path works here, and what to change where it does not."
+        "openrois doctor",
+        description="What of the media path works here, and what to change where it does not. With --cluster and "
+        "--store it looks at NATS, PostgreSQL and gateways in place of that, and changes nothing there.",
     )
     parser.add_argument("--port", type=port_number, default=8765, help="the gateway's TCP port (%(default)s)")
     parser.add_argument("--ice-server", action="append", default=[], metavar="URL", help="a STUN server to ask")
@@ -32,14 +35,20 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--turn-secret-file", type=Path, metavar="FILE", help="holds its secret, as the gateway's does")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_network_options(parser)
+    add_cluster_options(parser)
     chosen = parser.parse_args(arguments)
     try:
+        if chosen.cluster or chosen.store:
+            from openrois_demo.doctor.cluster import cluster
+
+            found = cluster(shared_parts(chosen))
+            return asyncio.run(_examine(found, "several gateways", json=chosen.json))
         # Without the libraries of the media plane nothing can be said of its network.
         settings = None if missing_modules("streaming") else network_settings(chosen)
         servers = _servers(chosen.ice_server, chosen.turn, chosen.turn_secret_file)
     except ValueError as error:
         parser.error(str(error))
-    return asyncio.run(_examine(settings, servers, chosen.port, json=chosen.json))
+    return asyncio.run(_examine(_findings(settings, servers, chosen.port), "streams", json=chosen.json))
 
 
 def _servers(stun: Sequence[str], turn: Sequence[str], secret_file: Path | None) -> list[IceServer]:
@@ -58,13 +67,13 @@ def _servers(stun: Sequence[str], turn: Sequence[str], secret_file: Path | None)
     return given
 
 
-async def _examine(settings: NetworkSettings | None, servers: Sequence[IceServer], port: int, *, json: bool) -> int:
+async def _examine(findings: AsyncIterator[Finding], subject: str, *, json: bool) -> int:
     found: list[Finding] = []
-    async for finding in _findings(settings, servers, port):
+    async for finding in findings:
         found.append(finding)
         if not json:
             print(as_text(finding, colour=sys.stdout.isatty()), flush=True)
-    print(as_json(found) if json else f"\n{summary(found)}")
+    print(as_json(found) if json else f"\n{summary(found, subject)}")
     return exit_status(found)
 
 

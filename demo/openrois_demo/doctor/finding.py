@@ -20,7 +20,7 @@ class Level(StrEnum):
     WARN = "warn"
     """It works, with less."""
     FAIL = "fail"
-    """Streams will not work."""
+    """What was asked about will not work."""
 
 
 _COLOURS: Final = {Level.OK: "32", Level.WARN: "33", Level.FAIL: "31"}
@@ -44,7 +44,7 @@ class Finding:
 
 
 def exit_status(findings: Iterable[Finding]) -> int:
-    """Return 0 if streams will work, 1 if not."""
+    """Return 0 if what was asked about will work, 1 if not."""
     return int(any(finding.level is Level.FAIL for finding in findings))
 
 
@@ -59,11 +59,11 @@ def as_text(finding: Finding, *, colour: bool) -> str:
     return "\n".join(lines)
 
 
-def summary(findings: Sequence[Finding]) -> str:
-    """Return one line with the number of findings of each level."""
+def summary(findings: Sequence[Finding], subject: str = "streams") -> str:
+    """Return one line with the number of findings of each level, and whether `subject` will work."""
     counts = {level: sum(finding.level is level for finding in findings) for level in Level}
     told = f"{counts[Level.OK]} ok, {counts[Level.WARN]} to look at, {counts[Level.FAIL]} failed"
-    return f"{told}: streams will {'not work' if exit_status(findings) else 'work'}"
+    return f"{told}: {subject} will {'not work' if exit_status(findings) else 'work'}"
 
 
 def as_json(findings: Sequence[Finding]) -> str:
