@@ -1,7 +1,7 @@
 """Bounded memory of what an application may ask for later: so many entries, and so much text. Pure."""
 
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Final, Generic, TypeVar
 
 from openrois.types.messages import Result
@@ -31,6 +31,9 @@ class BoundedHistory(Generic[Entry]):
         self._entries: OrderedDict[str, tuple[Entry, int]] = OrderedDict()
         self._text = 0
 
+    def __len__(self) -> int:
+        return len(self._entries)
+
     def __contains__(self, key: str) -> bool:
         return key in self._entries
 
@@ -48,8 +51,16 @@ class BoundedHistory(Generic[Entry]):
         self._text += text if former is None else text - former[1]
         self._entries[key] = entry, text
         while len(self._entries) > self._most or self._text > self._most_text:
-            _, (_, forgotten) = self._entries.popitem(last=False)
-            self._text -= forgotten
+            self._forget_oldest()
+
+    def drop_oldest(self, is_over: Callable[[Entry], bool]) -> None:
+        """Forget the oldest entries, up to the first that is not over."""
+        while self._entries and is_over(next(iter(self._entries.values()))[0]):
+            self._forget_oldest()
+
+    def _forget_oldest(self) -> None:
+        _, (_, text) = self._entries.popitem(last=False)
+        self._text -= text
 
     def newest_first(self) -> Iterator[Entry]:
         """Yield the entries, the newest first."""

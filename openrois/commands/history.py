@@ -1,6 +1,6 @@
 """The commands of one application: ids in use, and results of finished commands. Pure."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -116,14 +116,11 @@ class CommandHistory:
         finished = self._finished.get(command_id)
         return None if finished is None else (finished.status, finished.reason)
 
-    def has_one_on(self, component_ref: str) -> bool:
-        """Tell whether a command runs on the component, or did so until a moment ago."""
-        if component_ref in self._running.values():
-            return True
+    def components(self) -> Iterator[str]:
+        """Yield the component of each command that runs, or did so until a moment ago."""
+        yield from self._running.values()
         oldest = self._clock() - RECENT
         for finished in self._finished.newest_first():
             if finished.at < oldest:
-                return False
-            if finished.component_ref == component_ref:
-                return True
-        return False
+                return
+            yield finished.component_ref

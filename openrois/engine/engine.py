@@ -52,7 +52,7 @@ class Engine:
         tree: what its buses offer.
         users: which buses know which clients.
         changes: called with each change of the tree; they must not block.
-        faults: gets the faults of the engine and of every bus attached to it.
+        faults: gets the faults of the engine and of every bus attached to it; those of one cause together.
         on_fault: the engine that this one is attached to gets them, too.
         mint: makes the faults that this engine notices.
         lost: components whose bus was lost.
@@ -62,7 +62,7 @@ class Engine:
         if flaw := flaw_of_name(engine_id):
             raise BadParameter(f"{engine_id!r} is no engine id: {flaw}")
         self.engine_id = engine_id
-        self.faults: Listeners[Fault] = Listeners()
+        self.faults: Listeners[tuple[Fault, ...]] = Listeners()
         self.on_fault: OnFault = ignore_fault
         self.lost = LostComponents()
         self.tree: Tree[ComponentBus] = Tree(engine_id)
@@ -129,8 +129,7 @@ class Engine:
         if lost:
             gone = offer.profile.component_ids
             self.lost.lose(gone)
-            for fault in self.mint.make_each(ErrorType.COMPONENT_NOT_RESPONDING, gone, lost):
-                self._notify_fault(fault)
+            self._notify_faults(self.mint.make_each(ErrorType.COMPONENT_NOT_RESPONDING, gone, lost))
         del self._may_be_own[bus]
         if isinstance(bus, FaultSource):
             bus.on_fault = ignore_fault
@@ -147,8 +146,13 @@ class Engine:
             self._notify_fault(fault)
 
     def _notify_fault(self, fault: Fault) -> None:
-        self.faults.notify_all(fault)
-        self.on_fault(fault)
+        self._notify_faults((fault,))
+
+    def _notify_faults(self, faults: tuple[Fault, ...]) -> None:
+        """Notify of faults of one cause together: there are thousands of sessions, and most of them are not concerned."""
+        self.faults.notify_all(faults)
+        for fault in faults:
+            self.on_fault(fault)
 
     def check(self, bus: ComponentBus, directory: Directory, *, own: bool) -> ComparedOffers:
         """Compare what a bus offers with its former offer, and check what is new, as `attach` does.

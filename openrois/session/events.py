@@ -5,10 +5,10 @@ import json
 import logging
 import time
 from collections import deque
-from collections.abc import Callable, Container, Coroutine
+from collections.abc import Callable, Container, Coroutine, Iterator
 from dataclasses import dataclass, field
 from datetime import UTC
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from openrois.aio.bounded_history import BoundedHistory
 from openrois.contract import Event, SubscriptionLost
@@ -59,8 +59,28 @@ class _Notified:
     wall: float
 
 
+class Timer(Protocol):
+    """Something that will be done."""
+
+    def cancel(self) -> None:
+        """Do it no more."""
+        ...
+
+
+def _later(seconds: float, act: Callable[[], None]) -> Timer:
+    return asyncio.get_running_loop().call_later(seconds, act)
+
+
 class EventLog:
-    """The subscriptions of one application, and the events whose details it may read."""
+    """The subscriptions of one application, and the events whose details it may read.
+
+    Args:
+        engine: that is subscribed to.
+        notify: sends a notification.
+        clock: monotonic seconds.
+        wall_clock: epoch seconds.
+        later: does something after some seconds.
+    """
 
     def __init__(
         self,
@@ -68,6 +88,7 @@ class EventLog:
         notify: Callable[..., None],
         clock: Callable[[], float] = time.monotonic,
         wall_clock: Callable[[], float] = time.time,
+        later: Callable[[float, Callable[[], None]], Timer] = _later,
     ) -> None:
         self._engine = engine
         self._notify = notify
@@ -75,6 +96,8 @@ class EventLog:
         self._wall_clock = wall_clock
         self._subscriptions: dict[str, _Subscription] = {}
         self._details: BoundedHistory[_Notified] = BoundedHistory(MAX_DETAILS)
+        self._later = later
+        self._forgetting: Timer | None = None
 
     def count(self) -> int:
         """Return how many subscriptions there are."""
@@ -146,9 +169,9 @@ class EventLog:
             subscription.open, subscription.dropped = False, True
         return self._unsubscribe_all([subscription.bus_id for subscription in dropped if subscription.bus_id])
 
-    def listens_to(self, component_ref: str) -> bool:
-        """Tell whether there is a subscription to an event of the component."""
-        return any(s.open and s.component_ref == component_ref for s in self._subscriptions.values())
+    def sources(self) -> Iterator[str]:
+        """Yield the component of each open subscription."""
+        return (each.component_ref for each in self._subscriptions.values() if each.open)
 
     def details(self, event_id: str, sees: Callable[[str], bool] = lambda _component_ref: True) -> tuple[Result, ...]:
         """Return the results of an event that this application received.
@@ -164,6 +187,16 @@ class EventLog:
         if told is None or self._is_over(told) or not sees(told.event.component_ref):
             raise BadParameter(f"there are no details of an event {event_id[:200]!r}")
         return told.event.results
+
+    def _forget_expired(self) -> None:
+        """Forget the details that have expired, and look again later while others are left."""
+        self._details.drop_oldest(self._is_over)
+        self._forgetting = self._later(DETAIL_LIFETIME, self._forget_expired) if self._details else None
+
+    def close(self) -> None:
+        """Do nothing later any more: there is no application that could ask."""
+        if self._forgetting is not None:
+            self._forgetting.cancel()
 
     def _is_over(self, told: _Notified) -> bool:
         """Tell whether the details have expired: at `expire`, or a while after the notification.
@@ -210,4 +243,6 @@ class EventLog:
     def _send_event(self, subscription: _Subscription, event: Event) -> None:
         told = _Notified(event, self._clock(), self._wall_clock())
         self._details.put(event.event_id, told, event.results)
+        if self._forgetting is None:
+            self._forgetting = self._later(DETAIL_LIFETIME, self._forget_expired)
         self._notify("rois.event.notify_event", event.text.params_for(subscription.as_json), droppable=True)

@@ -8,6 +8,7 @@ import asyncio
 import secrets
 import time
 from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from typing import Any, Final, cast
 
@@ -203,7 +204,7 @@ class ApplicationSession:
         self._left = left
         self.change_notice = ChangeNotice(notify, lambda engine_id: self.engine.tree.has_engine(engine_id))
         self._stop_listening = self.engine.on_change(self._tree_changed)
-        self._stop_watching = host.engine.faults.add(self._handle_fault)
+        self._stop_watching = host.engine.faults.add(self._handle_faults)
 
     def _new_client(self) -> Client:
         return Client(self.client_id, self._handle_extension_notification)
@@ -296,10 +297,12 @@ class ApplicationSession:
         told = EventsDroppedNotification(count=dropped)
         return Peer.notification(told.method, told.model_dump(mode="json"))
 
-    def _handle_fault(self, fault: Fault) -> None:
-        shown = self.engine.scoped_fault(fault) if self._is_concerned_by(fault) else None
-        if shown is not None:
-            self.tell_fault(shown)
+    def _handle_faults(self, faults: tuple[Fault, ...]) -> None:
+        used = self._used_components()
+        for fault in faults:
+            shown = self.engine.scoped_fault(fault) if self._is_concerned_by(fault, used) else None
+            if shown is not None:
+                self.tell_fault(shown)
 
     def tell_fault(self, fault: Fault) -> None:
         """Notify the application of a fault that it may see and that concerns it."""
@@ -308,17 +311,15 @@ class ApplicationSession:
         # Whatever was asked and failed is answered first.
         asyncio.get_running_loop().call_soon(lambda: self._notify("rois.system.notify_error", told, droppable=True))
 
-    def _is_concerned_by(self, fault: Fault) -> bool:
+    def _is_concerned_by(self, fault: Fault, used: AbstractSet[str]) -> bool:
         """Tell whether the application works with the component; the engine's own faults concern every one."""
-        component_ref = fault.component_ref
-        if self.trusted or not component_ref:
+        if self.trusted or not fault.component_ref:
             return self.connected
-        return (
-            component_ref in self.bound
-            or self.events.listens_to(component_ref)
-            or self.commands.has_one_on(component_ref)
-            or component_ref in self.streams.values()
-        )
+        return fault.component_ref in used
+
+    def _used_components(self) -> AbstractSet[str]:
+        """Return the components with which the application works."""
+        return self.bound.union(self.events.sources(), self.commands.components(), self.streams.values())
 
     def _tree_changed(self, change: ViewChange) -> None:
         """Drop what is not in scope any more: it has left the tree, or the principal's scope."""
@@ -388,4 +389,5 @@ class ApplicationSession:
         self._stop_listening()
         self._stop_watching()
         self.change_notice.close()
+        self.events.close()
         self.engine.close()

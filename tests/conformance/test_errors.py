@@ -45,7 +45,11 @@ class Noticed:
 
     def __init__(self, gateway: Gateway) -> None:
         self._faults: asyncio.Queue[Fault] = asyncio.Queue()
-        gateway.engine.faults.add(self._faults.put_nowait)
+        gateway.engine.faults.add(self._note)
+
+    def _note(self, faults: tuple[Fault, ...]) -> None:
+        for fault in faults:
+            self._faults.put_nowait(fault)
 
     async def next(self) -> Fault:
         async with deployment.patience():

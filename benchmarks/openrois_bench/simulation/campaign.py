@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Final
 
-from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois_bench.simulation.applications import Application
 from openrois_bench.simulation.bodies import MOVING, Body
 from openrois_bench.simulation.books import Books
@@ -145,9 +144,9 @@ class Campaign:
         await spread([partial(act, body) for body in bodies], len(bodies) * 1.0)
 
     async def _lose(self, body: Body) -> None:
-        """Lose a body; each session at its gateway is asked whether each of its components concerns it."""
+        """Lose a body; each session at its gateway is asked once whether that concerns it."""
         sessions = sum(each.body.gateway is body.gateway for each in self.world.applications)
-        self.world.counts["fault checks"] += sessions * len(BASIC_COMPONENTS)
+        self.world.counts["fault checks"] += sessions
         await body.be_lost()
 
     def _end_of(self, body: Body) -> Act:

@@ -24,9 +24,6 @@ RESTART_EVERY: Final = 3600.0
 LOST: Final = 0.01
 """Share of restarts in which the connection is lost: the process was killed, or the network failed."""
 
-COMPONENTS: Final = 17
-"""Components of a body."""
-
 
 def at_work(bodies: int, applications: int, gateways: int, seeing_all: float = 0.01) -> Load:
     """Return what bodies and applications do in a second, all of which receive the events of one body.
@@ -56,6 +53,6 @@ def at_work(bodies: int, applications: int, gateways: int, seeing_all: float = 0
             sign=commands * COMMAND_SECONDS * SIGNS_A_SECOND,
             # Each is notified that the body has gone, and that it is back.
             change=2 * restarts * concerned,
-            fault=restarts * LOST * COMPONENTS * applications / gateways,
+            fault=restarts * LOST * applications / gateways,
         ),
     )

@@ -41,8 +41,7 @@ class Work:
         stream: streams, with the signaling of a peer connection, from their beginning to their end.
         sign: signs of life to a body that moves.
         change: notifications of a changed directory to an application.
-        fault: sessions that are asked whether the loss of a component concerns them; of a lost adapter each session at
-            its gateway is, for each component.
+        fault: sessions that are asked whether the loss of an adapter concerns them: each one at its gateway.
         hop: messages that a front gateway passes on to the owner of a body, or back.
     """
 

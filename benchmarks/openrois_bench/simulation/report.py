@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any, Final
 
-from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.gateway.connection_limits import MAX_ADAPTERS, MAX_APPLICATIONS
 from openrois_bench.measuring.figures import MICROSECONDS
 from openrois_bench.measuring.table import table
@@ -48,7 +47,7 @@ def figures(plan: Plan, phases: Sequence[Phase], peak: float) -> dict[str, Any]:
         "loads": {name: _load(named[name], each) for name in _COMPARED if name in named},
         "day_peak": round(peak, 6),
         "descriptors": {"most_applications": connections, "most_adapters": -(-plan.bodies // plan.gateways)},
-        "blocked_by_a_loss_ms": round(each.fault * len(BASIC_COMPONENTS) * plan.applications / plan.gateways * 1000, 1),
+        "blocked_by_a_loss_ms": round(each.fault * plan.applications / plan.gateways * 1000, 1),
     }
 
 

@@ -19,6 +19,19 @@ def test_entries_are_bounded() -> None:
     assert list(kept.newest_first()) == [2, 1]
 
 
+def test_the_oldest_are_dropped_while_they_are_over() -> None:
+    kept: BoundedHistory[int] = BoundedHistory(10, most_text=1120)
+    for number, key in enumerate("abcd"):
+        kept.put(key, number % 3, text(280))
+    kept.drop_oldest(lambda entry: entry < 2)
+    assert (list(kept.newest_first()), len(kept)) == ([0, 2], 2)
+    # Their room is free again.
+    kept.put("e", 1, text(440))
+    assert list(kept.newest_first()) == [1, 0, 2]
+    kept.drop_oldest(lambda _entry: True)
+    assert len(kept) == 0
+
+
 def test_text_is_bounded() -> None:
     kept: BoundedHistory[str] = BoundedHistory(10, most_text=1000)
     for key in "abc":
@@ -46,7 +59,7 @@ def test_whatever_takes_room_counts() -> None:
 
 
 def test_an_entry_that_is_replaced_weighs_once() -> None:
-    kept: BoundedHistory[int] = BoundedHistory(10, most_text=1000)
+    kept: BoundedHistory[int] = BoundedHistory(10, most_text=1120)
     kept.put("b", 0, text(300))
     for number in range(5):
         kept.put("a", number, text(700))

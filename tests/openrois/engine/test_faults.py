@@ -33,12 +33,21 @@ class Clumsy(Component):
         await asyncio.Event().wait()
 
 
+class Patient(Component):
+    """Does nothing."""
+
+
 class Heard:
     """The faults that an engine notified."""
 
     def __init__(self, engine: Engine) -> None:
         self.faults: list[Fault] = []
-        self.leave = engine.faults.add(self.faults.append)
+        self.times = 0
+        self.leave = engine.faults.add(self._note)
+
+    def _note(self, faults: tuple[Fault, ...]) -> None:
+        self.times += 1
+        self.faults += faults
 
     def __call__(self) -> list[tuple[ErrorType, str]]:
         return [(fault.error_type, fault.component_ref) for fault in self.faults]
@@ -146,6 +155,15 @@ class TestEngines:
         fleet.detach(robot)
         clumsy.report(ErrorType.USER_DEFINED_ERROR, "three")
         assert (len(here.faults), len(above.faults)) == (3, 2)
+
+    async def test_those_of_a_lost_connection_come_together(self) -> None:
+        registry = LocalRegistry("robot", [Clumsy(), Patient()])
+        gateway = Engine("gateway")
+        await gateway.attach(registry)
+        heard = Heard(gateway)
+        gateway.detach(registry, lost="the connection ended")
+        assert heard() == [(ErrorType.COMPONENT_NOT_RESPONDING, f"robot/{name}") for name in ("clumsy", "patient")]
+        assert heard.times == 1
 
     async def test_which_bus_can_tell_of_faults(self, robot: Engine, registry: LocalRegistry) -> None:
         assert isinstance(robot, FaultSource)

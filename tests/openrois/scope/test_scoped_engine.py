@@ -119,6 +119,6 @@ async def test_what_only_the_audit_trail_may_know(seen: ScopedEngine) -> None:
 
 async def test_silence_is_blamed_on_the_component(seen: ScopedEngine, engine: Engine) -> None:
     faults: list[str] = []
-    engine.faults.add(lambda fault: faults.append(fault.component_ref))
+    engine.faults.add(lambda together: faults.extend(fault.component_ref for fault in together))
     assert isinstance(seen.blame(LAMP, NotResponding("nothing came")), TimedOut)
     assert faults == [LAMP]

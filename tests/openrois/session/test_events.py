@@ -2,7 +2,9 @@
 
 import asyncio
 import json
+import weakref
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import pytest
 
@@ -50,6 +52,16 @@ class Bus(Engine):
             sink(item)
 
 
+@dataclass
+class Timer:
+    at: float
+    act: Callable[[], None]
+    is_cancelled: bool = False
+
+    def cancel(self) -> None:
+        self.is_cancelled = True
+
+
 class Setting:
     def __init__(self) -> None:
         self.now = 100.0
@@ -57,7 +69,21 @@ class Setting:
         self.bus = Bus()
         self.told: list[tuple[str, str]] = []
         self.expire = ""
-        self.log = EventLog(self.bus, self._notify, lambda: self.now, lambda: self.wall)
+        self.timers: list[Timer] = []
+        self.log = EventLog(self.bus, self._notify, lambda: self.now, lambda: self.wall, self._later)
+
+    def _later(self, seconds: float, act: Callable[[], None]) -> "Timer":
+        self.timers.append(Timer(self.now + seconds, act))
+        return self.timers[-1]
+
+    def pass_time(self, seconds: float) -> None:
+        """Let time pass, and do once what is due by then."""
+        self.now += seconds
+        self.wall += seconds
+        due = [timer for timer in self.timers if timer.at <= self.now]
+        self.timers = [timer for timer in self.timers if timer not in due]
+        for timer in due:
+            timer.act()
 
     def _notify(self, method: str, text: str, *, droppable: bool) -> None:
         params = json.loads(text)
@@ -118,6 +144,35 @@ async def test_details_expire_when_the_event_says(setting: Setting, expire: str)
     setting.now += 1
     with pytest.raises(BadParameter):
         setting.log.details("a")
+
+
+async def test_what_has_expired_takes_no_memory(setting: Setting) -> None:
+    _, reply_left = await setting.subscribe()
+    reply_left()
+    short, long = event("short"), event("long", "1970-01-01T00:01:30+00:00")
+    kept = [weakref.ref(short), weakref.ref(long)]
+    for each in (short, long):
+        setting.bus.emit(each)
+    assert len(setting.timers) == 1
+    del short, long, each
+    setting.pass_time(DETAIL_LIFETIME)
+    assert [each() is None for each in kept] == [True, False]
+    assert setting.log.details("long") == event("long").results
+    setting.pass_time(DETAIL_LIFETIME)
+    assert [each() is None for each in kept] == [True, True]
+    # With nothing left nothing wakes the gateway until another event comes.
+    assert setting.timers == []
+    setting.bus.emit(event("another"))
+    assert len(setting.timers) == 1
+
+
+async def test_an_application_that_has_gone_leaves_no_timer(setting: Setting) -> None:
+    setting.log.close()
+    _, reply_left = await setting.subscribe()
+    reply_left()
+    setting.bus.emit(event("a"))
+    setting.log.close()
+    assert [timer.is_cancelled for timer in setting.timers] == [True]
 
 
 async def test_details_are_bounded(setting: Setting) -> None:
