@@ -2,20 +2,30 @@
 
 import asyncio
 import random
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tests.support.gateway_processes import PATIENCE, GatewayProcess, GatewayProcesses, gateway_processes
+from tests.support.gateway_processes import (
+    OPENROIS,
+    PATIENCE,
+    GatewayProcess,
+    GatewayProcesses,
+    Own,
+    gateway_processes,
+)
 from tests.support.histories import LATE, History, judge
 from tests.support.nats import NatsServer, nats_server
 from tests.support.postgres import Server
 from tests.support.proxies import Proxy, proxy
 from tests.support.recorded import Operator, RecordedAdapter, operator
+from tests.support.ways import Way, WayTo
 
 __all__ = ["Site", "cluster_site"]
+
+_SAME: Mapping[str, Sequence[str]] = {}
 
 IDLE = 60.0
 """Seconds after which haproxy cuts what is idle: longer than any of these faults."""
@@ -33,6 +43,7 @@ class Site:
         chance: of this seed.
         adapters: by their engine ids.
         operators: applications, by name.
+        ways: from gateways to `nats` and `store`, where these are not straight, by gateway and that name.
         history: what adapters and applications saw.
     """
 
@@ -44,11 +55,13 @@ class Site:
     stack: AsyncExitStack
     adapters: dict[str, RecordedAdapter] = field(default_factory=dict)
     operators: dict[str, Operator] = field(default_factory=dict)
+    ways: dict[tuple[str, str], Way] = field(default_factory=dict)
     history: History = field(default_factory=History)
 
-    async def adapter(self, engine_id: str = "robot", *gateways: GatewayProcess) -> RecordedAdapter:
-        """Let an adapter dial these gateways, or all, and wait until one has attached it."""
-        urls = [each.adapter_url for each in gateways or self.cluster.gateways.values()]
+    async def adapter(self, engine_id: str = "robot", *gateways: GatewayProcess | str) -> RecordedAdapter:
+        """Let an adapter dial these gateways or addresses, or all, and wait until one has attached it."""
+        dialled = gateways or self.cluster.gateways.values()
+        urls = [each if isinstance(each, str) else each.adapter_url for each in dialled]
         made = self.adapters[engine_id] = RecordedAdapter(self.history, engine_id)
         await self.stack.enter_async_context(made.serving(urls))
         async with asyncio.timeout(PATIENCE):
@@ -56,13 +69,14 @@ class Site:
         return made
 
     async def operator(
-        self, name: str, engine_id: str = "robot", at: GatewayProcess | None = None, *, begins: bool = True
+        self, name: str, engine_id: str = "robot", at: GatewayProcess | str | None = None, *, begins: bool = True
     ) -> Operator:
-        """Let an application operate the arm of an engine through haproxy, or at one gateway.
+        """Let an application operate the arm of an engine through haproxy, or at one gateway or address.
 
         One that is not to begin anything only connects.
         """
-        url = (self.front.url if at is None else at.url).replace("http", "ws", 1)
+        place = self.front.url if at is None else at if isinstance(at, str) else at.url
+        url = place.replace("http", "ws", 1)
         made = operator(self.history, url, name, f"{engine_id}/arm", begins=begins)
         app = self.operators[name] = await self.stack.enter_async_context(made)
         return app
@@ -74,6 +88,16 @@ class Site:
             app = await self.operator(f"app{number}", f"robot{number}")
             app.seconds = self.chance.choice((0.0, 0.02, 0.2))
         await self.all_move()
+
+    async def pair(self) -> tuple[Operator, Operator]:
+        """Let an application operate an engine at its own gateway `a`, and one at `b` another engine at `a`."""
+        gateways = self.cluster.gateways
+        for engine_id in ("near", "far"):
+            await self.adapter(engine_id, gateways["a"])
+        inside = await self.operator("inside", "near", gateways["a"])
+        across = await self.operator("across", "far", gateways["b"])
+        await self.all_move()
+        return inside, across
 
     async def all_move(self, more: int = 3) -> float:
         """Wait until every application has moved its arm some times; return since when all of them could."""
@@ -97,6 +121,8 @@ async def cluster_site(
     balance: str = "roundrobin",
     may_forget: bool = False,
     late: float = LATE,
+    way: WayTo | None = None,
+    programs: Mapping[str, Sequence[str]] = _SAME,
     **options: Any,
 ) -> AsyncIterator[Site]:
     """Run three gateways for one seed of a fault; in the end the history is judged.
@@ -108,15 +134,23 @@ async def cluster_site(
         balance: of haproxy.
         may_forget: ends of commands may be unknown for ever.
         late: seconds after the end of a command was told in which it may still begin.
+        way: makes the way of each gateway to NATS, and to PostgreSQL; None for straight ones.
+        programs: run some of the gateways, by id.
         options: of the gateways.
     """
     async with AsyncExitStack() as stack:
         nats = stack.enter_context(nats_server(folder))
-        cluster = await stack.enter_async_context(gateway_processes(nats, postgres, folder, **options))
+        ways: dict[tuple[str, str], Way] = {}
+        if way is not None:
+            for gateway_id in "abc":
+                for name, target in (("nats", f"127.0.0.1:{nats.port}"), ("store", postgres.socket)):
+                    ways[gateway_id, name] = await stack.enter_async_context(way(target))
+        own = {each: _own(each, ways, postgres, programs.get(each, OPENROIS)) for each in "abc"}
+        cluster = await stack.enter_async_context(gateway_processes(nats, postgres, folder, own=own, **options))
         urls = [each.url for each in cluster.gateways.values()]
         front = await stack.enter_async_context(proxy(*urls, folder=folder, idle=IDLE, balance=balance))
         around = await stack.enter_async_context(AsyncExitStack())
-        here = Site(cluster, nats, postgres, front, random.Random(seed), around)
+        here = Site(cluster, nats, postgres, front, random.Random(seed), around, ways=ways)
         try:
             yield here
         except BaseException as error:
@@ -125,3 +159,11 @@ async def cluster_site(
         await around.aclose()
         wrong = judge(here.history, may_forget=may_forget, late=late)
         assert not wrong, "\n".join((f"seed {seed}", *wrong, here.said(), *here.history.told()))
+
+
+def _own(gateway_id: str, ways: Mapping[tuple[str, str], Way], postgres: Server, program: Sequence[str]) -> Own:
+    """Return what one gateway has otherwise than the others."""
+    if not ways:
+        return Own(program=tuple(program))
+    nats, store = (ways[gateway_id, name].address for name in ("nats", "store"))
+    return Own(f"nats://{nats}", f"postgresql://openrois@{store}/postgres?sslmode=disable", tuple(program))

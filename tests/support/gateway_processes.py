@@ -4,9 +4,11 @@ import asyncio
 import os
 import signal
 import sys
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping
 from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final
 
 from aiohttp import ClientError, ClientSession, ClientTimeout
@@ -16,12 +18,33 @@ from tests.support.nats import NatsServer, cluster_name, freeze
 from tests.support.packages import ROOT
 from tests.support.postgres import Server
 
-__all__ = ["GatewayProcess", "GatewayProcesses", "gateway_processes", "until"]
+__all__ = ["OPENROIS", "GatewayProcess", "GatewayProcesses", "Own", "gateway_processes", "until"]
 
 PATIENCE: Final = 60.0
 """Seconds that anything may take on a busy machine."""
 
+OPENROIS: Final = (sys.executable, "-m", "openrois.cli")
+"""The program of a gateway."""
+
 _LOOK: Final = 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class Own:
+    """What one gateway has otherwise than the others.
+
+    Attributes:
+        nats: the address of its way to NATS; empty for the straight one.
+        store: the URL of its way to PostgreSQL; empty for the straight one.
+        program: runs it; another version, or with another clock.
+    """
+
+    nats: str = ""
+    store: str = ""
+    program: tuple[str, ...] = OPENROIS
+
+
+_NOTHING: Final[Mapping[str, Own]] = MappingProxyType({})
 
 
 async def until(holds: Callable[[], Awaitable[bool]], what: str, within: float = PATIENCE) -> float:
@@ -44,13 +67,15 @@ class GatewayProcess:
         gateway_id: of it.
         url: where applications and adapters find it.
         log: what all its processes wrote.
+        program: runs it from the next start on.
     """
 
-    def __init__(self, gateway_id: str, folder: Path, options: Iterable[str]) -> None:
+    def __init__(self, gateway_id: str, folder: Path, options: Iterable[str], program: Iterable[str]) -> None:
         port = free_port()
         self.gateway_id = gateway_id
         self.url = f"http://127.0.0.1:{port}/"
         self.log = folder / f"gateway-{gateway_id}.log"
+        self.program = tuple(program)
         self._words = ("gateway", "--port", str(port), "--gateway-id", gateway_id, *options)
         self._process: asyncio.subprocess.Process | None = None
 
@@ -58,7 +83,7 @@ class GatewayProcess:
         """Start it; it is not ready yet."""
         with self.log.open("ab") as log:
             self._process = await asyncio.create_subprocess_exec(
-                sys.executable, "-m", "openrois.cli", *self._words, cwd=ROOT, stdout=log, stderr=log, env=os.environ
+                *self.program, *self._words, cwd=ROOT, stdout=log, stderr=log, env=os.environ
             )
 
     async def ready(self) -> float:
@@ -135,12 +160,23 @@ class GatewayProcesses:
         gateways: they, by id.
     """
 
-    def __init__(self, nats: NatsServer, postgres: Server, folder: Path, ids: str, options: Iterable[str] = ()) -> None:
+    def __init__(
+        self,
+        nats: NatsServer,
+        postgres: Server,
+        folder: Path,
+        ids: str,
+        options: Iterable[str] = (),
+        own: Mapping[str, Own] = _NOTHING,
+    ) -> None:
         self.nats = nats
         self.postgres = postgres
-        joined = ("--cluster", nats.url, "--cluster-name", cluster_name())
-        shared = (*joined, "--store", postgres.url, "--store-password", str(postgres.password_file))
-        self.gateways = {each: GatewayProcess(each, folder, (*shared, *options)) for each in ids}
+        self.gateways = {}
+        shared = ("--cluster-name", cluster_name(), "--store-password", str(postgres.password_file), *options)
+        for each in ids:
+            has = own.get(each, Own())
+            found = ("--cluster", has.nats or nats.url, "--store", has.store or postgres.url)
+            self.gateways[each] = GatewayProcess(each, folder, (*found, *shared), has.program)
 
     def __getitem__(self, gateway_id: str) -> GatewayProcess:
         return self.gateways[gateway_id]
@@ -175,12 +211,18 @@ class GatewayProcesses:
 
 @asynccontextmanager
 async def gateway_processes(
-    nats: NatsServer, postgres: Server, folder: Path, ids: str = "abc", *, options: Iterable[str] = ()
+    nats: NatsServer,
+    postgres: Server,
+    folder: Path,
+    ids: str = "abc",
+    *,
+    options: Iterable[str] = (),
+    own: Mapping[str, Own] = _NOTHING,
 ) -> AsyncIterator[GatewayProcesses]:
     """Run gateways with an empty store while the block runs; what they wrote is added to a failure."""
     async with postgres.admin() as admin:
         await admin.execute("DROP SCHEMA IF EXISTS openrois CASCADE")
-    running = GatewayProcesses(nats, postgres, folder, ids, options)
+    running = GatewayProcesses(nats, postgres, folder, ids, options, own)
     try:
         for each in running.gateways.values():
             await each.start()

@@ -42,6 +42,7 @@ class Server:
 
     Attributes:
         url: of its database.
+        socket: its path.
         password_file: holds the password.
         settings: a server that starts has these.
     """
@@ -52,6 +53,7 @@ class Server:
         self._process: subprocess.Popen[Any] | None = None
         self.settings = {**_SETTINGS, "unix_socket_directories": str(folder)}
         self.url = f"postgresql://openrois@/postgres?host={folder}"
+        self.socket = f"{folder}/.s.PGSQL.5432"
         self.password_file = folder / "password"
         self.data = folder / "data"
 
