@@ -8,39 +8,40 @@ from pathlib import Path
 import pytest
 
 from openrois.client import ConnectionLost
-from tests.support.cluster_site import Site, cluster_site
+from tests.support.cluster_site import cluster_site
 from tests.support.postgres import Server
-from tests.support.seeds import lasting
+from tests.support.seeds import SOME, lasting
 
 pytestmark = [pytest.mark.usefixtures("haproxy", "nats"), pytest.mark.timeout(300)]
 
+OUTAGES = [
+    *(pytest.param(seed, 3.0, marks=pytest.mark.long) for seed in SOME),
+    pytest.param(0, 30.0, marks=pytest.mark.long),
+]
+"""Seeds, and the seconds that it is away at most: for each of them a few, and once half a minute."""
 
-async def pair(here: Site) -> None:
-    """Let an application operate an engine at its own gateway, and another one an engine elsewhere."""
-    gateways = here.cluster.gateways
-    await here.adapter("near", gateways["a"])
-    await here.adapter("far", gateways["a"])
-    await here.operator("inside", "near", gateways["a"])
-    await here.operator("across", "far", gateways["b"])
-    await here.all_move()
+AT_ONCE = 1.0
+"""Seconds in which what cannot be done is refused."""
 
 
-@pytest.mark.parametrize("seed", lasting())
+@pytest.mark.parametrize(("seed", "lasts"), OUTAGES)
 @pytest.mark.parametrize("is_killed", [True, False], ids=["killed", "stopped"])
-async def test_f47_nats_is_away(seed: int, is_killed: bool, postgres_server: Server, tmp_path: Path) -> None:
+async def test_f47_nats_is_away(
+    seed: int, lasts: float, is_killed: bool, postgres_server: Server, tmp_path: Path
+) -> None:
     async with cluster_site(seed, postgres_server, tmp_path) as here:
-        await pair(here)
-        inside, across = here.operators["inside"], here.operators["across"]
+        inside, across = await here.pair()
         await here.turns(0.3)
         (here.nats.kill if is_killed else here.nats.freeze)()
         for each in here.cluster.gateways.values():
             await each.lacks("NATS, which joins the gateways")
         across.refusals.clear()
         await inside.moves(20)
-        await asyncio.sleep(3 * here.chance.random())
+        await asyncio.sleep(lasts - 3 * here.chance.random())
         _, error = across.refusals[-1]
         longest = max(seconds for seconds, _ in across.refusals)
         print(f"seed {seed}: {len(across.refusals)} refusals, each in at most {longest:.3f} s: {error}")
+        assert longest < AT_ONCE
         assert not isinstance(error, ConnectionLost | TimeoutError)
         assert "NATS" in str(error)
         done = across.done
@@ -54,11 +55,13 @@ async def test_f47_nats_is_away(seed: int, is_killed: bool, postgres_server: Ser
         print(f"seed {seed}: operated {operable - back:.2f} s after NATS was back")
 
 
-@pytest.mark.parametrize("seed", lasting())
+@pytest.mark.parametrize(("seed", "lasts"), OUTAGES)
 @pytest.mark.parametrize("is_killed", [True, False], ids=["killed", "stopped"])
-async def test_f48_postgresql_is_away(seed: int, is_killed: bool, postgres_server: Server, tmp_path: Path) -> None:
+async def test_f48_postgresql_is_away(
+    seed: int, lasts: float, is_killed: bool, postgres_server: Server, tmp_path: Path
+) -> None:
     async with cluster_site(seed, postgres_server, tmp_path) as here:
-        await pair(here)
+        await here.pair()
         gateways = here.cluster.gateways
         await here.turns(0.3)
         (postgres_server.kill if is_killed else postgres_server.stop)()
@@ -67,7 +70,7 @@ async def test_f48_postgresql_is_away(seed: int, is_killed: bool, postgres_serve
                 await each.lacks("the store that the gateways share")
             late = asyncio.ensure_future(here.adapter("late", gateways["c"]))
             await here.all_move(20)
-            await asyncio.sleep(3 * here.chance.random())
+            await asyncio.sleep(lasts - 3 * here.chance.random())
             await here.all_move(20)
             assert not late.done()
         finally:
