@@ -116,8 +116,8 @@ async def _pass(
                 each.transport.abort()
             return
         if sink.transport.is_closing():
-            # What is sent to an end that was cut is lost; its own reader ends the pair.
-            continue
+            # It was cut, and its own reader ends the pair.
+            return
         # uvloop raises a RuntimeError where the transport has closed.
         with suppress(OSError, RuntimeError):
             if not data:
@@ -157,7 +157,8 @@ class _Cable:
         self._network = network
 
     def block(self, *, there: bool = True, back: bool = True) -> None:
-        assert there and back, "a cable is pulled in both directions"
+        assert there, "a cable is pulled in both directions"
+        assert back, "a cable is pulled in both directions"
         self._network.configure("link", "set", self._network.cable, "down")
 
     def open(self) -> None:
