@@ -38,7 +38,7 @@ WEB_DEMO = Path(__file__).parents[1] / "web_demo"
 # and less of it.
 settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True)
 settings.register_profile(
-    "repeatable", settings.get_profile("patient"), derandomize=True, database=None, max_examples=40
+    "repeatable", settings.get_profile("patient"), derandomize=True, database=None, max_examples=20
 )
 settings.load_profile("repeatable" if os.environ.get("OPENROIS_REQUIRE_ALL") == "1" else "patient")
 

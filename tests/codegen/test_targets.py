@@ -15,6 +15,7 @@ def test_what_is_committed_is_what_is_generated() -> None:
     assert main(["--check"]) == 0
 
 
+@pytest.mark.long
 def test_it_writes_missing_or_old_files_and_removes_unwanted_ones(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -96,6 +96,7 @@ class TestVeryMany:
             units = [unit(command_id, "open", DOOR) for command_id in self.IDS[first : first + MAX_RUNNING // 2]]
             assert await execute(app, {"command_list": units}) == "OK"
 
+    @pytest.mark.long
     async def test_their_adapter_stays_however_many_start_at_once(self, robot: Robot, stack: AsyncExitStack) -> None:
         # How long a busy machine takes for so many is not what it is about.
         gateway = await stack.enter_async_context(deployment.gateway(adapter_timeout=60))

@@ -55,6 +55,7 @@ def unwanted(files: Iterable[tuple[str, bytes]]) -> list[tuple[str, str]]:
     return found
 
 
+@pytest.mark.long
 def test_a_wheel_without_the_page_is_built_with_a_warning(without_page: Built) -> None:
     assert "This wheel has no web page: run `make page` first to include it." in without_page.said
     assert missing_page(without_page.wheel) == f"{without_page.wheel.name} has no web page: run `make page` first"

@@ -79,6 +79,7 @@ def loads(page: str) -> list[str]:
     return parser.addresses
 
 
+@pytest.mark.long
 def test_no_page_loads_anything_from_another_host(site: Path) -> None:
     for page in site.rglob("*.html"):
         text = page.read_text(encoding="utf-8")
@@ -86,6 +87,7 @@ def test_no_page_loads_anything_from_another_host(site: Path) -> None:
         assert 'class="mermaid"' not in text, "the theme would load the library that draws it"
 
 
+@pytest.mark.long
 def test_no_style_loads_anything_from_another_host(site: Path) -> None:
     for style in site.rglob("*.css"):
         assert re.findall(r"(?:url\(|@import )[\"']?(?:https?:)?//[^)\s]*", style.read_text(encoding="utf-8")) == []
@@ -97,6 +99,7 @@ def test_an_address_elsewhere_is_found() -> None:
     assert [is_elsewhere(address) for address in loads(page)] == [True, True, False]
 
 
+@pytest.mark.long
 def test_signatures_of_all_components_are_there(site: Path) -> None:
     from openrois.client import components
 

@@ -39,7 +39,7 @@ def faces(seen: list[Sighting]) -> list[int]:
     ("sitter", "scene", "gesture"),
     [
         (COLLINS, nodding, "nod"),
-        (HOPPER, nodding, "nod"),
+        pytest.param(HOPPER, nodding, "nod", marks=pytest.mark.long),
         (COLLINS, shaking, "shake_head"),
         (HOPPER, tilting, "tilt"),
     ],
@@ -141,7 +141,7 @@ class TestIdentification:
         seen = [analysis.analyse_view(View(each)) for each in video(lambda _t: [HOPPER], 1.0, width=400, height=224)]
         assert faces(seen)[-1] == 1
 
-    @pytest.mark.parametrize(("light", "noise"), [(0.6, 6.0), (1.25, 0.0)])
+    @pytest.mark.parametrize(("light", "noise"), [(0.6, 6.0), pytest.param(1.25, 0.0, marks=pytest.mark.long)])
     def test_the_limit_lies_between_the_same_and_another_face(self, light: float, noise: float) -> None:
         recognizer = PatternRecognizer()
 

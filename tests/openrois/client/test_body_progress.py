@@ -222,11 +222,11 @@ async def world(serve: Serve, seed: int) -> AsyncIterator[World]:
         yield there
 
 
-async def twenty_applications(serve: Serve, seed: int) -> None:
+async def twenty_applications(serve: Serve, seed: int, seconds: float) -> None:
     async with world(serve, seed) as there:
         settled = 0
         for _ in range(2):
-            await there.trouble(20)
+            await there.trouble(seconds)
             settled += await there.settle()
         assert settled > 0
         for each in there.applications:
@@ -236,9 +236,10 @@ async def twenty_applications(serve: Serve, seed: int) -> None:
         await there.settle()
 
 
+@pytest.mark.parametrize("seconds", [5.0, pytest.param(20.0, marks=pytest.mark.long)])
 @pytest.mark.parametrize("seed", SOME)
-def test_no_body_is_half_held_and_all_get_on(seed: int) -> None:
+def test_no_body_is_half_held_and_all_get_on(seed: int, seconds: float) -> None:
     # With leases that survive a lost connection, and at a gateway of the base wire alone.
     serve = (serve_application, serve_plain)[seed % 2]
     with asyncio.Runner(loop_factory=JumpingLoop) as runner:
-        runner.run(twenty_applications(serve, seed))
+        runner.run(twenty_applications(serve, seed, seconds))

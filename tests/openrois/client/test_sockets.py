@@ -250,6 +250,7 @@ async def gateway_process(port: int) -> AsyncIterator[asyncio.subprocess.Process
         await process.communicate()
 
 
+@pytest.mark.long
 async def test_a_gateway_that_is_killed_and_started_again() -> None:
     port = free_port()
     async with AsyncExitStack() as stack:

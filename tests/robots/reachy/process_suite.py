@@ -58,7 +58,8 @@ class ProcessSuite:
         print(f"SIGKILL: the robot stands {1000 * stood:.0f} ms later, its shortest reaction takes 760 ms")
         assert watcher.posture.yaw < 0.5
 
-    @pytest.mark.parametrize("ends_by", [pytest.param("releasing it", marks=pytest.mark.long), "leaving"])
+    @pytest.mark.long
+    @pytest.mark.parametrize("ends_by", ["releasing it", "leaving"])
     async def test_an_application_that_lets_go_leaves_a_robot_that_stands(
         self, daemon: DaemonPlace, ends_by: str
     ) -> None:

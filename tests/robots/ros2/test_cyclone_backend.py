@@ -114,6 +114,7 @@ def entries(name: str) -> int:
     return len(list(Path("/proc/self", name).iterdir()))
 
 
+@pytest.mark.long
 async def test_nothing_is_left_of_nodes_that_come_and_go() -> None:
     domain = free_domain()
 

@@ -174,8 +174,8 @@ async def test_it_follows_a_person_until_it_is_stopped() -> None:
             await until(lambda: home.speed == 0, "the robot did not stand")
 
 
-@pytest.mark.parametrize("what", ["navigation", "move"])
-@pytest.mark.parametrize("how", ["stop", "emergency stop", "application gone"])
+@pytest.mark.parametrize("what", ["navigation", pytest.param("move", marks=pytest.mark.long)])
+@pytest.mark.parametrize("how", ["stop", pytest.param("emergency stop", marks=pytest.mark.long), "application gone"])
 async def test_every_way_to_stop_stops_it(what: str, how: str, capsys: pytest.CaptureFixture[str]) -> None:
     async with house() as home, simulated(home), Client(home.url) as other:
         await home.ready()
@@ -199,7 +199,7 @@ async def test_every_way_to_stop_stops_it(what: str, how: str, capsys: pytest.Ca
         await asyncio.gather(going, return_exceptions=True)
 
 
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
+@pytest.mark.parametrize("how", [signal.SIGKILL, pytest.param(signal.SIGSTOP, marks=pytest.mark.long)])
 async def test_a_robot_that_is_gone_or_hangs_ends_its_commands_and_comes_back(how: signal.Signals) -> None:
     async with house() as home, Client(home.url) as client:
         async with simulated(home) as robot:

@@ -48,6 +48,7 @@ def test_what_differs_is_named(sculpted: dict[str, list[Piece]]) -> None:
     assert differences(pieces, [furniture]) == ["the pieces, their motions or the shapes of their arrays differ"]
 
 
+@pytest.mark.long
 def test_the_command_writes_what_is_missing_or_old(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--check"], tmp_path) == 1
     assert "avatar.npz is out of date" in capsys.readouterr().err

@@ -1,5 +1,6 @@
 """The way to a goal: whatever the goals are, no target is far from the last one, and a goal that stays is reached."""
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from openrois_robots.reachy.postures.follower import Follower
@@ -30,6 +31,7 @@ def test_no_target_is_far_from_the_last_one_whatever_the_goals_do(
 
 @given(LIMITS, GOALS, st.integers(0, 50), GOALS)
 @settings(max_examples=40, deadline=None)
+@pytest.mark.long
 def test_a_goal_that_stays_is_reached_and_the_robot_stands_there(
     limits: MotionLimits, first: Posture, steps: int, last: Posture
 ) -> None:
