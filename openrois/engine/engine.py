@@ -149,7 +149,7 @@ class Engine:
         self._notify_faults((fault,))
 
     def _notify_faults(self, faults: tuple[Fault, ...]) -> None:
-        """Notify of faults of one cause together: there are thousands of sessions, and most of them are not concerned."""
+        """Notify of faults of one cause together: most of the thousands of sessions are not concerned."""
         self.faults.notify_all(faults)
         for fault in faults:
             self.on_fault(fault)

@@ -34,6 +34,7 @@ from openrois.interfaces.enforcement import enforced
 from openrois.interfaces.lease import held_leases, tell_missed
 from openrois.interfaces.operation import operation, reply_first
 from openrois.interfaces.overload_rules import queue_rules
+from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
 from openrois.jsonrpc.session import Handler, InvalidParams, Reply, RpcSession
 from openrois.observability.correlation import connection
 from openrois.observability.logs import Tally
@@ -97,10 +98,10 @@ async def serve_application(
         federation: the other gateways, whose engines the application has too; None for those of this one alone.
     """
     served = _Served(host, stream, expiry or TokenExpiry(LOCAL), federation)
-    methods = served.methods
+    more: Mapping[str, Handler] = _NO_METHODS
     if renewal is not None:
-        refused = served.notes.note_token
-        methods |= renewal.method(served.expiry, lambda principal: principal.is_application, refused)
+        more = renewal.method(served.expiry, lambda principal: principal.is_application, served.notes.note_token)
+    methods = ChainMap(dict(more), cast(Any, served.methods))
     return await served.run(methods, sign_ins or SignIns(host.audit), "application")
 
 
@@ -197,8 +198,9 @@ class _Served:
         self.notes = RefusalNotes(app)
         session.on_refusal = self.notes.note
         session.outbox.gap = app.gap
-        methods = {**base_methods(app), **directory_methods(app), **stream_methods(app), **lease_methods(app)}
-        methods |= self._signaling.methods()
+        methods: Mapping[str, Handler] = base_methods(app).before(
+            directory_methods(app), stream_methods(app), lease_methods(app), BoundMethods((_SIGNALING, self._signaling))
+        )
         self._router = None
         if federation is not None:
             self._router = Router(federation, app, methods, session.notify, expiry.address)
@@ -315,25 +317,19 @@ class _Signaling:
                 if self._host.engine.tree.has_engine(engine_of(peer_id)):
                     self._end_peer(peer_id, "the application may not have it any more")
 
-    def methods(self) -> dict[str, Handler]:
-        """Return the `signaling.*` methods; an application that calls one gets the extensions' notifications."""
-        table = signaling_methods(self._relay, self.app.client_id, self._ice_servers)
-
-        def answering(name: str) -> Handler:
-            async def answer(params: dict[str, Any]) -> Reply:
-                self.app.extended = True
-                try:
-                    return Reply(await table[name](params))
-                except InvalidSignaling as error:
-                    raise InvalidParams(error.errors) from None
-                except Refused as refusal:
-                    if name == Answer.method and isinstance(refusal, TooLong) and params.get("peer_id") in self._peers:
-                        self._end_peer(params["peer_id"], f"the answer cannot be passed on: {refusal}")
-                    return Reply({"return_code": refusal.return_code}, reason=str(refusal))
-
-            return answer
-
-        return {name: reply_first(self.app, answering(name)) for name in table}
+    async def answer_request(self, name: str, params: dict[str, Any]) -> Reply:
+        """Answer a method of `signaling.*`; an application that calls one gets the extensions' notifications."""
+        self.app.extended = True
+        # Made for each message: kept, it would take as much memory as it has methods in every session.
+        methods = signaling_methods(self._relay, self.app.client_id, self._ice_servers)
+        try:
+            return Reply(await methods[name](params))
+        except InvalidSignaling as error:
+            raise InvalidParams(error.errors) from None
+        except Refused as refusal:
+            if name == Answer.method and isinstance(refusal, TooLong) and params.get("peer_id") in self._peers:
+                self._end_peer(params["peer_id"], f"the answer cannot be passed on: {refusal}")
+            return Reply({"return_code": refusal.return_code}, reason=str(refusal))
 
     def _ice_servers(self) -> IceServers:
         servers = self._host.ice_servers(self.app.client_id)
@@ -351,3 +347,15 @@ class _Signaling:
         code = result.get("return_code", "ERROR")
         if code != "OK":
             raise Refused(str(code), "")
+
+
+def _signaling(name: str) -> SharedMethod:
+    async def answer(signaling: _Signaling, params: dict[str, Any]) -> Reply:
+        return await signaling.answer_request(name, params)
+
+    return reply_first(answer)
+
+
+_SIGNALING: Final = {
+    name: _signaling(name) for name in (Answer.method, Candidate.method, Restart.method, "signaling.ice_servers")
+}

@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
@@ -13,10 +13,11 @@ from openrois.commands.sequence import commands_of, run_sequence, size_of
 from openrois.component.authoring.parameters import check_arguments
 from openrois.errors import Aborted, BadParameter, OutOfResources, RoISError, TimedOut, Unsupported
 from openrois.interfaces import stream
-from openrois.interfaces.operation import operation
+from openrois.interfaces.operation import shared_operation
 from openrois.interfaces.overload_rules import is_stop
 from openrois.interfaces.selection import found_by
-from openrois.jsonrpc.session import Handler, Reply
+from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
+from openrois.jsonrpc.session import Reply
 from openrois.session.session import ApplicationSession
 from openrois.types.codes import CompletedStatus, ComponentFunction
 from openrois.types.messages import (
@@ -49,21 +50,6 @@ MAX_BOUND: Final = 256
 _LOOKS_ELSEWHERE: Final = 20
 _LOOK_AGAIN: Final = 0.25
 """Seconds between two looks whether a command that runs at another gateway has ended."""
-
-
-def methods(app: ApplicationSession) -> dict[str, Handler]:
-    """Return the interface's method table."""
-    commands = _Commands(app)
-    return {
-        "rois.command.search": operation(ConditionParams, SearchResult, commands.search),
-        "rois.command.bind": operation(ComponentParams, ReturnResult, commands.bind),
-        "rois.command.bind_any": operation(ConditionParams, ReferenceResult, commands.bind_any),
-        "rois.command.release": operation(ComponentParams, ReturnResult, commands.release),
-        "rois.command.get_parameter": operation(ComponentParams, ParametersResult, commands.get_parameter),
-        "rois.command.set_parameter": operation(SetParameterParams, SetParameterResult, commands.set_parameter),
-        "rois.command.execute": operation(ExecuteParams, ReturnResult, commands.execute),
-        "rois.command.get_command_result": operation(CommandResultParams, ResultsResult, commands.get_command_result),
-    }
 
 
 @dataclass(slots=True)
@@ -287,6 +273,25 @@ class _Commands:
             if former is not None:
                 return former
         return ResultsResult(results=self._app.commands.results(params.command_id, self._app.engine.sees))
+
+
+_METHODS: Final[Mapping[str, SharedMethod]] = {
+    "rois.command.search": shared_operation(ConditionParams, SearchResult, _Commands.search),
+    "rois.command.bind": shared_operation(ComponentParams, ReturnResult, _Commands.bind),
+    "rois.command.bind_any": shared_operation(ConditionParams, ReferenceResult, _Commands.bind_any),
+    "rois.command.release": shared_operation(ComponentParams, ReturnResult, _Commands.release),
+    "rois.command.get_parameter": shared_operation(ComponentParams, ParametersResult, _Commands.get_parameter),
+    "rois.command.set_parameter": shared_operation(SetParameterParams, SetParameterResult, _Commands.set_parameter),
+    "rois.command.execute": shared_operation(ExecuteParams, ReturnResult, _Commands.execute),
+    "rois.command.get_command_result": shared_operation(
+        CommandResultParams, ResultsResult, _Commands.get_command_result
+    ),
+}
+
+
+def methods(app: ApplicationSession) -> BoundMethods:
+    """Return the interface's methods."""
+    return BoundMethods((_METHODS, _Commands(app)))
 
 
 def _require_still(app: ApplicationSession, unit: CommandUnit) -> None:

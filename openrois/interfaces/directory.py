@@ -1,12 +1,12 @@
 """`openrois.directory.*`: which engines there are, in pages, and the profiles of those that an application shows."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Final, Protocol
 
 from openrois.engine.entries import engine_entry
 from openrois.engine.profile_versions import profile_version
-from openrois.interfaces.operation import operation
-from openrois.jsonrpc.session import Handler
+from openrois.interfaces.operation import shared_operation
+from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
 from openrois.scope.scoped_tree import ScopedTree
 from openrois.session.change_notice import ChangeNotice
 from openrois.types.directory import (
@@ -45,18 +45,6 @@ class DirectoryReader(Protocol):
     def has_streams(self, engine_id: str) -> bool:
         """Tell whether it sees an engine that has the streaming methods."""
         ...
-
-
-def methods(reader: DirectoryReader) -> dict[str, Handler]:
-    """Return the extension's method table."""
-    directory = _Directory(reader)
-    return {
-        "openrois.directory.list": operation(DirectoryListParams, DirectoryListResult, directory.list_engines),
-        "openrois.directory.read": operation(DirectoryReadParams, DirectoryReadResult, directory.read),
-        "openrois.directory.profiles": operation(
-            DirectoryProfilesParams, DirectoryProfilesResult, directory.read_profiles
-        ),
-    }
 
 
 class _Directory:
@@ -116,3 +104,17 @@ class _Directory:
             profiles[version.code] = profile
             size += version.size
         return DirectoryProfilesResult(profiles=profiles)
+
+
+_METHODS: Final[Mapping[str, SharedMethod]] = {
+    "openrois.directory.list": shared_operation(DirectoryListParams, DirectoryListResult, _Directory.list_engines),
+    "openrois.directory.read": shared_operation(DirectoryReadParams, DirectoryReadResult, _Directory.read),
+    "openrois.directory.profiles": shared_operation(
+        DirectoryProfilesParams, DirectoryProfilesResult, _Directory.read_profiles
+    ),
+}
+
+
+def methods(reader: DirectoryReader) -> BoundMethods:
+    """Return the extension's methods."""
+    return BoundMethods((_METHODS, _Directory(reader)))

@@ -1,12 +1,13 @@
 """`openrois.lease.*`: holding a component, requesting it, handing it over, resuming after a lost connection."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
 from openrois.interfaces import command
-from openrois.interfaces.operation import operation
-from openrois.jsonrpc.session import Handler, Reply
+from openrois.interfaces.operation import shared_operation
+from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
+from openrois.jsonrpc.session import Reply
 from openrois.leases.model import Replayed
 from openrois.scope.revocation import Entitlements
 from openrois.session.session import ApplicationSession
@@ -28,30 +29,6 @@ __all__ = ["held_leases", "methods", "tell_missed"]
 _PUT_OUT: Final = "in the place of a connection that was not known to be lost"
 
 
-def methods(app: ApplicationSession) -> dict[str, Handler]:
-    """Return the extension's method table; an application that calls one gets the notifications of extensions."""
-    leases = _Leases(app)
-    table = {
-        "openrois.lease.query": operation(LeaseParams, LeaseResult, leases.query),
-        "openrois.lease.request": operation(LeaseParams, LeaseRequestResult, leases.request),
-        "openrois.lease.leave": operation(LeaseParams, ReturnResult, leases.leave),
-        "openrois.lease.grant": operation(LeaseRequestParams, ReturnResult, leases.grant),
-        "openrois.lease.decline": operation(LeaseRequestParams, ReturnResult, leases.decline),
-        "openrois.lease.take": operation(LeaseParams, LeaseResult, leases.take),
-        "openrois.lease.token": operation(NoParams, LeaseTokenResult, leases.token),
-        "openrois.lease.resume": operation(ResumeParams, ResumeResult, leases.resume),
-    }
-    return {name: _extending(app, handler) for name, handler in table.items()}
-
-
-def _extending(app: ApplicationSession, handler: Handler) -> Handler:
-    async def answer(params: dict[str, Any]) -> Any:
-        app.extended = app.leasing = True
-        return await handler(params)
-
-    return answer
-
-
 def held_leases(app: ApplicationSession) -> tuple[Lease, ...]:
     """Return what a session holds."""
     held = app.host.leases.model.holding.held_by(app)
@@ -70,90 +47,116 @@ class _Leases:
     """The operations of one application."""
 
     def __init__(self, app: ApplicationSession) -> None:
-        self._app = app
+        self.app = app
         self._keeper = app.host.leases
         self._grace_ms = round(app.host.leases.model.rules.grace * 1000)
 
     def _require_leased(self, component_ref: str) -> None:
-        if self._app.engine.require(component_ref).function is not ComponentFunction.ACTUATION:
+        if self.app.engine.require(component_ref).function is not ComponentFunction.ACTUATION:
             raise Unsupported(f"{component_ref} is no actuation component: it needs no lease")
 
     async def query(self, params: LeaseParams) -> LeaseResult:
         self._require_leased(params.component_ref)
-        self._keeper.notifications.watch(params.component_ref, self._app)
-        return LeaseResult(lease=self._keeper.notifications.status(params.component_ref, self._app))
+        self._keeper.notifications.watch(params.component_ref, self.app)
+        return LeaseResult(lease=self._keeper.notifications.status(params.component_ref, self.app))
 
     def _require_room(self, component_ref: str) -> None:
         """Raise `OutOfResources` where the application would have, or wait for, more components than it may bind."""
-        chosen = self._app.bound.union(self._keeper.waited_for(self._app))
+        chosen = self.app.bound.union(self._keeper.waited_for(self.app))
         if len(chosen) >= command.MAX_BOUND and component_ref not in chosen:
             raise OutOfResources(f"one application has at most {command.MAX_BOUND} components bound")
 
     async def request(self, params: LeaseParams) -> LeaseRequestResult:
         self._require_leased(params.component_ref)
         self._require_room(params.component_ref)
-        self._keeper.notifications.watch(params.component_ref, self._app)
-        request_id = self._keeper.request(params.component_ref, self._app)
+        self._keeper.notifications.watch(params.component_ref, self.app)
+        request_id = self._keeper.request(params.component_ref, self.app)
         self._acted("openrois.lease.request", params.component_ref)
-        lease = self._keeper.notifications.status(params.component_ref, self._app)
+        lease = self._keeper.notifications.status(params.component_ref, self.app)
         return LeaseRequestResult(lease=lease, request_id=request_id)
 
     async def leave(self, params: LeaseParams) -> ReturnResult:
         self._require_leased(params.component_ref)
-        self._keeper.withdraw(params.component_ref, self._app)
+        self._keeper.withdraw(params.component_ref, self.app)
         return ReturnResult()
 
     async def grant(self, params: LeaseRequestParams) -> ReturnResult:
-        component_ref = self._keeper.grant(params.request_id, self._app)
+        component_ref = self._keeper.grant(params.request_id, self.app)
         self._acted("openrois.lease.grant", component_ref)
         return ReturnResult()
 
     async def decline(self, params: LeaseRequestParams) -> ReturnResult:
-        self._keeper.decline(params.request_id, self._app)
+        self._keeper.decline(params.request_id, self.app)
         return ReturnResult()
 
     async def take(self, params: LeaseParams) -> LeaseResult:
         self._require_leased(params.component_ref)
-        if not self._app.principal.is_administrator:
+        if not self.app.principal.is_administrator:
             raise Unsupported("only an administrator may take a component from its holder: request it instead")
         self._require_room(params.component_ref)
-        self._app.host.audit.require()
+        self.app.host.audit.require()
         self._acted("openrois.lease.take", params.component_ref)
-        await self._keeper.take(params.component_ref, self._app)
-        return LeaseResult(lease=self._keeper.notifications.status(params.component_ref, self._app))
+        await self._keeper.take(params.component_ref, self.app)
+        return LeaseResult(lease=self._keeper.notifications.status(params.component_ref, self.app))
 
     async def token(self, _params: NoParams) -> LeaseTokenResult:
-        return LeaseTokenResult(token=self._keeper.token(self._app), grace_ms=self._grace_ms)
+        return LeaseTokenResult(token=self._keeper.token(self.app), grace_ms=self._grace_ms)
 
     async def resume(self, params: ResumeParams) -> Reply:
-        if self._keeper.model.holding.held_by(self._app) or self._app.commands.unfinished:
+        if self._keeper.model.holding.held_by(self.app) or self.app.commands.unfinished:
             raise BadParameter("resume before binding or executing anything that acts")
         try:
-            former = self._keeper.resume(params.token, self._app)
+            former = self._keeper.resume(params.token, self.app)
         except RoISError as error:
             reason = "a resume token was used twice" if isinstance(error, Replayed) else str(error)
-            self._app.host.audit.refused(self._app.principal, "openrois.lease.resume", "", reason)
+            self.app.host.audit.refused(self.app.principal, "openrois.lease.resume", "", reason)
             raise
         assert isinstance(former, ApplicationSession)
         was_lost = former.closed
-        self._app.succeed(former)
-        for component_ref in Entitlements(self._app.principal).lost_bindings(tuple(self._app.bound)):
-            self._app.give_back(component_ref)
-            self._app.bound.discard(component_ref)
-        held = held_leases(self._app)
-        self._app.host.audit.acted(
-            self._app.principal,
+        self.app.succeed(former)
+        for component_ref in Entitlements(self.app.principal).lost_bindings(tuple(self.app.bound)):
+            self.app.give_back(component_ref)
+            self.app.bound.discard(component_ref)
+        held = held_leases(self.app)
+        self.app.host.audit.acted(
+            self.app.principal,
             "openrois.lease.resume",
             " ".join(sorted(each.component_ref for each in held)),
             "" if was_lost else _PUT_OUT,
         )
         result = ResumeResult(
-            token=self._keeper.token(self._app),
+            token=self._keeper.token(self.app),
             grace_ms=self._grace_ms,
             leases=held,
-            forgotten=tuple(command_id for command_id in params.command_ids if command_id not in self._app.commands),
+            forgotten=tuple(command_id for command_id in params.command_ids if command_id not in self.app.commands),
         )
-        return Reply(result, lambda: tell_missed(self._app, params.command_ids))
+        return Reply(result, lambda: tell_missed(self.app, params.command_ids))
 
     def _acted(self, method: str, component_ref: str) -> None:
-        self._app.host.audit.acted(self._app.principal, method, component_ref)
+        self.app.host.audit.acted(self.app.principal, method, component_ref)
+
+
+def _extending(method: SharedMethod) -> SharedMethod:
+    async def answer(leases: _Leases, params: dict[str, Any]) -> Any:
+        leases.app.extended = leases.app.leasing = True
+        return await method(leases, params)
+
+    return answer
+
+
+_OPERATIONS: Final[Mapping[str, SharedMethod]] = {
+    "openrois.lease.query": shared_operation(LeaseParams, LeaseResult, _Leases.query),
+    "openrois.lease.request": shared_operation(LeaseParams, LeaseRequestResult, _Leases.request),
+    "openrois.lease.leave": shared_operation(LeaseParams, ReturnResult, _Leases.leave),
+    "openrois.lease.grant": shared_operation(LeaseRequestParams, ReturnResult, _Leases.grant),
+    "openrois.lease.decline": shared_operation(LeaseRequestParams, ReturnResult, _Leases.decline),
+    "openrois.lease.take": shared_operation(LeaseParams, LeaseResult, _Leases.take),
+    "openrois.lease.token": shared_operation(NoParams, LeaseTokenResult, _Leases.token),
+    "openrois.lease.resume": shared_operation(ResumeParams, ResumeResult, _Leases.resume),
+}
+_METHODS: Final = {name: _extending(each) for name, each in _OPERATIONS.items()}
+
+
+def methods(app: ApplicationSession) -> BoundMethods:
+    """Return the extension's methods; an application that calls one gets the notifications of extensions."""
+    return BoundMethods((_METHODS, _Leases(app)))

@@ -1,13 +1,14 @@
 """The Query interface (RoIS_HRI::QueryIF)."""
 
+from collections.abc import Mapping
 from typing import Final
 
 from openrois.engine.condition import parse_condition
 from openrois.errors import BadParameter
 from openrois.interfaces import stream
-from openrois.interfaces.operation import operation
+from openrois.interfaces.operation import shared_operation
 from openrois.interfaces.selection import COMPONENT_PROPERTIES, STREAM_STATUS, queried_component
-from openrois.jsonrpc.session import Handler
+from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
 from openrois.session.session import ApplicationSession
 from openrois.types.codes import ComponentStatus
 from openrois.types.messages import QueryParams, Result, ResultsResult
@@ -19,21 +20,24 @@ FAILING: Final = Result(name="status", data_type_ref="Component_Status", value=C
 """The status of a component whose engine was lost: it cannot answer itself."""
 
 
-def methods(app: ApplicationSession) -> dict[str, Handler]:
-    """Return the interface's method table."""
+async def _query(app: ApplicationSession, params: QueryParams) -> ResultsResult:
+    name = params.query_type
+    if name == STREAM_STATUS:
+        return ResultsResult(results=await _stream_status(app, params.condition))
+    if name == STATUS_QUERY:
+        condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
+        if app.engine.has_lost(condition.value_of("component_ref")):
+            return ResultsResult(results=(FAILING,))
+    component_ref = queried_component(app.engine, name, params.condition)
+    return ResultsResult(results=await app.engine.query(component_ref, name))
 
-    async def query(params: QueryParams) -> ResultsResult:
-        name = params.query_type
-        if name == STREAM_STATUS:
-            return ResultsResult(results=await _stream_status(app, params.condition))
-        if name == STATUS_QUERY:
-            condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
-            if app.engine.has_lost(condition.value_of("component_ref")):
-                return ResultsResult(results=(FAILING,))
-        component_ref = queried_component(app.engine, name, params.condition)
-        return ResultsResult(results=await app.engine.query(component_ref, name))
 
-    return {"rois.query.query": operation(QueryParams, ResultsResult, query)}
+_METHODS: Final[Mapping[str, SharedMethod]] = {"rois.query.query": shared_operation(QueryParams, ResultsResult, _query)}
+
+
+def methods(app: ApplicationSession) -> BoundMethods:
+    """Return the interface's methods."""
+    return BoundMethods((_METHODS, app))
 
 
 async def _stream_status(app: ApplicationSession, text: str) -> tuple[Result, ...]:

@@ -1,12 +1,13 @@
 """`openrois.stop_all`: everything that acts on an engine stops, for an application that controls a part of it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Final
 
 from openrois.commands.stop import stop_components
 from openrois.errors import BadParameter, OutOfResources, Unsupported
-from openrois.interfaces.operation import operation
-from openrois.jsonrpc.session import Handler, Reply
+from openrois.interfaces.operation import shared_operation
+from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
+from openrois.jsonrpc.session import Reply
 from openrois.session.session import ApplicationSession
 from openrois.types.codes import ReturnCode
 from openrois.types.leases import StopAllParams, StopAllResult
@@ -17,24 +18,27 @@ __all__ = ["methods"]
 _METHOD: Final = "openrois.stop_all"
 
 
-def methods(app: ApplicationSession) -> dict[str, Handler]:
-    """Return the method table."""
+async def _stop_all(app: ApplicationSession, params: StopAllParams) -> Reply:
+    refs = _chosen(app, params)
+    for engine_id in sorted({engine_of(ref) for ref in refs}):
+        app.host.audit.acted(app.principal, _METHOD, engine_id)
+    reason = f"everything was stopped by {app.principal.subject}"
+    failures = await stop_components(app.host.engine, app.host.pending, app.host.tasks, refs, reason)
+    shown = [ref for ref in refs if app.engine.sees(ref)]
+    failed = {ref: failures[ref] for ref in shown if failures[ref]}
+    stopped = tuple(ref for ref in shown if ref not in failed)
+    if not failed:
+        return Reply(StopAllResult(stopped=stopped))
+    result = StopAllResult(return_code=ReturnCode.ERROR, stopped=stopped, failed=tuple(failed))
+    return Reply(result, reason="; ".join(f"{ref}: {failure}" for ref, failure in failed.items()))
 
-    async def stop_all(params: StopAllParams) -> Reply:
-        refs = _chosen(app, params)
-        for engine_id in sorted({engine_of(ref) for ref in refs}):
-            app.host.audit.acted(app.principal, _METHOD, engine_id)
-        reason = f"everything was stopped by {app.principal.subject}"
-        failures = await stop_components(app.host.engine, app.host.pending, app.host.tasks, refs, reason)
-        shown = [ref for ref in refs if app.engine.sees(ref)]
-        failed = {ref: failures[ref] for ref in shown if failures[ref]}
-        stopped = tuple(ref for ref in shown if ref not in failed)
-        if not failed:
-            return Reply(StopAllResult(stopped=stopped))
-        result = StopAllResult(return_code=ReturnCode.ERROR, stopped=stopped, failed=tuple(failed))
-        return Reply(result, reason="; ".join(f"{ref}: {failure}" for ref, failure in failed.items()))
 
-    return {_METHOD: operation(StopAllParams, StopAllResult, stop_all)}
+_METHODS: Final[Mapping[str, SharedMethod]] = {_METHOD: shared_operation(StopAllParams, StopAllResult, _stop_all)}
+
+
+def methods(app: ApplicationSession) -> BoundMethods:
+    """Return the interface's methods."""
+    return BoundMethods((_METHODS, app))
 
 
 def _chosen(app: ApplicationSession, params: StopAllParams) -> list[str]:

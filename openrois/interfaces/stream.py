@@ -22,9 +22,9 @@ from openrois.errors import (
     Unsupported,
     error_for,
 )
-from openrois.interfaces.operation import operation, reply_first
+from openrois.interfaces.operation import reply_first, shared_operation
 from openrois.interfaces.uplinks import may_be_uplink, require_may_send
-from openrois.jsonrpc.session import Handler
+from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
 from openrois.scope.revocation import Entitlements, end_streams
 from openrois.session.session import ApplicationSession
 from openrois.session.stream_parameters import STREAM_PARAMETERS
@@ -70,11 +70,17 @@ def is_verb(command_type: str) -> bool:
     return command_type in STREAM_METHODS or command_type == _SET_PARAMETER
 
 
-def methods(app: ApplicationSession) -> dict[str, Handler]:
-    """Return the method table: `openrois.hello` and `rois.stream.*`."""
-    reports = RateLimit(REPORTS_AT_ONCE, REPORTS_PER_SECOND, time.monotonic)
+class _Streams:
+    """The operations of one application."""
 
-    async def hello(params: HelloParams) -> HelloResult:
+    __slots__ = ("_reports", "app")
+
+    def __init__(self, app: ApplicationSession) -> None:
+        self.app = app
+        self._reports = RateLimit(REPORTS_AT_ONCE, REPORTS_PER_SECOND, time.monotonic)
+
+    async def say_hello(self, params: HelloParams) -> HelloResult:
+        app = self.app
         app.extended = True
         app.leasing = app.leasing or LEASES in params.extensions
         if DIRECTORY in params.extensions:
@@ -85,43 +91,50 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
             engines = tuple(sorted(app.engine.extension.engines()))
         return HelloResult(client_id=app.client_id, extensions=(*EXTENSIONS, DIRECTORY, LEASES), engines=engines)
 
-    async def connect(params: ConnectStreamParams) -> ConnectStreamResult:
-        app.extended = True
-        return ConnectStreamResult(stream_id=await connect_stream(app, params.component_ref, params.parameters))
+    async def connect(self, params: ConnectStreamParams) -> ConnectStreamResult:
+        self.app.extended = True
+        return ConnectStreamResult(stream_id=await connect_stream(self.app, params.component_ref, params.parameters))
 
-    def acting(verb: str) -> Callable[[StreamParams], Awaitable[ReturnResult]]:
-        async def act(params: StreamParams) -> ReturnResult:
-            app.extended = True
-            await act_on_stream(app, verb, params.stream_id)
-            return ReturnResult()
+    async def query_status(self, params: StreamParams) -> StreamStatusResult:
+        self.app.extended = True
+        return StreamStatusResult(status=await query_status(self.app, params.stream_id))
 
-        return act
-
-    async def status(params: StreamParams) -> StreamStatusResult:
-        app.extended = True
-        return StreamStatusResult(status=await query_status(app, params.stream_id))
-
-    async def report(params: ReportPlayoutParams) -> ReturnResult:
-        app.extended = True
-        _require_own(app, params.stream_id)
-        if not reports.admits():
+    async def report_playout(self, params: ReportPlayoutParams) -> ReturnResult:
+        self.app.extended = True
+        _require_own(self.app, params.stream_id)
+        if not self._reports.admits():
             raise OutOfResources(f"playout is reported at most {REPORTS_PER_SECOND} times a second")
-        await _call(app, "rois.stream.report_playout", params.model_dump(mode="json"), ReturnResult)
+        await _call(self.app, "rois.stream.report_playout", params.model_dump(mode="json"), ReturnResult)
         return ReturnResult()
 
-    verbs = {
-        STREAM_METHODS["connect_stream"]: operation(ConnectStreamParams, ConnectStreamResult, connect),
-        **{
-            STREAM_METHODS[verb]: operation(StreamParams, ReturnResult, acting(verb))
-            for verb in ("disconnect_stream", "suspend_stream", "resume_stream")
-        },
-        "rois.stream.query_stream_status": operation(StreamParams, StreamStatusResult, status),
-    }
-    return {
-        "openrois.hello": operation(HelloParams, HelloResult, hello),
-        "rois.stream.report_playout": operation(ReportPlayoutParams, ReturnResult, report),
-        **{name: reply_first(app, handler) for name, handler in verbs.items()},
-    }
+
+def _acting(verb: str) -> Callable[[_Streams, StreamParams], Awaitable[ReturnResult]]:
+    async def act(streams: _Streams, params: StreamParams) -> ReturnResult:
+        streams.app.extended = True
+        await act_on_stream(streams.app, verb, params.stream_id)
+        return ReturnResult()
+
+    return act
+
+
+_VERBS: Final[Mapping[str, SharedMethod]] = {
+    STREAM_METHODS["connect_stream"]: shared_operation(ConnectStreamParams, ConnectStreamResult, _Streams.connect),
+    **{
+        STREAM_METHODS[verb]: shared_operation(StreamParams, ReturnResult, _acting(verb))
+        for verb in ("disconnect_stream", "suspend_stream", "resume_stream")
+    },
+    "rois.stream.query_stream_status": shared_operation(StreamParams, StreamStatusResult, _Streams.query_status),
+}
+_METHODS: Final[Mapping[str, SharedMethod]] = {
+    "openrois.hello": shared_operation(HelloParams, HelloResult, _Streams.say_hello),
+    "rois.stream.report_playout": shared_operation(ReportPlayoutParams, ReturnResult, _Streams.report_playout),
+    **{name: reply_first(method) for name, method in _VERBS.items()},
+}
+
+
+def methods(app: ApplicationSession) -> BoundMethods:
+    """Return the methods: `openrois.hello` and `rois.stream.*`."""
+    return BoundMethods((_METHODS, _Streams(app)))
 
 
 async def connect_stream(app: ApplicationSession, component_ref: str, parameters: tuple[Parameter, ...]) -> str:

@@ -7,7 +7,7 @@ from typing import Any, Final, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-__all__ = ["MAX_PROBLEMS", "Handler", "InvalidParams", "NotificationHandler", "Reply", "method"]
+__all__ = ["MAX_PROBLEMS", "Handler", "InvalidParams", "NotificationHandler", "Reply", "method", "params_reader"]
 
 MAX_PROBLEMS: Final = 16
 """Problems that one -32602 lists; their number is the sender's choice."""
@@ -56,27 +56,24 @@ Params = TypeVar("Params", bound=BaseModel)
 
 def method(model: type[Params], function: Callable[[Params], Awaitable[Any]]) -> Handler:
     """Return a handler that reads its params with `model` and passes them on."""
-    return _Method(model, function)
+    read = params_reader(model)
+    return lambda params: function(read(params))
 
 
-class _Method:
-    """A handler; as an object with slots it takes a tenth of the memory of nested functions."""
+def params_reader(model: type[Params]) -> Callable[[dict[str, Any]], Params]:
+    """Return a function that reads params with `model`, and raises `InvalidParams` where they do not fit."""
+    validate: Callable[[dict[str, Any]], Params] = model.__pydantic_validator__.validate_python
 
-    __slots__ = ("_function", "_read")
-
-    def __init__(self, model: type[BaseModel], function: Callable[[Any], Awaitable[Any]]) -> None:
-        self._read = model.__pydantic_validator__.validate_python
-        self._function = function
-
-    def __call__(self, params: dict[str, Any]) -> Awaitable[Any]:
+    def read(params: dict[str, Any]) -> Params:
         if len(params) > _MAX_MEMBERS:
             params = dict(islice(params.items(), _MAX_MEMBERS))
         try:
-            checked = self._read(params)
+            return validate(params)
         except ValidationError as error:
             entries = error.errors(include_url=False, include_context=False, include_input=False)
             raise InvalidParams([_problem(entry) for entry in entries[:MAX_PROBLEMS]]) from None
-        return self._function(checked)
+
+    return read
 
 
 def _problem(entry: Any) -> dict[str, str]:

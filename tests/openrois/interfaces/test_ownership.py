@@ -112,7 +112,11 @@ class Thieves(RuleBasedStateMachine):
                 return "event", "none"
             self.subscribed[name] = told["subscribe_id"]
         event_id = "none"
-        self.where.robots["fleet"].robot.parts["PersonDetection"].tell("person_detected")
+
+        async def detect() -> None:
+            self.where.robots["fleet"].robot.parts["PersonDetection"].tell("person_detected")
+
+        self.run(detect())
         for each, subscribe_id in self.subscribed.items():
             event = self.run(self.wires[each].until("rois.event.notify_event"))
             assert event["subscribe_id"] == subscribe_id
