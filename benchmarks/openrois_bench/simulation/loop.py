@@ -1,34 +1,21 @@
 """An asyncio event loop in virtual time: where nothing is ready, the time jumps to the next timer."""
 
 import asyncio
-from collections.abc import Callable
-from contextvars import Context
-from typing import TypeVarTuple, Unpack
+from collections import deque
+from heapq import heapify, heappop
+from typing import Any, Final
 
 from openrois_bench.simulation.clock import VirtualClock
 from openrois_bench.simulation.meter import Meter
 
 __all__ = ["NothingLeft", "VirtualLoop"]
 
-Arguments = TypeVarTuple("Arguments")
+_CANCELLED: Final = 100
+"""Timers that were cancelled and may stay among the others."""
 
 
 class NothingLeft(Exception):
     """Every task waits for another one, and no timer is left."""
-
-
-class _Jump:
-    """Stands where a loop waits for sockets: there are none, so that it only lets time pass."""
-
-    def __init__(self, clock: VirtualClock) -> None:
-        self._clock = clock
-
-    def select(self, timeout: float | None) -> tuple[()]:
-        if timeout is None:
-            raise NothingLeft("every task waits, and no timer is left that could end that")
-        if timeout > 0:
-            self._clock.advance(timeout)
-        return ()
 
 
 class VirtualLoop(asyncio.BaseEventLoop):
@@ -39,9 +26,14 @@ class VirtualLoop(asyncio.BaseEventLoop):
         meter: charges what runs.
     """
 
+    # asyncio's own, which have no types.
+    _scheduled: list[Any]
+    _ready: deque[asyncio.Handle]
+    _stopping: bool
+    _timer_cancelled_count: int
+
     def __init__(self, clock: VirtualClock, meter: Meter) -> None:
         super().__init__()
-        self._selector = _Jump(clock)
         self._clock = clock
         self._meter = meter
 
@@ -49,24 +41,33 @@ class VirtualLoop(asyncio.BaseEventLoop):
         """Return the virtual time."""
         return self._clock.now
 
-    def call_soon(
-        self, callback: Callable[[Unpack[Arguments]], object], *args: *Arguments, context: Context | None = None
-    ) -> asyncio.Handle:
-        """Call in the next turn, and charge it."""
-        return super().call_soon(self._meter.run, callback, args, context=context)
+    def _run_once(self) -> None:
+        """Let time pass until something is ready, and run what is ready by then, each charged to its account.
 
-    def call_at(
-        self,
-        when: float,
-        callback: Callable[[Unpack[Arguments]], object],
-        *args: *Arguments,
-        context: Context | None = None,
-    ) -> asyncio.TimerHandle:
-        """Call at a time, and charge it."""
-        return super().call_at(when, self._meter.run, callback, args, context=context)
-
-    def _process_events(self, _events: object) -> None:
-        """Do nothing: there are no sockets."""
+        In the place of that of asyncio, for which each callback would have to be wrapped to be charged.
+        """
+        scheduled, ready = self._scheduled, self._ready
+        if self._timer_cancelled_count > _CANCELLED and self._timer_cancelled_count * 2 > len(scheduled):
+            for timer in scheduled:
+                timer._scheduled = not timer._cancelled
+            scheduled[:] = [timer for timer in scheduled if timer._scheduled]
+            heapify(scheduled)
+            self._timer_cancelled_count = 0
+        while scheduled and scheduled[0]._cancelled:
+            self._timer_cancelled_count -= 1
+            heappop(scheduled)._scheduled = False
+        if not ready and not self._stopping:
+            if not scheduled:
+                raise NothingLeft("every task waits, and no timer is left that could end that")
+            self._clock.advance(max(scheduled[0]._when - self._clock.now, 0.0))
+        while scheduled and scheduled[0]._when <= self._clock.now:
+            timer = heappop(scheduled)
+            timer._scheduled = False
+            ready.append(timer)
+        for _ in range(len(ready)):
+            handle = ready.popleft()
+            if not handle._cancelled:
+                self._meter.run(handle)
 
     def _write_to_self(self) -> None:
         """Do nothing: no other thread has to wake this loop, which never waits."""

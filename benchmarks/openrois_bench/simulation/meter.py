@@ -1,12 +1,13 @@
 """Real CPU time of what runs in virtual time, by the account that each callback is charged to."""
 
+import asyncio
 import gc
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 __all__ = ["PEERS", "Account", "Meter", "Reading", "charged"]
 
@@ -74,15 +75,13 @@ class Meter:
         self._collecting = 0
         self._collection_began = 0
 
-    def run(self, callback: Callable[..., object], arguments: tuple[Any, ...]) -> None:
-        """Call, and charge the account of the context."""
-        account = charged.get(PEERS)
+    def run(self, handle: asyncio.Handle) -> None:
+        """Run a callback of a loop, and charge the account of its context."""
+        account = handle._context.get(charged, PEERS)  # type: ignore[attr-defined]
         self._accounts.add(account)
         began = self._ticks() - self._collecting
-        try:
-            callback(*arguments)
-        finally:
-            account.ticks += self._ticks() - self._collecting - began
+        handle._run()
+        account.ticks += self._ticks() - self._collecting - began
 
     @contextmanager
     def watching_collector(self) -> Iterator[None]:

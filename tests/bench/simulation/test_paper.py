@@ -18,7 +18,6 @@ from openrois_bench.simulation.paper import (
     streams,
 )
 
-
 COSTS = Costs(Work(attach=0.002, query=0.0001, delivery=0.00001), body=50_000, session=60_000, detail=500)
 
 

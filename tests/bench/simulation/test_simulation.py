@@ -8,7 +8,6 @@ from typing import Any, Self
 
 import pytest
 
-
 WORLD = ("--bodies", "8", "--applications", "24", "--gateways", "2", "--rush", "2")
 DAY = 12 * 3600
 

@@ -58,6 +58,32 @@ def test_a_cancelled_timer_does_not_let_time_pass() -> None:
     assert clock.now - VirtualClock().now == pytest.approx(1)
 
 
+def test_many_cancelled_timers_do_not_stay() -> None:
+    async def wait() -> None:
+        loop = asyncio.get_running_loop()
+        for _ in range(1000):
+            loop.call_later(HALF_A_DAY, print).cancel()
+        kept = loop.call_later(2 * HALF_A_DAY, print)
+        await asyncio.sleep(0)
+        await asyncio.sleep(1)
+        assert len(loop._scheduled) == 1  # type: ignore[attr-defined]
+        kept.cancel()
+
+    run(wait())
+
+
+def test_a_callback_that_fails_is_reported_and_does_not_stop_the_loop() -> None:
+    async def wait() -> None:
+        loop = asyncio.get_running_loop()
+        failed: list[str] = []
+        loop.set_exception_handler(lambda _loop, context: failed.append(repr(context["exception"])))
+        loop.call_soon(lambda: [][0])
+        await asyncio.sleep(1)
+        assert failed == ["IndexError('list index out of range')"]
+
+    run(wait())
+
+
 def test_tasks_that_wait_for_each_other_are_an_error() -> None:
     async def wait() -> None:
         await asyncio.Event().wait()
