@@ -10,7 +10,7 @@ from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import SocketProfile
 from tests.support.deployment import PATIENCE, Across, Application
-from tests.support.nats import NatsServer, cluster_name
+from tests.support.nats import NatsServer, cluster_name, patient_links
 from tests.support.postgres import Server
 
 __all__ = ["Cluster", "cluster", "pairs", "seen_by"]
@@ -66,13 +66,14 @@ async def cluster(nats: NatsServer, postgres: Server, *gateway_ids: str, **more:
     async with postgres.admin() as admin:
         await admin.execute("DROP SCHEMA IF EXISTS openrois CASCADE")
     running = Cluster(nats, postgres)
-    try:
-        for gateway_id in gateway_ids:
-            await running.start(gateway_id, **more)
-        yield running
-    finally:
-        for gateway_id in tuple(running.gateways):
-            await running.stop(gateway_id)
+    with patient_links():
+        try:
+            for gateway_id in gateway_ids:
+                await running.start(gateway_id, **more)
+            yield running
+        finally:
+            for gateway_id in tuple(running.gateways):
+                await running.stop(gateway_id)
 
 
 async def seen_by(application: Application, *engine_ids: str, absent: bool = False) -> None:

@@ -13,6 +13,9 @@ from contextlib import AsyncExitStack, asynccontextmanager, contextmanager, supp
 from pathlib import Path
 from typing import Any
 
+import pytest
+
+from openrois.cluster import exchange, presence, pulse
 from openrois.cluster.connection import NatsConnection
 from openrois.cluster.frames import Accept, Frame, Kind, parse_frame, parse_said
 from openrois.cluster.link import NatsLink, NatsSettings, NatsStream
@@ -31,6 +34,7 @@ __all__ = [
     "freeze",
     "links",
     "nats_server",
+    "patient_links",
     "settings",
     "stand_in",
 ]
@@ -122,6 +126,16 @@ async def stand_in(talk: Callable[[asyncio.StreamReader, asyncio.StreamWriter], 
         yield f"127.0.0.1:{server.sockets[0].getsockname()[1]}"
         if serving:
             await asyncio.wait(serving)
+
+
+@contextmanager
+def patient_links() -> Iterator[None]:
+    """Let gateways wait for each other as long as a busy machine needs, where silence is not what a test is about."""
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (presence, pulse):
+            patch.setattr(module, "SILENCE", PATIENCE)
+        patch.setattr(exchange, "DIAL_TIMEOUT", PATIENCE)
+        yield
 
 
 def cluster_name() -> str:

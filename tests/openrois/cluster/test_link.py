@@ -13,7 +13,7 @@ from openrois.cluster.frames import CUT_FRAME, Address, Dial, Kind, pack_frame, 
 from openrois.cluster.link import NatsLink, NatsStream
 from openrois.jsonrpc.session import RpcSession
 from openrois.transport.stream import BatchStream, StreamClosed
-from tests.support.nats import NatsServer, Stranger, cluster_name, dialled, echo, ended, links, settings
+from tests.support.nats import NatsServer, Stranger, cluster_name, dialled, echo, ended, links, patient_links, settings
 
 pytestmark = pytest.mark.extra(name="cluster")
 
@@ -243,11 +243,12 @@ class TestMessages:
                 await stream.send(f"{number} {turn} " + "x" * 3000)
             return [(await stream.receive()).rstrip("x") for _ in range(10)]
 
-        async with links(shared_nats.url, shared_nats.url) as (near, far):
-            await far.listen(echo)
-            answers = await asyncio.gather(*(converse(number) for number in range(200)))
-            assert answers == [[f"{number} {turn} " for turn in range(10)] for number in range(200)]
-            assert len(far) == 200
+        with patient_links():
+            async with links(shared_nats.url, shared_nats.url) as (near, far):
+                await far.listen(echo)
+                answers = await asyncio.gather(*(converse(number) for number in range(200)))
+                assert answers == [[f"{number} {turn} " for turn in range(10)] for number in range(200)]
+                assert len(far) == 200
 
     async def test_a_session_of_json_rpc_runs_over_it(self, shared_nats: NatsServer) -> None:
         async def double(params: Any) -> int:
