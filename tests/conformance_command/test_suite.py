@@ -11,6 +11,7 @@ from openrois_conformance.stage import Check, Needs, Stage
 from openrois_conformance.suite import Outcome, Verdict, run_checks, visit
 
 from openrois.gateway.server import Gateway
+from openrois.jsonrpc.method_tables import BoundMethods
 from openrois.jsonrpc.session import RpcSession
 from openrois.types.codes import ComponentStatus
 from tests.support import deployment
@@ -75,8 +76,8 @@ def speak_the_base_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     async def no_greeting(*_asked: object) -> None:
         """Say nothing."""
 
-    monkeypatch.setattr("openrois.gateway.applications.stream_methods", lambda _app: {})
-    monkeypatch.setattr("openrois.gateway.applications._Signaling.methods", lambda _signaling: {})
+    monkeypatch.setattr("openrois.gateway.applications.stream_methods", lambda _app: BoundMethods())
+    monkeypatch.setattr("openrois.gateway.applications._SIGNALING", {})
     monkeypatch.setattr("openrois.remote.remote_offer.RemoteOffer._greet", no_greeting)
 
 

@@ -37,6 +37,7 @@ FOLLOWS: Final = {
     "openrois/auth/command.py": "a token that is made is good from now on",
     "openrois/session/session.py": "the times that are told with faults and events",
     "openrois/observability/audit.py": "the times of records",
+    "openrois/cluster/postgres/examination.py": "the doctor compares it with that of the database",
     "openrois/component/authoring/signatures.py": "the time of a message that says none",
     "openrois/session/events.py": "how long the details of an event last is read once, when it is told",
     "openrois/engine/faults.py": "the times of faults",

@@ -172,8 +172,8 @@ def test_everything_that_is_minted_has_128_random_bits() -> None:
             minted[f"{path.parent.name}/{path.name}", bits] = int(bits) if bits.isdigit() else vars(tokens)[bits]
     # The name of an adapter's connection in log lines opens nothing.
     assert minted.pop(("gateway/adapters.py", "4")) == 4
-    # Nor do the names of a gateway's process and of its link, which stay between gateways.
-    assert [minted.pop((f"cluster/{name}.py", "8")) for name in ("exchange", "pulse")] == [8, 8]
+    # Nor do the names of a gateway's process and of its link, which stay between gateways, nor that of a doctor's look.
+    assert [minted.pop((f"cluster/{name}.py", "8")) for name in ("examination", "exchange", "pulse")] == [8, 8, 8]
     assert len(minted) >= 8
     assert min(minted.values()) >= 16
     assert len(new_id("robot").removeprefix("robot/")) == 32
