@@ -30,7 +30,10 @@ TESTS = (
     *(f"tests/openrois/gateway/test_{part}.py" for part in ("origins", "stalling")),
     *(f"tests/openrois/cluster/test_{part}.py" for part in ("flow", "frames", "presence", "subjects", "wire")),
     *(f"tests/openrois/cluster/postgres/test_{part}.py" for part in ("address", "stop_messages")),
-    *(f"tests/openrois/federation/test_{part}.py" for part in ("assertion", "destinations", "foreign_work")),
+    *(
+        f"tests/openrois/federation/test_{part}.py"
+        for part in ("assertion", "destinations", "foreign_work", "shared_quotas")
+    ),
     "tests/openrois/adapter/test_rotation.py",
     "tests/openrois/http_limits/test_websocket_frames.py",
     "tests/openrois/transport/test_backoff.py",

@@ -19,6 +19,7 @@ from openrois.federation.gateway_link import GatewayLink
 from openrois.federation.lines import Lines
 from openrois.federation.neighbours import Neighbours
 from openrois.federation.other_way import OtherWay
+from openrois.federation.shared_quotas import TELLING_INTERVAL, SharedQuotas
 from openrois.ownership.directorate import Directorate
 from openrois.resumption.store import ResumeStore
 from openrois.scope.views import Views
@@ -44,6 +45,7 @@ class Federation:
         lines: the sessions here that can be resumed.
         resume_store: has the tokens of all gateways.
         other_way: of STOP, where the link fails.
+        quotas: what subjects have at all gateways.
         sleep: waits for some seconds.
 
     Attributes:
@@ -52,6 +54,7 @@ class Federation:
         directory: the engines of all gateways.
         views: what applications of each scope see of them.
         counts: of requests to other gateways, and of sessions that were resumed.
+        quotas: what subjects have at all gateways.
     """
 
     def __init__(
@@ -62,6 +65,7 @@ class Federation:
         lines: Lines,
         resume_store: ResumeStore,
         other_way: OtherWay,
+        quotas: SharedQuotas,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
     ) -> None:
         self.works: set[ForeignWork] = set()
@@ -69,6 +73,7 @@ class Federation:
         self.resume_store = resume_store
         self.other_way = other_way
         self.counts = Counts()
+        self.quotas = quotas
         self._sleep = sleep
         self._kept: dict[str, object] = {}
         self.gateway_id = link.gateway_id
@@ -86,7 +91,8 @@ class Federation:
                 stack.callback(self._engine.changes.add(self._offer_own))
                 tasks.start(self._follow_owners())
                 tasks.start(self._touch_lines())
-                neighbours = Neighbours(self._link, self.directory, tasks)
+                tasks.start(self._tell_quotas())
+                neighbours = Neighbours(self._link, self.directory, tasks, self.quotas)
                 stack.enter_context(neighbours.watching())
                 yield
 
@@ -131,6 +137,11 @@ class Federation:
             await self._sleep(TOUCH_INTERVAL)
             with suppress(StoreUnreachable):
                 await self.resume_store.touch(tuple(self._kept))
+
+    async def _tell_quotas(self) -> None:
+        while True:
+            self.quotas.tell(len(self._link.present))
+            await self._sleep(TELLING_INTERVAL)
 
     def require_reachable(self, engine_id: str) -> None:
         """Do nothing where no other gateway owns an engine that is not in the directory.

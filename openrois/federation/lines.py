@@ -123,6 +123,7 @@ class Lines:
             principal = Principal(holding.subject, frozenset({Role.OPERATOR}), (f"{holding.engine_id}/*",))
             app = ApplicationSession(self._host, _drop, principal=principal)
             app.detach()
+            app.is_relayed = True
             self._lines[app] = SessionLine(holding.line_id)
             self._sessions[holding.line_id] = app
         if app.closed:

@@ -15,6 +15,7 @@ from openrois.errors import RoISError
 from openrois.federation.assertion import Assertion
 from openrois.federation.cluster_directory import ClusterDirectory, Offer
 from openrois.federation.gateway_link import GatewayLink
+from openrois.federation.shared_quotas import SharedQuotas
 from openrois.jsonrpc.session import RpcSession
 from openrois.remote.directory_follower import DirectoryFollower, FollowedEngine
 from openrois.remote.rpc_call import RpcCalls
@@ -36,6 +37,7 @@ class Neighbours:
         link: to the other gateways.
         directory: gets what they offer.
         tasks: owns what follows each of them.
+        quotas: tells each of them what subjects have here.
         sleep: waits for some seconds between two attempts.
         clock: monotonic seconds.
     """
@@ -45,11 +47,13 @@ class Neighbours:
         link: GatewayLink,
         directory: ClusterDirectory,
         tasks: TaskScope,
+        quotas: SharedQuotas,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
     ) -> None:
         self._link = link
         self._directory = directory
         self._tasks = tasks
+        self._quotas = quotas
         self._sleep = sleep
         self._followed: dict[str, asyncio.Task[None]] = {}
         me = Principal(f"gateway {link.gateway_id}", frozenset({Role.VIEWER}), ("*",))
@@ -95,7 +99,8 @@ class Neighbours:
         session.notifications = follower.notifications()
         following = self._tasks.start(self._keep_following(follower, session, gateway_id))
         try:
-            return await session.run()
+            with self._quotas.telling(session.notify):
+                return await session.run()
         finally:
             following.cancel()
 

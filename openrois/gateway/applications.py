@@ -23,6 +23,7 @@ from openrois.federation.federation import Federation
 from openrois.federation.lines import Lines, SessionLine
 from openrois.federation.resumption import KEEP, REPORT
 from openrois.federation.router import Router, without_directory
+from openrois.federation.shared_quotas import TOLD
 from openrois.federation.sub_sessions import PRINCIPAL
 from openrois.gateway.draining import SERVICE_RESTART
 from openrois.gateway.refusals import RefusalNotes
@@ -113,6 +114,7 @@ async def serve_sub_session(
     lines: Lines,
     assertion: Assertion,
     is_cut: Callable[[], bool],
+    hear_quotas: Callable[[Mapping[str, Any]], None],
 ) -> StreamClosed:
     """Serve one application that is connected to another gateway; return why that ended.
 
@@ -124,10 +126,12 @@ async def serve_sub_session(
         lines: the sessions here that can be resumed.
         assertion: of the other gateway.
         is_cut: tells whether the stream was lost, so that the other gateway may have told the application so.
+        hear_quotas: takes what the other gateway tells of subjects.
     """
     served = _Served(host, stream, expiry, None, assertion.client_id)
     app = served.app
     app.is_cut = is_cut
+    app.is_relayed = True
 
     def replace(params: Mapping[str, Any]) -> None:
         principal = Assertion.parse(params).principal
@@ -155,7 +159,7 @@ async def serve_sub_session(
             await app.close()
             await stream.close(RESUMED, str(error))
             return StreamClosed(RESUMED, str(error))
-    served.session.notifications = {PRINCIPAL: replace, KEEP: keep}
+    served.session.notifications = {PRINCIPAL: replace, KEEP: keep, TOLD: hear_quotas}
     reporting = {REPORT: operation(ResumeReportParams, ResumeResult, report)}
     return await served.run(served.methods, sign_ins, SUB_SESSION, reporting)
 

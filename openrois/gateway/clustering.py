@@ -17,6 +17,7 @@ from openrois.federation.federation import Federation
 from openrois.federation.gateway_link import GatewayLink, GatewayStream
 from openrois.federation.lines import Lines
 from openrois.federation.other_way import OtherWay
+from openrois.federation.shared_quotas import SharedQuotas
 from openrois.gateway.applications import serve_sub_session
 from openrois.gateway.auth_setup import AuthSetup
 from openrois.gateway.claims import GatewayClaims
@@ -93,8 +94,9 @@ class Clustering:
         self.writer = HoldingsWriter(parts.resume_store)
         self.sub_sessions = 0
         self._lines = Lines(host, self.writer)
+        quotas = SharedQuotas(parts.link.gateway_id, host.quotas)
         self.federation = Federation(
-            parts.link, parts.directorate, host.engine, self._lines, parts.resume_store, parts.stops
+            parts.link, parts.directorate, host.engine, self._lines, parts.resume_store, parts.stops, quotas
         )
         self.claims = GatewayClaims(host.engine, parts.directorate, parts.epochs)
         self.parts = parts
@@ -192,11 +194,11 @@ class Clustering:
             await stream.close(POLICY_VIOLATION, str(error))
             return
         expiry = TokenExpiry(assertion.principal, address=assertion.address)
-        with auth_setup.expiries.holding(expiry, stream):
+        with auth_setup.expiries.holding(expiry, stream), self.federation.quotas.hearing() as hear:
             host, sign_ins, is_cut = self._host, auth_setup.sign_ins, partial(self._is_cut, stream)
             self.sub_sessions += 1
             try:
-                await serve_sub_session(host, stream, expiry, sign_ins, self._lines, assertion, is_cut)
+                await serve_sub_session(host, stream, expiry, sign_ins, self._lines, assertion, is_cut, hear)
             finally:
                 self.sub_sessions -= 1
 

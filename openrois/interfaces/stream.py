@@ -165,10 +165,12 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
         params["may_bind"] = False
     client, bus = app.client, app.engine.route(component_ref)
     app.connecting += 1
+    app.host.quotas.note_streams(app)
     try:
         result = await _call(app, STREAM_METHODS["connect_stream"], params, ConnectStreamResult)
     finally:
         app.connecting -= 1
+        app.host.quotas.note_streams(app)
     if app.client is not client:
         # It left while the stream was made, and has been forgotten already: that has to be said again.
         await app.engine.extension.forget_client(client)
@@ -215,6 +217,7 @@ async def act_on_stream(app: ApplicationSession, verb: str, stream_id: str) -> N
     if verb == "disconnect_stream":
         app.streams.pop(stream_id, None)
         app.uplinks.pop(stream_id, None)
+        app.host.quotas.note_streams(app)
 
 
 async def query_status(app: ApplicationSession, stream_id: str, component_ref: str | None = None) -> StreamStatus:

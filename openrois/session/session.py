@@ -160,6 +160,7 @@ class ApplicationSession:
         engine: the part of the engine in the principal's scope: every name in a request is looked up there.
         end_connection: ends the connection at once; called when another session has gone on in this one's place.
         is_cut: tells whether the gateway that the application is connected to may have given up what it has here.
+        is_relayed: whether the application is connected to another gateway.
         streams: the component_ref of each of its streams, by stream_id.
         change_notice: notifies of changes of the directory.
         uplinks: those of them that it may have only as long as it operates their engine.
@@ -199,6 +200,7 @@ class ApplicationSession:
         self.successor: ApplicationSession | None = None
         self.end_connection: Callable[[], None] = lambda: None
         self.is_cut: Callable[[], bool] = lambda: False
+        self.is_relayed = False
         self.send_notification = self._notify = notify
         self._passes = passes
         self._left = left
@@ -355,6 +357,7 @@ class ApplicationSession:
             if notice.status is StreamStatus.STREAMING_NOT_CONNECTED:
                 self.streams.pop(notice.stream_id, None)
                 self.uplinks.pop(notice.stream_id, None)
+                self.host.quotas.note_streams(self)
         if self.extended:
             self._notify(method, params)
 
@@ -372,6 +375,7 @@ class ApplicationSession:
             self.bound.clear()
         self.streams.clear()
         self.uplinks.clear()
+        self.host.quotas.note_streams(self)
         self.stream_parameters.keep_only(())
         self.order.clear()
         self._left()

@@ -16,6 +16,7 @@ class Session:
     quota_name: str
     streams: list[str] = field(default_factory=list)
     connecting: int = 0
+    is_relayed: bool = False
 
 
 def test_connections_are_counted_for_each_subject() -> None:

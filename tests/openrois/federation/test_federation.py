@@ -15,8 +15,8 @@ from openrois.ownership.claims import Owner
 def federation(**parts: Any) -> Federation:
     link = SimpleNamespace(gateway_id="a", trouble="", present={})
     directorate = SimpleNamespace(owners=MappingProxyType({"robot": Owner("robot", "b", "i", 1)}))
-    given = {"link": link, "directorate": directorate, "lines": None, "resume_store": None, "other_way": None, **parts}
-    return Federation(engine=Engine("gateway"), **cast(Any, given))
+    given = {"link": link, "directorate": directorate, "lines": None, "resume_store": None, "other_way": None}
+    return Federation(engine=Engine("gateway"), **cast(Any, {"quotas": None, **given, **parts}))
 
 
 async def test_sessions_that_live_are_kept_in_the_store() -> None:
