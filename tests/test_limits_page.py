@@ -30,6 +30,7 @@ NO_LIMITS = {
     "openrois.cluster.frames.FRAME_HEAD": "a length of the format",
     "openrois.cluster.frames.PROTOCOL": "a version",
     "openrois.cluster.dial_failed.LOST": "a code",
+    "openrois.cluster.postgres.schema.NEWEST": "a version",
     "openrois.cluster.postgres.schema.VERSION": "a version",
     "openrois.gateway.adapters.TRY_AGAIN_LATER": "a code",
     "openrois.gateway.applications.RESUMED": "a code",

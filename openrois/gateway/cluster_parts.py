@@ -8,13 +8,14 @@ from openrois.cluster.postgres.database import Database
 from openrois.cluster.postgres.journal import PostgresJournal
 from openrois.cluster.postgres.ownership import PostgresStore
 from openrois.cluster.postgres.resumption import PostgresResumeStore
+from openrois.cluster.postgres.schema import migrate_back
 from openrois.cluster.postgres.stops import Stops
 from openrois.gateway.clustering import ClusterParts
 from openrois.gateway.settings import GatewaySettings
 from openrois.leases.epochs import ClaimedEpochs
 from openrois.ownership.directorate import Directorate
 
-__all__ = ["open_parts"]
+__all__ = ["migrate_store_back", "open_parts"]
 
 
 @asynccontextmanager
@@ -23,7 +24,7 @@ async def open_parts(settings: GatewaySettings) -> AsyncIterator[ClusterParts]:
 
     Raises:
         StoreUnreachable: PostgreSQL is not there.
-        StoreUnusable: its schema is newer than this program knows.
+        StoreUnusable: its schema is newer than this program can read.
         ValueError: an address or a file cannot be used.
     """
     nats = NatsSettings(
@@ -45,3 +46,19 @@ async def open_parts(settings: GatewaySettings) -> AsyncIterator[ClusterParts]:
         link = NatsLink(nats, settings.gateway_id)
         epochs = ClaimedEpochs(lambda: directorate.problem)
         yield ClusterParts(link, directorate, journal, PostgresResumeStore(database), stops, epochs)
+
+
+async def migrate_store_back(settings: GatewaySettings) -> int:
+    """Carry what the gateways of a cluster share back by one version of the schema; return the version that it had.
+
+    Raises:
+        StoreUnreachable: PostgreSQL is not there, or refuses.
+        StoreUnusable: the schema has not the version of this program.
+        ValueError: an address or a file cannot be used.
+    """
+    database = Database(settings.store, settings.store_password, gateway_id=settings.gateway_id)
+    async with database.connection() as connection:
+        try:
+            return await migrate_back(connection)
+        finally:
+            await connection.close(timeout=1.0)

@@ -109,7 +109,7 @@ class Clustering:
 
         Raises:
             StoreUnreachable: PostgreSQL is not there.
-            StoreUnusable: its schema is newer than this program knows.
+            StoreUnusable: its schema is newer than this program can read.
             MissingExtra: the extra `cluster` is not installed.
             ValueError: an address or a file cannot be used.
         """
@@ -121,6 +121,21 @@ class Clustering:
         opening = cast(Callable[[GatewaySettings], AbstractAsyncContextManager[ClusterParts]], module.open_parts)
         async with opening(settings) as parts:
             yield parts
+
+    @staticmethod
+    async def migrate_store_back(settings: GatewaySettings) -> int:
+        """Carry what the gateways of a cluster share back by one version; return the version that it had.
+
+        Raises:
+            StoreUnreachable: PostgreSQL is not there, or refuses.
+            StoreUnusable: the schema has not the version of this program.
+            MissingExtra: the extra `cluster` is not installed.
+            ValueError: there is no store, or it cannot be used.
+        """
+        if not settings.store:
+            raise ValueError("--migrate-store-back needs --store and --cluster, as the gateways have them")
+        migrating = import_module("openrois.gateway.cluster_parts").migrate_store_back
+        return await cast(Callable[[GatewaySettings], Awaitable[int]], migrating)(settings)
 
     @asynccontextmanager
     async def serving(self, auth_setup: AuthSetup, readiness: Readiness) -> AsyncIterator[None]:

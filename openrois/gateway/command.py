@@ -19,6 +19,7 @@ from openrois.aio.supervisor import Supervisor
 from openrois.aio.tasks import TaskScope
 from openrois.cluster.postgres.schema import StoreUnusable
 from openrois.errors import StoreUnreachable
+from openrois.gateway.clustering import Clustering
 from openrois.gateway.configuration import configure, printed
 from openrois.gateway.page import NO_PAGE, has_page
 from openrois.gateway.server import Gateway, run_gateway
@@ -55,6 +56,10 @@ def main(arguments: Sequence[str]) -> int:
         )
         for warning in configured.warnings:
             _log.warning("%s", warning)
+        if configured.migrates_back:
+            found = uvloop.run(Clustering.migrate_store_back(settings))
+            print(f"the tables of the store had version {found}, and have version {found - 1} now")
+            return 0
         _allow_files(settings)
         uvloop.run(_run(settings))
     except (JournalUnusable, MetricsUnavailable, StoreUnreachable, StoreUnusable, ValueError) as error:

@@ -97,6 +97,7 @@ class Configured:
         given: of those that are set, the value as it was given; of a secret the name of its file.
         warnings: sentences for the operator, to be logged once the log is set up.
         print_only: they are to be shown, and nothing is to be run.
+        migrates_back: the store is to be carried back by one version, and nothing is to be run.
     """
 
     settings: GatewaySettings
@@ -104,6 +105,7 @@ class Configured:
     given: Mapping[str, Any]
     warnings: tuple[str, ...]
     print_only: bool
+    migrates_back: bool
 
 
 def settings_of() -> tuple[Setting, ...]:
@@ -124,7 +126,7 @@ def configure(arguments: Sequence[str], environment: Mapping[str, str]) -> Confi
     if file:
         found |= _from_text(_text(Path(file)), Path(file))
     found |= _from_environment(environment)
-    print_only = options.pop("print_config")
+    print_only, migrates_back = options.pop("print_config"), options.pop("migrate_store_back")
     known = {setting.field: setting for setting in settings_of()}
     found |= {name: (value, known[name].option) for name, value in options.items() if value is not None}
     values = {}
@@ -138,7 +140,7 @@ def configure(arguments: Sequence[str], environment: Mapping[str, str]) -> Confi
     given = {name: value for name, (value, _) in found.items()}
     files = [str(value) for name, value in given.items() if known[name].is_secret]
     warnings = tuple(_WARNING.format(file) for file in files if is_exposed(Path(file)))
-    return Configured(settings, sources, given, warnings, print_only)
+    return Configured(settings, sources, given, warnings, print_only, migrates_back)
 
 
 def printed(configured: Configured) -> str:
@@ -172,6 +174,11 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--config", metavar="FILE", help=f"settings as TOML ({_CONFIG})")
     parser.add_argument("--print-config", action="store_true", help="show the settings and where each came from")
+    parser.add_argument(
+        "--migrate-store-back",
+        action="store_true",
+        help="carry the tables of the store back to the version before, and start nothing",
+    )
     for setting in settings_of():
         default = setting.info.default
         shown = "" if setting.is_secret or default in (None, (), False, True) else f" ({default})"

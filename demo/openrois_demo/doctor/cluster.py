@@ -8,7 +8,7 @@ from openrois.cluster.examination import HeardGateway, NatsServerFacts, examine_
 from openrois.cluster.handshake import Unreachable
 from openrois.cluster.link import LEAST_PAYLOAD
 from openrois.cluster.postgres.database import CONNECTIONS, Database
-from openrois.cluster.postgres.examination import VERSION, KnownGateway, StoreFacts, examine_store
+from openrois.cluster.postgres.examination import NEWEST, VERSION, KnownGateway, StoreFacts, examine_store
 from openrois.cluster.settings import NatsSettings
 from openrois.errors import StoreUnreachable
 from openrois_demo.doctor.finding import Finding, Level
@@ -120,9 +120,13 @@ def _schema(facts: StoreFacts) -> Finding:
     found, name = facts.schema_version, "schema"
     if found is None:
         return Finding(Level.OK, name, f"none yet: the first gateway makes version {VERSION}")
+    if found > NEWEST:
+        advice = (
+            "Install what the other gateways run, or run `openrois gateway --migrate-store-back` of that."
+        )
+        return Finding(Level.FAIL, name, f"version {found}, and this program works with up to {NEWEST}", advice)
     if found > VERSION:
-        advice = "Install the version of the other gateways, or have the newer one migrate the store back."
-        return Finding(Level.FAIL, name, f"version {found}, and this program knows up to {VERSION}", advice)
+        return Finding(Level.OK, name, f"version {found}, made by a newer OpenRoIS: this one works with it")
     if found < VERSION:
         return Finding(Level.OK, name, f"version {found}: the next gateway that starts makes it version {VERSION}")
     return Finding(Level.OK, name, f"version {found}")

@@ -65,8 +65,8 @@ _SETTINGS: Final = {
 class Database(AbstractAsyncContextManager["Database"]):
     """A database that gateways share. Enter it as long as the gateway runs.
 
-    On entering, its schema is made, or migrated to the version of this program. A connection that is lost is made
-    again, and nothing that was under way is repeated over the new one.
+    On entering, its schema is made, or migrated to the version of this program; a newer one stays. A connection that is
+    lost is made again, and nothing that was under way is repeated over the new one.
 
     Args:
         url: where it is, as `parse_store_url` has it; without a password.
@@ -82,7 +82,7 @@ class Database(AbstractAsyncContextManager["Database"]):
     Raises:
         ValueError: the URL is wrong, or the file cannot be read.
         StoreUnreachable: on entering: the database is not there.
-        StoreUnusable: on entering: its schema is newer than this program knows.
+        StoreUnusable: on entering: its schema is newer than this program can read.
     """
 
     def __init__(

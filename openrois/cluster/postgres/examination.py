@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from openrois.cluster.postgres.database import NOW, Database
-from openrois.cluster.postgres.schema import VERSION
+from openrois.cluster.postgres.schema import NEWEST, VERSION
 
 if TYPE_CHECKING:
     from asyncpg import Connection
 
-__all__ = ["VERSION", "KnownGateway", "StoreFacts", "examine_store"]
+__all__ = ["NEWEST", "VERSION", "KnownGateway", "StoreFacts", "examine_store"]
 
 _SETTINGS: Final = """
     SELECT current_setting('server_version') AS version, current_setting('server_version_num')::int AS number,
@@ -68,7 +68,7 @@ class StoreFacts:
         may_write: whether the user may make the tables, or change them.
         round_trip: seconds of one question.
         ahead: seconds by which the server's clock is ahead of this machine's, give or take half the round trip.
-        gateways: those that it knows; none where the schema is missing, or newer than this program knows.
+        gateways: those that it knows; none where the schema is missing, or newer than this program can read.
     """
 
     name: str
@@ -113,7 +113,7 @@ async def _facts(connection: "Connection", name: str) -> StoreFacts:
     if has_schema:
         schema_version = int(await connection.fetchval("SELECT version FROM openrois.version"))
         may_write = bool(await connection.fetchval(_MAY_WRITE))
-        if 0 < schema_version <= VERSION:
+        if 0 < schema_version <= NEWEST:
             rows = await connection.fetch(_GATEWAYS, now_ms)
             gateways = tuple(KnownGateway(row[0], row[1], tuple(row[2])) for row in rows)
     return StoreFacts(

@@ -1,17 +1,20 @@
 """The schema of the store by version: made and migrated forward when a gateway starts, and back by one version.
 
 Gateways of two versions share a store while they are upgraded one by one: a version adds to what the one before it
-reads and writes, and changes none of that.
+reads and writes, and changes none of that. Such a program therefore starts at a schema that is newer by one version,
+and leaves it as it is. What the older one does not write may be missing: a column that is added can be NULL, or has a
+default. What a version needs no more goes with the version after it.
 """
 
-from collections.abc import Sequence
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from asyncpg import Connection
 
-__all__ = ["STEPS", "VERSION", "Step", "StoreUnusable", "migrate", "migrate_back"]
+__all__ = ["NEWEST", "STEPS", "VERSION", "Step", "StoreUnusable", "migrate", "migrate_back"]
 
 _LOCK: Final = 0x526F4953
 """Of gateways that start at once, the one with this advisory lock migrates."""
@@ -96,46 +99,64 @@ STEPS: Final = (
 """What leads from each version to the next; version 0 is an empty schema."""
 
 VERSION: Final = len(STEPS)
-"""The version of the schema that this program reads and writes."""
+"""The version of the schema that this program makes."""
+
+NEWEST: Final = VERSION + 1
+"""The newest version of the schema that this program reads and writes: it is made for this one, too."""
 
 
 async def migrate(connection: "Connection", steps: Sequence[Step] = STEPS) -> int:
     """Make the schema, or carry it over to the present version, all or nothing; return the version that it had.
 
+    One that is newer by one version stays as it is.
+
     Raises:
-        StoreUnusable: the schema is newer than this program knows.
+        StoreUnusable: the schema is newer than that.
     """
-    return await _go(connection, steps, len(steps))
+    async with _found_version(connection) as found:
+        if found > len(steps) + 1:
+            raise StoreUnusable(
+                f"the store has version {found} of the schema, and this program works with versions up to "
+                f"{len(steps) + 1}: install a newer one, or run `openrois gateway --migrate-store-back` of the newest"
+            )
+        await _go(connection, steps, found, max(found, len(steps)))
+    return found
 
 
 async def migrate_back(connection: "Connection", steps: Sequence[Step] = STEPS) -> int:
-    """Carry the schema back to the version before the present one, for gateways of that version to start with.
+    """Carry the schema back to the version before the present one; return the version that it had.
 
-    No gateway of the present version may run.
+    No gateway that knows the present version may run; those of the version before go on.
 
     Raises:
-        StoreUnusable: the schema is newer than this program knows.
+        StoreUnusable: the schema has another version than the present one.
     """
-    return await _go(connection, steps, len(steps) - 1)
+    async with _found_version(connection) as found:
+        if found != len(steps):
+            raise StoreUnusable(
+                f"the store has version {found} of the schema, and this program goes back from version {len(steps)}: "
+                "run the OpenRoIS that made it"
+            )
+        await _go(connection, steps, found, found - 1)
+    return found
 
 
-async def _go(connection: "Connection", steps: Sequence[Step], version: int) -> int:
+@asynccontextmanager
+async def _found_version(connection: "Connection") -> AsyncIterator[int]:
+    """Yield the version of the schema, which changes within the block alone."""
     async with connection.transaction():
         await connection.execute(f"SET LOCAL lock_timeout = {_PATIENCE * 1000:.0f}; SET LOCAL statement_timeout = 0")
         await connection.execute("SELECT pg_advisory_xact_lock($1)", _LOCK, timeout=_PATIENCE)
-        found = await _version(connection)
-        if found > len(steps):
-            raise StoreUnusable(
-                f"the store has version {found} of the schema, and this program knows versions up to {len(steps)}: "
-                "install a newer one, or have the newer one migrate the store back"
-            )
-        for number in range(found, version):
-            await connection.execute(steps[number].forward, timeout=_PATIENCE)
-        for number in range(found, version, -1):
-            await connection.execute(steps[number - 1].back, timeout=_PATIENCE)
-        if found != version:
-            await connection.execute("UPDATE openrois.version SET version = $1", version)
-    return found
+        yield await _version(connection)
+
+
+async def _go(connection: "Connection", steps: Sequence[Step], found: int, version: int) -> None:
+    for number in range(found, version):
+        await connection.execute(steps[number].forward, timeout=_PATIENCE)
+    for number in range(found, version, -1):
+        await connection.execute(steps[number - 1].back, timeout=_PATIENCE)
+    if found != version:
+        await connection.execute("UPDATE openrois.version SET version = $1", version)
 
 
 async def _version(connection: "Connection") -> int:

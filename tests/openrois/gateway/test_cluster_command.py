@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from openrois.cluster.postgres.database import Database
+from openrois.cluster.postgres.schema import VERSION
 from openrois.gateway.command import main
 from tests.support.postgres import Server
 
@@ -37,3 +39,31 @@ def test_a_store_that_is_newer_is_one_line(postgres_server: Server, capfd: pytes
     said = capfd.readouterr().err
     assert said.startswith("openrois gateway: the store has version 99 of the schema")
     assert said.count("\n") == 1
+
+
+def test_the_store_goes_back_by_one_version_and_nothing_starts(
+    postgres_server: Server, capfd: pytest.CaptureFixture[str]
+) -> None:
+    asyncio.run(set_version(postgres_server, "DROP SCHEMA IF EXISTS openrois CASCADE"))
+    store = ("--store", postgres_server.url, "--store-password", str(postgres_server.password_file))
+    back = [*CLUSTER, *store, "--migrate-store-back"]
+    assert main(back) == 1
+    assert "the store has version 0 of the schema, and this program goes back from" in capfd.readouterr().err
+
+    async def make() -> None:
+        async with Database(postgres_server.url, postgres_server.password_file):
+            pass
+
+    asyncio.run(make())
+    assert main(back) == 0
+    assert capfd.readouterr().out == (
+        f"the tables of the store had version {VERSION}, and have version {VERSION - 1} now\n"
+    )
+    asyncio.run(set_version(postgres_server, "DROP SCHEMA openrois CASCADE"))
+
+
+def test_without_a_store_nothing_goes_back(capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["--migrate-store-back"]) == 1
+    assert capfd.readouterr().err == (
+        "openrois gateway: --migrate-store-back needs --store and --cluster, as the gateways have them\n"
+    )

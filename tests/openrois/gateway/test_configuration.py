@@ -155,6 +155,6 @@ def test_an_option_is_never_guessed(capfd: pytest.CaptureFixture[str]) -> None:
 )
 def test_what_is_printed_can_be_read_again(values: dict[str, Any]) -> None:
     settings = GatewaySettings(**values)
-    text = printed(configuration.Configured(settings, {}, {}, (), True))
+    text = printed(configuration.Configured(settings, {}, {}, (), True, False))
     read = dict(configuration._from_text(text, Path("/folder/gateway.toml")))
     assert GatewaySettings(**{name: value for name, (value, _) in read.items()}) == settings

@@ -1,4 +1,4 @@
-"""The schema of the store: made once, migrated forward and back by one, and refused where it is newer."""
+"""The schema of the store: made once, migrated forward and back by one; newer by one it is used, else refused."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from openrois.cluster.postgres.schema import STEPS, VERSION, Step, StoreUnusable, migrate, migrate_back
+from openrois.cluster.postgres.schema import NEWEST, STEPS, VERSION, Step, StoreUnusable, migrate, migrate_back
 from tests.support.postgres import Server
 
 pytestmark = pytest.mark.extra(name="cluster")
@@ -15,6 +15,7 @@ NEXT = (
     *STEPS,
     Step("ALTER TABLE openrois.claim ADD COLUMN colour text", "ALTER TABLE openrois.claim DROP COLUMN colour"),
 )
+AFTER_NEXT = (*NEXT, Step("CREATE TABLE openrois.more (number int)", "DROP TABLE openrois.more"))
 
 
 @pytest.fixture
@@ -49,6 +50,14 @@ async def test_what_is_in_it_survives_a_migration_and_the_way_back(admin: Any) -
     assert await migrate(admin) == VERSION
 
 
+async def test_one_that_is_newer_by_one_version_stays_as_it_is(admin: Any) -> None:
+    await migrate(admin, NEXT)
+    before = await columns(admin)
+    assert await migrate(admin) == NEWEST
+    assert await columns(admin) == before
+    assert await migrate(admin, NEXT) == NEWEST
+
+
 async def test_every_version_goes_back_to_the_one_before_it(admin: Any) -> None:
     left = []
     for number in range(len(STEPS) + 1):
@@ -59,15 +68,24 @@ async def test_every_version_goes_back_to_the_one_before_it(admin: Any) -> None:
         assert await columns(admin) == left[number - 1]
 
 
-async def test_one_that_is_newer_is_refused(admin: Any) -> None:
-    await migrate(admin, NEXT)
-    newer = (
-        f"the store has version {VERSION + 1} of the schema, and this program knows versions up to {VERSION}: install"
-    )
-    for work in (migrate, migrate_back):
-        with pytest.raises(StoreUnusable, match=newer):
+async def test_one_that_is_newer_by_two_is_refused(admin: Any) -> None:
+    await migrate(admin, AFTER_NEXT)
+    for work, why in (
+        (migrate, f"works with versions up to {NEWEST}: install a newer one, or run `openrois gateway --migrate-store"),
+        (migrate_back, f"goes back from version {VERSION}: run the OpenRoIS that made it"),
+    ):
+        with pytest.raises(StoreUnusable, match=f"the store has version {NEWEST + 1} of the schema, .*{why}"):
             await work(admin)
-    assert await admin.fetchval("SELECT version FROM openrois.version") == VERSION + 1
+    assert await admin.fetchval("SELECT version FROM openrois.version") == NEWEST + 1
+
+
+async def test_only_the_program_that_made_it_goes_back(admin: Any) -> None:
+    await migrate(admin, NEXT)
+    with pytest.raises(StoreUnusable, match=f"version {NEWEST} of the schema, and this program goes back from"):
+        await migrate_back(admin)
+    await migrate_back(admin, NEXT)
+    with pytest.raises(StoreUnusable, match=f"version {VERSION} of the schema, and this program goes back from"):
+        await migrate_back(admin, NEXT)
 
 
 async def test_a_step_that_fails_changes_nothing(admin: Any) -> None:
