@@ -11,7 +11,7 @@ from openrois.jsonrpc.protocol import INVALID_REQUEST
 from openrois.jsonrpc.session import RpcError, RpcSession, SessionClosed
 from openrois.types.codes import ReturnCode
 from openrois.types.messages import CommandUnit, ConcurrentCommands, ExecuteParams, ReturnResult
-from openrois.types.model import Model
+from openrois.types.model import PASSING_OVER, Model
 
 __all__ = ["Outcome", "ask", "read_message", "read_result"]
 
@@ -109,7 +109,7 @@ def read_message(model: type[Message], raw: Any) -> Message:
         pydantic.ValidationError: it is not what the model describes.
     """
     kept = model.model_config.get("extra") == "allow"
-    return model.model_validate(raw, extra="allow" if kept else "ignore")
+    return model.model_validate(raw, extra="allow" if kept else "ignore", context=PASSING_OVER)
 
 
 def read_result(method: str, model: type[Outcome], raw: Any, about: str = "", reason: str = "") -> Outcome:

@@ -69,7 +69,7 @@ class Assertion(Model):
             BadParameter: it is no assertion.
         """
         try:
-            return cls.model_validate(said)
+            return cls.read_newer(said)
         except ValidationError as error:
             first = error.errors(include_url=False, include_context=False, include_input=False)[0]
             path = ".".join(str(step) for step in first["loc"])

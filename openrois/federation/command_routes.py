@@ -120,5 +120,5 @@ class CommandRoutes:
                 component_ref = str(found.get("component_ref"))
                 sub.note_ref(component_ref)
                 self._routes.work.note_held(component_ref, is_held=True)
-                return ReferenceResult.model_validate(found)
+                return ReferenceResult.read_newer(found)
         raise OutOfResources("every component that satisfies the condition is bound by another application")

@@ -151,7 +151,7 @@ class Resumption:
         try:
             sub = await self._routes.subs.to(gateway_id)
             said = await sub.ask(REPORT, params, timeout=REPORT_TIMEOUT, accepted=self._noting(sub, asked))
-            report = ResumeResult.model_validate(said[0])
+            report = ResumeResult.read_newer(said[0])
         except (RoISError, ValidationError) as error:
             _log.warning("a resumed session finds nothing at gateway %s: %s", gateway_id, error)
             return None

@@ -98,7 +98,7 @@ class StopRoutes:
         sub = await self._routes.subs.to(gateway_id)
         result, reason = await sub.ask(_STOP, params, urgent=True)
         try:
-            return StopAllResult.model_validate(result), reason
+            return StopAllResult.read_newer(result), reason
         except ValidationError:
             raise EngineUnreachable(f"gateway {gateway_id} answers STOP with what is no answer") from None
 

@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Final
 
-from openrois.errors import ComponentFailed, EngineUnreachable, NotResponding
+from openrois.errors import ComponentFailed, EngineUnreachable, NotResponding, Unsupported
 from openrois.federation.counts import Counts
 from openrois.jsonrpc import protocol
 from openrois.jsonrpc.session import (
@@ -205,6 +205,8 @@ class SubSession:
                 self._calls["answered"] += 1
                 raise InvalidParams(error.data) from None
             self._calls["refused"] += 1
+            if error.code == protocol.METHOD_NOT_FOUND:
+                raise Unsupported(f"gateway {self.gateway_id} is of an older version, without {method}") from None
             raise ComponentFailed(f"gateway {self.gateway_id} refused {method} with the error {error.code}") from error
         self._calls["answered"] += 1
         return result
@@ -217,7 +219,7 @@ class SubSession:
     def take_notification(self, name: str, params: Mapping[str, Any]) -> None:
         """Take a notification of the other gateway, and pass it on in its turn."""
         if name == ReasonNotification.method and "request_id" in params:
-            notice = ReasonNotification.model_validate(params)
+            notice = ReasonNotification.read_newer(params)
             self._session.handle_reason(notice.request_id, sentence(notice.reason))
         elif self._unsent:
             self._held.append((name, params))

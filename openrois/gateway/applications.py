@@ -17,7 +17,7 @@ from pydantic import Field, ValidationError
 from openrois.aio.rate import RateLimit
 from openrois.auth.principal import LOCAL
 from openrois.contract import Client
-from openrois.errors import RoISError
+from openrois.errors import BadParameter, RoISError
 from openrois.federation.assertion import Assertion
 from openrois.federation.federation import Federation
 from openrois.federation.lines import Lines, SessionLine
@@ -41,7 +41,7 @@ from openrois.observability.correlation import connection
 from openrois.observability.logs import Tally
 from openrois.scope.views import ViewChange
 from openrois.session.session import ApplicationSession, EngineHost
-from openrois.transport.stream import MessageStream, StreamClosed
+from openrois.transport.stream import POLICY_VIOLATION, MessageStream, StreamClosed
 from openrois.types.leases import MAX_RESUMED, ResumeResult
 from openrois.types.model import Model
 from openrois.types.references import engine_of
@@ -134,7 +134,12 @@ async def serve_sub_session(
     app.is_relayed = True
 
     def replace(params: Mapping[str, Any]) -> None:
-        principal = Assertion.parse(params).principal
+        try:
+            principal = Assertion.parse(params).principal
+        except BadParameter as error:
+            # It may be less than before, as another version says it: what was asserted before holds no more.
+            served.session.end_session(POLICY_VIOLATION, str(error))
+            return
         if principal.subject == expiry.principal.subject and not expiry.is_over:
             expiry.replace(principal)
 

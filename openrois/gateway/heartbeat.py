@@ -47,7 +47,7 @@ class Heartbeat:
 
     def _watch(self, params: dict[str, Any]) -> None:
         self.stop()
-        if _Watch.model_validate(params).wanted:
+        if _Watch.read_newer(params).wanted:
             self._beating = self._tasks.start(self._beat())
 
     async def _beat(self) -> None:

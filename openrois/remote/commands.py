@@ -118,7 +118,7 @@ class RemoteCommands:
 
     def handle_completed(self, params: dict[str, Any]) -> None:
         """Note how a command ended; unknown commands are ignored."""
-        completed = Completed.model_validate(params)
+        completed = Completed.read_newer(params)
         command = self._running.get(completed.command_id)
         if command is None:
             self.strays.note(completed.command_id[:80])

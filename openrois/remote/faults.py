@@ -48,7 +48,7 @@ class RemoteFaults:
 
     def handle_notification(self, params: dict[str, Any]) -> None:
         """Handle a notification and query its details; of too many the rest is counted."""
-        notice = ErrorNotification.model_validate(params)
+        notice = ErrorNotification.read_newer(params)
         if not self._remote_profile.is_own(notice.error_id):
             self._foreign.note(f"the id {notice.error_id[:200]!r}")
         elif not self._limit.admits():

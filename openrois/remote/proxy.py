@@ -56,9 +56,6 @@ _FAILED: Final[dict[CompletedStatus, type[RoISError]]] = {
 }
 
 
-_READ_EVENT: Final = EventNotification.__pydantic_validator__.validate_python
-
-
 class RemoteProxy:
     """The five methods, called over an `RpcSession` that its owner runs.
 
@@ -292,14 +289,14 @@ class RemoteProxy:
         self._subscriptions.tree_changed(engine_ids)
 
     def _take_reason(self, params: dict[str, Any]) -> None:
-        notice = ReasonNotification.model_validate(params)
+        notice = ReasonNotification.read_newer(params)
         line = sentence(notice.reason)
         self._session.handle_reason(notice.request_id, line)
         if notice.command_id is not None:
             self._commands.take_reason(notice.command_id, line)
 
     def _take_event(self, params: dict[str, Any]) -> None:
-        notice: EventNotification = _READ_EVENT(params)
+        notice = EventNotification.read_newer(params)
         key = self._subscriptions.key_of(notice.subscribe_id)
         if key is None:
             return

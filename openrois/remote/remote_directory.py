@@ -71,7 +71,7 @@ class RemoteDirectory:
         return {DirectoryChangedNotification.method: self._note_changes}
 
     def _note_changes(self, params: dict[str, Any]) -> None:
-        notice = DirectoryChangedNotification.model_validate(params)
+        notice = DirectoryChangedNotification.read_newer(params)
         self._stale.update((engine_id, None) for engine_id in notice.changed if not flaw_of_name(engine_id))
         for engine_id in notice.gone:
             self._drop(engine_id)

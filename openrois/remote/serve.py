@@ -173,7 +173,7 @@ class _ServedExtension:
 
         def holder(params: dict[str, Any]) -> None:
             client_id = str(params.pop("client_id", ""))
-            notification = HolderNotification.model_validate(params)
+            notification = HolderNotification.read_newer(params)
             if notification.component_ref not in self._host.engine.components:
                 return
             if not self._host.epoch_fence.note(self._parent, notification.component_ref, notification.epoch):

@@ -338,7 +338,7 @@ class ApplicationSession:
     def _handle_extension_notification(self, method: str, params: Mapping[str, Any]) -> None:
         # Read before it waits: a malformed one is the fault of its engine, not of the call that it waits for.
         is_status = method == StreamStatusNotification.method
-        notice = StreamStatusNotification.model_validate(params) if is_status else None
+        notice = StreamStatusNotification.read_newer(params) if is_status else None
         engine_id = engine_of(subject_of(params))
 
         def deliver() -> None:

@@ -5,12 +5,12 @@ failure in RoIS terms is a result whose `return_code` is not OK and whose other 
 """
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Final, Self
+from typing import Annotated, Any, Final, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, ValidationError, ValidationInfo
 
 from openrois.types.codes import CompletedStatus, ErrorType, ReturnCode
-from openrois.types.model import Model
+from openrois.types.model import PASSING_OVER, Model
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
 
 __all__ = [
@@ -100,14 +100,15 @@ def _not_empty(items: tuple[Any, ...]) -> tuple[Any, ...]:
     return items
 
 
-def _up_to_a_flaw(profiles: Any) -> Any:
+def _up_to_a_flaw(profiles: Any, info: ValidationInfo) -> Any:
     """Return profiles by their references; where one does not fit that one alone, so that one error is reported."""
     if not isinstance(profiles, dict):
         return profiles
+    extra: Literal["ignore"] | None = "ignore" if info.context is PASSING_OVER else None
     read = {}
     for ref, profile in profiles.items():
         try:
-            read[ref] = HRIComponentProfile.model_validate(profile)
+            read[ref] = HRIComponentProfile.model_validate(profile, extra=extra)
         except ValidationError:
             return {ref: profile}
     return read
@@ -199,15 +200,14 @@ class ReturnResult(Model):
 
     @classmethod
     def read(cls, result: Any) -> Self:
-        """Read a result off the wire.
+        """Read a result off the wire; members that this version does not know are passed over.
 
         Raises:
             ValidationError: it does not fit, or has no return code.
         """
         if isinstance(result, Mapping) and "return_code" not in result:
             result = {**result, "return_code": None}
-        checked: Self = cls.__pydantic_validator__.validate_python(result)
-        return checked
+        return cls.read_newer(result)
 
 
 class ProfileResult(ReturnResult):

@@ -51,7 +51,7 @@ class TestProfiles:
             ({"return_code": "OK", "profile": None}, "profile"),
             ({"return_code": "ERROR", "profile": None}, "profile"),
             ({"return_code": "OK", "profile": deep}, "profile"),
-            ({**profile_result("toy"), "extra": 1}, "malformed"),
+            ({**profile_result("toy"), "component_profiles": {"plain/toy": {"name": 1}}}, "malformed"),
             ({"return_code": "OK", "profile": engine_profile("日" * 200)}, "日日"),
             ("nonsense" * 2, ""),
         ]:
@@ -176,7 +176,7 @@ class TestPlainAdapter:
                 ({"return_code": "TIMEOUT"}, "TIMEOUT"),
                 ({"return_code": "BAD_PARAMETER"}, "ERROR"),
                 ({"return_code": "UNSUPPORTED"}, "ERROR"),
-                ({"return_code": "OK", "extra": 1}, "ERROR"),
+                ({"return_code": "FINE"}, "ERROR"),
                 ('{"jsonrpc":"2.0","id":"ID","error":{"code":-32602,"message":"no"}}', "ERROR"),
             ]
         ):

@@ -370,7 +370,7 @@ class TestEngines:
     ) -> None:
         """A bug in between is the gateway's own fault, and the connection goes on."""
         await app.code("rois.system.connect")
-        monkeypatch.setattr("openrois.remote.proxy._READ_EVENT", None)
+        monkeypatch.setattr("openrois.remote.proxy.EventNotification", None)
         await app.ask("rois.event.subscribe", event_type="switched")
         await app.code("rois.command.bind", component_ref=LAMP)
         await execute(app, LAMP, "switch")
@@ -430,7 +430,6 @@ class TestPlainAdapters:
             {"error_id": "gateway/e", "error_type": kind},
             {"error_id": "e", "error_type": kind},
             {"error_id": "plain/e", "error_type": "NO_ERROR"},
-            {"error_id": "plain/e", "error_type": kind, "component_ref": TOY},
             {"error_id": "plain/e"},
         ):
             await plain.tell("rois.system.notify_error", **params)

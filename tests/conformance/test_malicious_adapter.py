@@ -254,7 +254,7 @@ async def lies_about_who_holds_what(scene: Scene) -> None:
 
 
 async def blames_foreign_components(scene: Scene) -> None:
-    for error_id in ("robot/err-1", "plain/err-1", "gateway/err-1", "x"):
+    for error_id in ("robot/err-1", "gateway/err-1", "x"):
         await scene.evil.tell(
             "rois.system.notify_error", error_id=error_id, error_type="COMPONENT_INTERNAL_ERROR", component_ref=LAMP
         )

@@ -11,6 +11,7 @@ from openrois.component.authoring.marks import command
 from tests.support.components import Bell
 from tests.support.ground import Ground, ground, robot_program, turns
 from tests.support.invariants import PATIENCE, Witness
+from tests.support.newer import with_more
 from tests.support.plain import TOY, plain_adapter, profile_result
 from tests.support.seeds import ALL, lasting
 
@@ -224,6 +225,8 @@ async def test_f29_adapters_of_other_ages_beside_each_other(
         await place.robot()
         for engine_id, answers in ages:
             profile = profile_result("toy", engine_id=engine_id)
+            if engine_id == "later":
+                profile = with_more(profile)
             adapter = await place.stack.enter_async_context(plain_adapter(place.gateway, profile, **answers))
             adapter.answers["rois.event.subscribe"] = {"return_code": "OK", "subscribe_id": f"{engine_id}/sub"}
             await place.attached(engine_id)

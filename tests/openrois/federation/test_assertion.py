@@ -40,13 +40,17 @@ def test_a_scope_that_is_too_long_goes_nowhere() -> None:
         {"scope": ["*"] * (MAX_SCOPE + 1)},
         {"generation": -1},
         {"line": "x" * 65},
-        {"more": "members"},
     ],
     ids=str,
 )
 def test_what_is_no_assertion_is_refused(flaw: dict[str, object]) -> None:
     with pytest.raises(BadParameter, match="what the gateway asserts is no principal"):
         Assertion.parse({**Assertion.of(ANN).hello(), **flaw})
+
+
+def test_what_a_newer_gateway_says_besides_is_passed_over() -> None:
+    said = Assertion.of(ANN, line="l").hello()
+    assert Assertion.parse({**said, "colour": "red"}) == Assertion.parse(said)
 
 
 @given(st.dictionaries(st.text(max_size=10), st.none() | st.integers() | st.text() | st.lists(st.text())))

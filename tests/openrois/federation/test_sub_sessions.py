@@ -9,7 +9,7 @@ import pytest
 
 from openrois.aio.tasks import TaskScope
 from openrois.auth.principal import LOCAL
-from openrois.errors import ComponentFailed, EngineUnreachable, NotResponding
+from openrois.errors import ComponentFailed, EngineUnreachable, NotResponding, Unsupported
 from openrois.federation.assertion import Assertion
 from openrois.federation.counts import Counts
 from openrois.federation.sub_session import MAX_REFS, SubSession
@@ -135,18 +135,30 @@ class TestASession:
             await far.is_told.wait()
         assert far.told == [(EVENT["method"], EVENT["params"])]
 
+    async def test_what_a_newer_gateway_says_besides_goes_on_or_is_passed_over(self, far: Far) -> None:
+        refused = {"result": {"return_code": "ERROR", "more": {"of": "it"}}}
+        sub = await far.subs.to("a")
+        asking = asyncio.ensure_future(sub.relay("rois.command.bind", {}))
+        request_id = (await far.asked())["id"]
+        why = {"request_id": request_id, "reason": "it sleeps", "more": 1}
+        await far.say({"method": "openrois.reason", "params": why}, {"id": request_id, **refused})
+        reply = await asking
+        assert (reply.reason, reply.result) == ("it sleeps", refused["result"])
+
     async def test_errors_are_the_applications_own_or_the_gateways(self, far: Far) -> None:
         wrong = {"error": {"code": -32602, "message": "no", "data": [{"path": "x", "message": "is missing"}]}}
         with pytest.raises(InvalidParams, match="x: is missing"):
             await relayed(far, wrong)
         with pytest.raises(ComponentFailed, match=r"gateway a refused rois\.command\.bind with the error -32603"):
             await relayed(far, {"error": {"code": -32603, "message": "no"}})
+        with pytest.raises(Unsupported, match=r"gateway a is of an older version, without rois\.command\.bind"):
+            await relayed(far, {"error": {"code": -32601, "message": "Method not found: rois.command.bind"}})
         sub = await far.subs.to("a")
         asking = asyncio.ensure_future(sub.ask("openrois.stop_all", {}))
         await far.say({"id": (await far.asked())["id"], "result": 7})
         with pytest.raises(ComponentFailed, match=r"answers openrois\.stop_all with what is no object"):
             await asking
-        counted = {"answered": 2, "refused": 1, "late": 0, "lost": 0, "unreached": 0}
+        counted = {"answered": 2, "refused": 2, "late": 0, "lost": 0, "unreached": 0}
         assert far.counts.calls == counted
 
     async def test_a_gateway_that_does_not_answer_is_left(self, far: Far) -> None:

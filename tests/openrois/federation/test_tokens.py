@@ -1,15 +1,18 @@
 """Tokens of applications whose bodies are at another gateway: what changes here holds there."""
 
+import json
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from openrois.auth.principal import LOCAL
+from openrois.auth.principal import LOCAL, Principal, Role
 from openrois.errors import EngineUnreachable
 from openrois.federation.assertion import Assertion
+from openrois.federation.sub_sessions import PRINCIPAL
 from openrois.transport.credentials import Credentials
+from openrois.transport.stream import StreamClosed
 from tests.support.cluster import seen_by
 from tests.support.deployment import Application, application, patience
 from tests.support.guarded import fresh
@@ -99,3 +102,15 @@ async def test_a_gateway_without_tokens_opens_nothing_at_one_with_them(
     with pytest.raises(EngineUnreachable, match="asks for tokens and that one does not: give both the same keys"):
         await federation.dial("a", Assertion.of(LOCAL))
     assert "another gateway asks for a session in vain" in caplog.text
+
+
+async def test_a_principal_that_is_not_understood_ends_what_was_asserted_before(guarded: Guarded) -> None:
+    federation = guarded.place.gateway("b").federation
+    assert federation is not None
+    ann = Assertion.of(Principal("ann", frozenset({Role.OPERATOR}), ("robot/*",)))
+    stream = await federation.dial("a", ann)
+    said = {"jsonrpc": "2.0", "method": PRINCIPAL, "params": {**ann.hello(), "roles": ["viewer of tomorrow"]}}
+    await stream.send(json.dumps(said))
+    async with patience():
+        with pytest.raises(StreamClosed):
+            await stream.receive()

@@ -202,6 +202,10 @@ class TestReasons:
         await far.introduce()
         assert await self.refuse(far, {"request_id": "ID", "reason": "it\n sleeps"}) == "it sleeps"
 
+    async def test_what_a_newer_engine_says_besides_is_passed_over(self, far: Far) -> None:
+        await far.introduce()
+        assert await self.refuse(far, {"request_id": "ID", "reason": "it sleeps", "more": {"so": 1}}) == "it sleeps"
+
     async def test_the_last_word_counts(self, far: Far) -> None:
         await far.introduce()
         said = [{"request_id": "ID", "reason": str(number)} for number in range(100)]
@@ -222,7 +226,6 @@ class TestReasons:
             {"request_id": "ID"},
             {"command_id": "ID", "reason": "x"},
             {"command_id": "unknown", "reason": "x"},
-            {"request_id": "ID", "reason": "x", "more": 1},
         ):
             assert await self.refuse(far, reason) == "the engine answered rois.query.query with TIMEOUT"
         # One that was said of a request comes too early for the next.
