@@ -2,10 +2,11 @@
 
 import asyncio
 import logging
-from collections import deque
 from collections.abc import Callable
 from typing import Final
 
+from openrois.aio.lean_event import LeanEvent
+from openrois.aio.lean_queue import LeanQueue
 from openrois.jsonrpc.unread import UnreadAccount, UnreadBudget
 from openrois.observability.logs import Tally
 
@@ -39,8 +40,10 @@ def _silence(_dropped: int) -> str | None:
 class _Lane:
     """Messages of one kind that wait, each with its number in the order of all."""
 
+    __slots__ = ("_most", "_most_text", "_text", "entries")
+
     def __init__(self, most: int, most_text: int) -> None:
-        self.entries: deque[tuple[int, str]] = deque()
+        self.entries = LeanQueue[tuple[int, str]]()
         self._most = most
         self._most_text = most_text
         self._text = 0
@@ -56,11 +59,11 @@ class _Lane:
         return len(self.entries) * 2 < self._most and self._text * 2 < self._most_text
 
     def put(self, number: int, text: str) -> None:
-        self.entries.append((number, text))
+        self.entries.put((number, text))
         self._text += len(text)
 
     def pop_text(self) -> str:
-        _, text = self.entries.popleft()
+        _, text = self.entries.pop()
         self._text -= len(text)
         return text
 
@@ -77,10 +80,10 @@ class Outbox:
         self._control = _Lane(control_limit, CONTROL_TEXT)
         self._events = _Lane(event_limit, EVENT_TEXT)
         self._put = 0
-        self._ready = asyncio.Event()
-        self._empty = asyncio.Event()
+        self._ready = LeanEvent()
+        self._empty = LeanEvent()
         self._empty.set()
-        self._roomy = asyncio.Event()
+        self._roomy = LeanEvent()
         self._asking = 0
         self._asking_in_turn = asyncio.Lock()
         self._closed = False
@@ -156,8 +159,8 @@ class Outbox:
             await self._ready.wait()
 
     def _pop_text(self) -> str:
-        control, events = self._control.entries, self._events.entries
-        if not events or (control and control[0] < events[0]):
+        control, event = self._control.entries.first(), self._events.entries.first()
+        if event is None or (control is not None and control < event):
             text = self._control.pop_text()
             self._taken += len(text)
             if self._control.is_half_empty():

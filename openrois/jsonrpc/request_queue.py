@@ -1,11 +1,11 @@
 """Requests of a connection that run, wait or are refused: so many at a time, and urgent ones before all. Pure."""
 
-from collections import deque
 from collections.abc import Callable
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from typing import Any, Final
 
+from openrois.aio.lean_queue import LeanQueue
 from openrois.aio.rate import RateLimit
 from openrois.jsonrpc.protocol import Request
 
@@ -80,7 +80,7 @@ class RequestQueue:
         self._rules = rules
         self._running = 0
         self._running_urgent = 0
-        self._waiting: deque[_Waiting] = deque()
+        self._waiting = LeanQueue[_Waiting]()
         self._text = 0
         self.refused = 0
         self.urgent = 0
@@ -98,7 +98,7 @@ class RequestQueue:
             self._running += 1
             self._start(request, self._ran)
         elif len(self._waiting) < MAX_WAITING_REQUESTS and self._text + length <= MAX_WAITING_TEXT:
-            self._waiting.append(_Waiting(request, length, self._rules.named(request)))
+            self._waiting.put(_Waiting(request, length, self._rules.named(request)))
             self._text += length
         else:
             self._turn_away(request, f"{len(self._waiting)} requests wait already; retry_after=1")
@@ -113,7 +113,7 @@ class RequestQueue:
         overtaken = [each for each in self._waiting if each.would_act_on(meant)]
         if overtaken:
             # What was asked before a stop may not begin behind it.
-            self._waiting = deque(each for each in self._waiting if not each.would_act_on(meant))
+            self._waiting = LeanQueue(each for each in self._waiting if not each.would_act_on(meant))
             self._text = sum(each.length for each in self._waiting)
         self.urgent += 1
         self._running_urgent += 1
@@ -132,6 +132,6 @@ class RequestQueue:
         if not self._waiting:
             self._running -= 1
             return
-        waiting = self._waiting.popleft()
+        waiting = self._waiting.pop()
         self._text -= waiting.length
         self._start(waiting.request, self._ran)

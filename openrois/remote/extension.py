@@ -2,10 +2,10 @@
 
 import logging
 import secrets
-from collections import deque
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from typing import Any, Final
 
+from openrois.aio.lean_queue import LeanQueue
 from openrois.aio.tasks import TaskScope
 from openrois.contract import Client
 from openrois.errors import ComponentFailed
@@ -90,7 +90,7 @@ class RemoteExtension:
         self._ids: dict[Client, str] = {}
         self._heard: set[str] = set()
         """The ids of clients that the other side knows."""
-        self._gone: deque[str] = deque()
+        self._gone = LeanQueue[str]()
         """Those of clients that are gone, where that waits for room to be notified."""
         self._outbox = outbox
         self._tasks = tasks
@@ -142,7 +142,7 @@ class RemoteExtension:
             self.catch_up()
 
     def _tell_gone(self) -> None:
-        self._notify(CLIENT_GONE, {"client_id": self._gone.popleft()})
+        self._notify(CLIENT_GONE, {"client_id": self._gone.pop()})
 
     def _named(self, client: Client) -> str:
         """Return the id of a client on the other side, which is notified of its end from now on."""
@@ -173,7 +173,7 @@ class RemoteExtension:
         if client_id not in self._heard:
             return
         self._heard.remove(client_id)
-        self._gone.append(client_id)
+        self._gone.put(client_id)
         if len(self._gone) > MAX_GONE:
             # Another side that reads nothing for so long loses its connection, as by any other message too many.
             self._tell_gone()

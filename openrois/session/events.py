@@ -4,13 +4,13 @@ import asyncio
 import json
 import logging
 import time
-from collections import deque
 from collections.abc import Callable, Container, Coroutine, Iterator
 from dataclasses import dataclass, field
 from datetime import UTC
 from typing import Any, Final, Protocol
 
 from openrois.aio.bounded_history import BoundedHistory
+from openrois.aio.lean_queue import LeanQueue
 from openrois.contract import Event, SubscriptionLost
 from openrois.engine.engine import Engine
 from openrois.errors import BadParameter, EngineUnreachable, OutOfResources
@@ -44,7 +44,7 @@ class _Subscription:
     bus_id: str = ""
     open: bool = False
     dropped: bool = False
-    held: deque[Event] = field(default_factory=lambda: deque(maxlen=MAX_HELD))
+    held: LeanQueue[Event] = field(default_factory=LeanQueue)
 
     def __post_init__(self) -> None:
         self.as_json = json.dumps(self.subscribe_id)
@@ -230,7 +230,7 @@ class EventLog:
             return
         subscription.open = True
         while subscription.held:
-            self._send_event(subscription, subscription.held.popleft())
+            self._send_event(subscription, subscription.held.pop())
 
     def _handle_item(self, subscription: _Subscription, item: Event | SubscriptionLost) -> None:
         if isinstance(item, SubscriptionLost):
@@ -238,7 +238,9 @@ class EventLog:
         elif subscription.open:
             self._send_event(subscription, item)
         else:
-            subscription.held.append(item)
+            if len(subscription.held) >= MAX_HELD:
+                subscription.held.pop()
+            subscription.held.put(item)
 
     def _send_event(self, subscription: _Subscription, event: Event) -> None:
         told = _Notified(event, self._clock(), self._wall_clock())
