@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Protocol, runtime_checkable
 
-from openrois.jsonrpc.protocol import encode
+from openrois.jsonrpc.protocol import decode, encode
 from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
@@ -50,7 +50,10 @@ class Directory:
 
 
 class EventText:
-    """The params of `rois.event.notify_event` but for the id of a subscription."""
+    """The params of `rois.event.notify_event` but for the id of a subscription.
+
+    That is all that is kept of an event: its results as objects take three times as much memory.
+    """
 
     __slots__ = ("_before", "_behind")
 
@@ -61,6 +64,10 @@ class EventText:
     def params_for(self, subscription: str) -> str:
         """Return the params for one subscription, whose id is given as JSON text."""
         return f"{self._before}{subscription}{self._behind}"
+
+    def results(self) -> tuple[Result, ...]:
+        """Return the results of the event."""
+        return tuple(Result.model_validate(each) for each in decode("{" + self._behind[1:])["results"])
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Listeners to one kind of occurrence, which come and go. Pure."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Generic, TypeVarTuple
 
 __all__ = ["Listeners"]
@@ -18,11 +19,10 @@ class Listeners(Generic[*What]):
         """Call `listener` from now on; return a function that removes it, which may be called more than once."""
         key = object()
         self._listeners[key] = listener
+        return partial(self._remove, key)
 
-        def leave() -> None:
-            self._listeners.pop(key, None)
-
-        return leave
+    def _remove(self, key: object) -> None:
+        self._listeners.pop(key, None)
 
     def notify_all(self, *what: *What) -> None:
         """Call every listener that was there when the call began."""

@@ -11,7 +11,7 @@ from typing import Any, Final, Protocol
 
 from openrois.aio.bounded_history import BoundedHistory
 from openrois.aio.lean_queue import LeanQueue
-from openrois.contract import Event, SubscriptionLost
+from openrois.contract import Event, EventText, SubscriptionLost
 from openrois.engine.engine import Engine
 from openrois.errors import BadParameter, EngineUnreachable, OutOfResources
 from openrois.jsonrpc.session import Reply
@@ -34,7 +34,7 @@ MAX_DATE_TIME: Final = 64
 _STATUS_EVENT: Final = "notify_stream_status"
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, slots=True)
 class _Subscription:
     """One subscription; events that come before its reply has left are held back until then."""
 
@@ -45,6 +45,7 @@ class _Subscription:
     open: bool = False
     dropped: bool = False
     held: LeanQueue[Event] = field(default_factory=LeanQueue)
+    as_json: str = field(init=False)
 
     def __post_init__(self) -> None:
         self.as_json = json.dumps(self.subscribe_id)
@@ -54,7 +55,9 @@ class _Subscription:
 class _Notified:
     """A notified event, and when that was, by both clocks."""
 
-    event: Event
+    text: EventText
+    component_ref: str
+    expire: str
     at: float
     wall: float
 
@@ -184,9 +187,9 @@ class EventLog:
             BadParameter: it never received it, or too long ago, or it is out of scope by now.
         """
         told = self._details.get(event_id)
-        if told is None or self._is_over(told) or not sees(told.event.component_ref):
+        if told is None or self._is_over(told) or not sees(told.component_ref):
             raise BadParameter(f"there are no details of an event {event_id[:200]!r}")
-        return told.event.results
+        return told.text.results()
 
     def _forget_expired(self) -> None:
         """Forget the details that have expired, and look again later while others are left."""
@@ -204,7 +207,7 @@ class EventLog:
         How long that is was settled at the notification: the wall clock may have been set since.
         """
         try:
-            expire = read_date_time(told.event.expire[:MAX_DATE_TIME])
+            expire = read_date_time(told.expire[:MAX_DATE_TIME])
         except ValueError:
             return self._clock() >= told.at + DETAIL_LIFETIME
         if expire.tzinfo is None:
@@ -243,7 +246,7 @@ class EventLog:
             subscription.held.put(item)
 
     def _send_event(self, subscription: _Subscription, event: Event) -> None:
-        told = _Notified(event, self._clock(), self._wall_clock())
+        told = _Notified(event.text, event.component_ref, event.expire, self._clock(), self._wall_clock())
         self._details.put(event.event_id, told, event.results)
         if self._forgetting is None:
             self._forgetting = self._later(DETAIL_LIFETIME, self._forget_expired)

@@ -22,6 +22,7 @@ def test_it_reads_as_the_notification(
     text.encode()
     assert json.loads(text) == told.model_dump(mode="json")
     assert event.text is event.text
+    assert event.text.results() == results
 
 
 def test_half_a_surrogate_pair_passes() -> None:

@@ -149,21 +149,29 @@ async def test_details_expire_when_the_event_says(setting: Setting, expire: str)
 async def test_what_has_expired_takes_no_memory(setting: Setting) -> None:
     _, reply_left = await setting.subscribe()
     reply_left()
-    short, long = event("short"), event("long", "1970-01-01T00:01:30+00:00")
-    kept = [weakref.ref(short), weakref.ref(long)]
-    for each in (short, long):
+    for each in (event("short"), event("long", "1970-01-01T00:01:30+00:00")):
         setting.bus.emit(each)
-    assert len(setting.timers) == 1
-    del short, long, each
+    assert (len(setting.log._details), len(setting.timers)) == (2, 1)
     setting.pass_time(DETAIL_LIFETIME)
-    assert [each() is None for each in kept] == [True, False]
+    assert len(setting.log._details) == 1
     assert setting.log.details("long") == event("long").results
     setting.pass_time(DETAIL_LIFETIME)
-    assert [each() is None for each in kept] == [True, True]
+    assert len(setting.log._details) == 0
     # With nothing left nothing wakes the gateway until another event comes.
     assert setting.timers == []
     setting.bus.emit(event("another"))
     assert len(setting.timers) == 1
+
+
+async def test_of_an_event_that_was_notified_its_text_alone_is_kept(setting: Setting) -> None:
+    _, reply_left = await setting.subscribe()
+    reply_left()
+    notified = event("a")
+    kept = weakref.ref(notified), weakref.ref(notified.results[0])
+    setting.bus.emit(notified)
+    del notified
+    assert [each() for each in kept] == [None, None]
+    assert setting.log.details("a") == event("a").results
 
 
 async def test_an_application_that_has_gone_leaves_no_timer(setting: Setting) -> None:
