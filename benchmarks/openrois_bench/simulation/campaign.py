@@ -92,10 +92,10 @@ class Campaign:
             at_once = len(applications) / SUBSCRIBED / plan.pace
             await self._phase("subscribe all", lambda: self._all(applications, Application.subscribe, at_once))
             ending = self._rush()
-            # What has begun ends behind the rush: only its own seconds count.
+            # What has begun ends behind the rush, without its events: only its own seconds count.
             await self._phase("rush", lambda: asyncio.sleep(plan.rush))
-            await ending
             await self._phase("unsubscribe all", lambda: self._all(applications, Application.unsubscribe, at_once))
+            await ending
         if plan.hours:
             await self._phase("day", self._day)
         # Before the bodies: a gateway asks all sessions that are left whether a lost body concerns them.
