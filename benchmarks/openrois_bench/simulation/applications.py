@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
 from openrois.transport.stream import MessageStream, StreamClosed
-from openrois_bench.simulation.bodies import EVENT, EVENT_SOURCE, SDP, SILENT_EVENT, SILENT_SOURCE, Body
+from openrois_bench.simulation.bodies import BURST_EVENT, BURST_SOURCE, EVENT, EVENT_SOURCE, SDP, Body
 from openrois_bench.simulation.door import Door
 from openrois_bench.simulation.mix import COMMAND_SECONDS
 
@@ -19,6 +19,9 @@ PATIENCE: Final = 30.0
 
 SHOWN: Final = 20
 """Bodies that an application shows of those that it sees."""
+
+PIPELINED: Final = 16
+"""Questions that an application asks before the first answer, where it asks several together."""
 
 _EVENT: Final = '"rois.event.notify_event"'
 
@@ -54,6 +57,7 @@ class Application:
         self._stream: MessageStream | None = None
         self._asked = 0
         self._subscribed = ""
+        self._receives = "deliveries"
         self._waiting: dict[str | int, asyncio.Future[Any]] = {}
 
     async def enter(self) -> None:
@@ -80,9 +84,17 @@ class Application:
 
     async def query(self) -> None:
         """Ask the body something."""
+        await self._query()
+        self._counts["queries"] += 1
+
+    async def query_together(self) -> None:
+        """Ask the body several things before the first answer."""
+        await asyncio.gather(*(self._query() for _ in range(PIPELINED)))
+        self._counts["pipelined queries"] += PIPELINED
+
+    async def _query(self) -> None:
         condition = f"component_ref = '{self.body.engine_id}/navigation'"
         await self._ask("rois.query.query", {"query_type": "component_status", "condition": condition})
-        self._counts["queries"] += 1
 
     async def command(self, component: str) -> None:
         """Bind a component, run a command of it to its end, and release it; skip it while another one has it."""
@@ -101,11 +113,17 @@ class Application:
 
     async def subscribe(self) -> None:
         """Subscribe to the body's events, until `unsubscribe`."""
+        self._receives = "deliveries"
         await self._subscribe(EVENT_SOURCE, EVENT)
 
+    async def subscribe_to_bursts(self) -> None:
+        """Subscribe to the body's events that come in bursts, until `unsubscribe`."""
+        self._receives = "burst deliveries"
+        await self._subscribe(BURST_SOURCE, BURST_EVENT)
+
     async def listen_in_vain(self) -> None:
-        """Subscribe for a moment to an event that does not happen."""
-        await self._subscribe(SILENT_SOURCE, SILENT_EVENT)
+        """Subscribe for a moment to an event that does not happen meanwhile."""
+        await self.subscribe_to_bursts()
         await self.unsubscribe()
 
     async def _subscribe(self, component: str, event_type: str) -> None:
@@ -194,7 +212,7 @@ class Application:
     def _take_text(self, text: str) -> None:
         self._counts["bytes to applications"] += len(text)
         if _EVENT in text[:60]:
-            self._counts["deliveries"] += 1
+            self._counts[self._receives] += 1
             return
         message = json.loads(text)
         if "id" in message:

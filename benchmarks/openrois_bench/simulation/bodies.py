@@ -12,14 +12,18 @@ from openrois_bench.gateway.fleet.stubs import body_name, body_profile
 from openrois_bench.simulation.door import Door
 from openrois_bench.simulation.mix import COMMAND_SECONDS
 
-__all__ = ["EVENT", "EVENT_SOURCE", "MOVING", "SDP", "SILENT_EVENT", "SILENT_SOURCE", "Body"]
+__all__ = ["BURST", "BURST_EVENT", "BURST_SOURCE", "EVENT", "EVENT_SOURCE", "MOVING", "SDP", "Body"]
 
 EVENT_SOURCE: Final = "person_detecter"
 EVENT: Final = "person_detected"
 
-SILENT_SOURCE: Final = "face_detecter"
-SILENT_EVENT: Final = "face_detected"
-"""An event that never happens."""
+BURST_SOURCE: Final = "face_detecter"
+BURST_EVENT: Final = "face_detected"
+"""An event that happens in bursts alone."""
+
+BURST: Final = 32
+"""Events of a burst."""
+
 
 MOVING: Final = "navigation"
 """The component whose commands want signs of life while they run."""
@@ -38,6 +42,10 @@ _HELLO: Final = (
 _STATUS: Final = '{"return_code":"OK","results":[{"name":"status","data_type_ref":"Component_Status","value":"READY"}]}'
 _OK: Final = '{"return_code":"OK"}'
 _TIME: Final = "2027-01-15T08:00:00.000000+00:00"
+_RESULTS: Final = (
+    {"name": "number", "data_type_ref": "int", "value": "1"},
+    {"name": "timestamp", "data_type_ref": "DateTime", "value": _TIME},
+)
 
 
 class Body:
@@ -63,6 +71,7 @@ class Body:
         self._tasks = tasks
         self._minted = 0
         self._subscriptions: dict[str, None] = {}
+        self._burst_subscriptions: dict[str, None] = {}
         self._ticking: asyncio.Task[None] | None = None
         self._stream: MessageStream | None = None
         self._answers: dict[str, Callable[[dict[str, Any]], str]] = {
@@ -87,6 +96,7 @@ class Body:
                     await self._take(await self._stream.receive())
             except StreamClosed:
                 self._subscriptions.clear()
+                self._burst_subscriptions.clear()
                 self._stop_ticking()
             await asyncio.sleep(RESTART_SECONDS)
 
@@ -111,6 +121,13 @@ class Body:
         await self._tell("openrois.watch", {"wanted": True})
         await asyncio.sleep(seconds)
         await self._tell("openrois.watch", {"wanted": False})
+
+    async def burst(self) -> None:
+        """Announce events at once, to those that are subscribed to bursts."""
+        for subscribe_id in tuple(self._burst_subscriptions):
+            for _ in range(BURST):
+                self._counts["burst events"] += 1
+                await self._notify(subscribe_id, BURST_EVENT)
 
     async def _take(self, text: str) -> None:
         message = json.loads(text)
@@ -151,14 +168,15 @@ class Body:
 
     def _subscribe(self, params: dict[str, Any]) -> str:
         subscribe_id = self._mint()
-        if params["event_type"] == EVENT:
-            self._subscriptions[subscribe_id] = None
+        subscriptions = self._subscriptions if params["event_type"] == EVENT else self._burst_subscriptions
+        subscriptions[subscribe_id] = None
         if self._subscriptions and self._ticking is None:
             self._ticking = self._tasks.start(self._announce())
         return json.dumps({"return_code": "OK", "subscribe_id": subscribe_id})
 
     def _unsubscribe(self, params: dict[str, Any]) -> str:
         self._subscriptions.pop(params["subscribe_id"], None)
+        self._burst_subscriptions.pop(params["subscribe_id"], None)
         if not self._subscriptions:
             self._stop_ticking()
         return _OK
@@ -169,16 +187,15 @@ class Body:
             self._ticking = None
 
     async def _announce(self) -> None:
-        results = [
-            {"name": "number", "data_type_ref": "int", "value": "1"},
-            {"name": "timestamp", "data_type_ref": "DateTime", "value": _TIME},
-        ]
         while True:
             await asyncio.sleep(1 / self._rate)
             for subscribe_id in tuple(self._subscriptions):
                 self._counts["events"] += 1
-                event = {"event_id": self._mint(), "event_type": EVENT, "subscribe_id": subscribe_id}
-                await self._tell("rois.event.notify_event", {**event, "expire": "", "results": results})
+                await self._notify(subscribe_id, EVENT)
+
+    async def _notify(self, subscribe_id: str, event_type: str) -> None:
+        event = {"event_id": self._mint(), "event_type": event_type, "subscribe_id": subscribe_id}
+        await self._tell("rois.event.notify_event", {**event, "expire": "", "results": _RESULTS})
 
     def _connect_stream(self, params: dict[str, Any]) -> str:
         stream_id = self._mint()

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Final
 
-from openrois_bench.simulation.applications import Application
+from openrois_bench.simulation.applications import PIPELINED, Application
 from openrois_bench.simulation.bodies import MOVING, Body
 from openrois_bench.simulation.books import Books
 from openrois_bench.simulation.mix import EVERY, LOST, RESTART_EVERY
@@ -35,6 +35,9 @@ WATCHED: Final = 10.0
 
 MOVED: Final = 10.0
 """Virtual seconds for which bodies want signs of life."""
+
+BURST_SECONDS: Final = 1.0
+"""Virtual seconds in which the last burst is delivered."""
 
 RESTARTED: Final = 20
 """Bodies that restart for a measurement."""
@@ -79,11 +82,15 @@ class Campaign:
             for application in applications[number * plan.bodies :][: max(min(plan.bodies, SAMPLE // shared), 1)]
         ]
         await self._phase("query", lambda: self._all(sample, Application.query))
+        pipelining = applications[: max(min(len(single), SAMPLE // PIPELINED), 1)]
+        await self._phase("query together", lambda: self._all(pipelining, Application.query_together))
         await self._phase("command", lambda: self._all(single, lambda each: each.command("speech_synthesizer")))
         await self._phase("subscription", lambda: self._all(sample, Application.listen_in_vain))
         await self._phase("move", self._move)
         await self._watch("to one", single)
         await self._watch("to many", crowd)
+        await self._burst("to one", single)
+        await self._burst("to many", crowd)
         await self._phase("stream", lambda: self._all(single, lambda each: each.stream(1.0)))
         await self._phase("return", lambda: self._all(sample, Application.come_back))
         await self._phase("restart", lambda: self._again(Body.restart))
@@ -138,6 +145,17 @@ class Campaign:
         await self._phase(f"subscribe {name}", lambda: self._all(applications, Application.subscribe))
         await self._phase(f"events {name}", lambda: asyncio.sleep(WATCHED))
         await self._phase(f"unsubscribe {name}", lambda: self._all(applications, Application.unsubscribe))
+
+    async def _burst(self, name: str, applications: list[Application]) -> None:
+        bodies = list(dict.fromkeys(application.body for application in applications))
+
+        async def burst() -> None:
+            await spread([body.burst for body in bodies], len(bodies) / ACTING / self.world.plan.pace)
+            await asyncio.sleep(BURST_SECONDS)
+
+        await self._phase(f"subscribe bursts {name}", lambda: self._all(applications, Application.subscribe_to_bursts))
+        await self._phase(f"bursts {name}", burst)
+        await self._phase(f"unsubscribe bursts {name}", lambda: self._all(applications, Application.unsubscribe))
 
     async def _again(self, act: Callable[[Body], Coroutine[Any, Any, None]]) -> None:
         bodies = self.world.bodies[:RESTARTED]

@@ -13,10 +13,13 @@ NAMES: Final = {
     "session": "sessions",
     "leave": "returns",
     "query": "queries",
+    "pipelined_query": "pipelined queries",
     "command": "commands",
     "subscription": "subscriptions",
     "event": "events",
     "delivery": "deliveries",
+    "burst_event": "burst events",
+    "burst_delivery": "burst deliveries",
     "stream": "streams",
     "sign": "signs of life",
     "change": "changes",
@@ -56,9 +59,13 @@ def costs(phases: Sequence[Phase]) -> Work:
         return max(net(name) - others, 0.0) / number if number else 0.0
 
     attach, session = each("attached", "attach"), each("sessions", "enter")
-    event, delivery = _solved(
-        *((count("events", name), count("deliveries", name), net(name)) for name in ("events to one", "events to many"))
-    )
+
+    def solved(events: str, deliveries: str, phases: str) -> tuple[float, float]:
+        names = f"{phases} to one", f"{phases} to many"
+        return _solved(*((count(events, name), count(deliveries, name), net(name)) for name in names))
+
+    event, delivery = solved("events", "deliveries", "events")
+    burst_event, burst_delivery = solved("burst events", "burst deliveries", "bursts")
     change = each("changes", "restart", count("attached", "restart") * attach)
     at_a_loss = count("attached", "loss") * attach + count("changes", "loss") * change
     hops = sum(phase.counts.get("hops", 0) for phase in phases)
@@ -67,10 +74,13 @@ def costs(phases: Sequence[Phase]) -> Work:
         session=session,
         leave=each("returns", "return", count("sessions", "return") * session),
         query=each("queries", "query"),
+        pipelined_query=each("pipelined queries", "query together"),
         command=each("commands", "command"),
         subscription=each("subscriptions", "subscription"),
         event=event,
         delivery=delivery,
+        burst_event=burst_event,
+        burst_delivery=burst_delivery,
         stream=each("streams", "stream"),
         sign=each("signs of life", "move"),
         change=change,

@@ -9,6 +9,7 @@ __all__ = [
     "MEBIBYTE",
     "MEDIA",
     "MESSAGES",
+    "TOGETHER",
     "Costs",
     "Load",
     "Media",
@@ -34,10 +35,13 @@ class Work:
         session: applications that come: connection, hello, and the bodies that they show.
         leave: applications that go.
         query: questions to a body and their answers.
+        pipelined_query: those that an application asks several of before the first answer.
         command: commands: bind, execute, completed, release.
         subscription: subscriptions, from their beginning to their end.
         event: events that a gateway receives of an adapter.
         delivery: events that it sends to an application.
+        burst_event: events that it receives of an adapter, many at once.
+        burst_delivery: those that it sends to an application.
         stream: streams, with the signaling of a peer connection, from their beginning to their end.
         sign: signs of life to a body that moves.
         change: notifications of a changed directory to an application.
@@ -49,10 +53,13 @@ class Work:
     session: float = 0.0
     leave: float = 0.0
     query: float = 0.0
+    pipelined_query: float = 0.0
     command: float = 0.0
     subscription: float = 0.0
     event: float = 0.0
     delivery: float = 0.0
+    burst_event: float = 0.0
+    burst_delivery: float = 0.0
     stream: float = 0.0
     sign: float = 0.0
     change: float = 0.0
@@ -129,9 +136,24 @@ def _up(number: float) -> int:
 
 
 MESSAGES: Final = Work(
-    attach=5, session=6, query=4, command=12, subscription=8, event=1, delivery=1, stream=32, sign=1, change=1
+    attach=5,
+    session=6,
+    query=4,
+    pipelined_query=4,
+    command=12,
+    subscription=8,
+    event=1,
+    delivery=1,
+    burst_event=1,
+    burst_delivery=1,
+    stream=32,
+    sign=1,
+    change=1,
 )
 """Messages that a gateway reads and writes for one of each kind."""
+
+TOGETHER: Final = frozenset({"pipelined_query", "burst_event", "burst_delivery"})
+"""Kinds whose messages come several at once, and share calls of the system and turns of the loop."""
 
 CONNECTIONS: Final = Work(attach=1, session=1)
 """Connections that are opened for one of each kind."""
@@ -143,22 +165,24 @@ class Wire:
 
     Attributes:
         message: for each message that is read or written: the system's calls, the WebSocket frame, turns of the loop.
+        together: for each message of kinds in `TOGETHER`.
         connection: for each connection: TCP, the HTTP request, its token.
     """
 
     message: float
+    together: float
     connection: float
 
 
 def over_sockets(costs: Work, wire: Wire) -> Work:
     """Return what one of each kind costs a gateway with sockets, of what it costs without."""
     messages, connections = MESSAGES.parts(), CONNECTIONS.parts()
-    return Work(
-        **{
-            name: cost + messages[name] * wire.message + connections[name] * wire.connection
-            for name, cost in costs.parts().items()
-        }
-    )
+
+    def added(name: str) -> float:
+        message = wire.together if name in TOGETHER else wire.message
+        return messages[name] * message + connections[name] * wire.connection
+
+    return Work(**{name: cost + added(name) for name, cost in costs.parts().items()})
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,10 +12,13 @@ TRUE = Work(
     session=1e-3,
     leave=3e-4,
     query=2e-4,
+    pipelined_query=1e-4,
     command=9e-4,
     subscription=4e-4,
     event=7e-5,
     delivery=2e-5,
+    burst_event=4e-5,
+    burst_delivery=1e-5,
     stream=2e-3,
     sign=3e-5,
     change=5e-5,
@@ -29,12 +32,15 @@ COUNTS: Mapping[str, Mapping[str, int]] = {
     "enter": {"sessions": 1000},
     "idle": {},
     "query": {"queries": 1000, "hops": 50},
+    "query together": {"pipelined queries": 2000},
     "command": {"commands": 100},
     "subscription": {"subscriptions": 1000},
     "move": {"signs of life": 10_000},
     "events to one": {"events": 6000, "deliveries": 6000},
     "subscribe to many": {"subscriptions": 1000, "events": 3000, "deliveries": 15_000},
     "events to many": {"events": 6000, "deliveries": 60_000},
+    "bursts to one": {"burst events": 3200, "burst deliveries": 3200},
+    "bursts to many": {"burst events": 3200, "burst deliveries": 32_000},
     "stream": {"streams": 100},
     "return": {"returns": 1000, "sessions": 1000},
     "restart": {"attached": 20, "changes": 400},
@@ -63,9 +69,9 @@ def test_one_application_of_each_body_does_not_tell_events_from_deliveries() -> 
 
 
 def test_work_that_did_not_happen_costs_nothing() -> None:
-    without = {**COUNTS, "query": {}, "stream": {}}
+    without = {**COUNTS, "query": {}, "query together": {}, "stream": {}}
     found = costs([phase(name, counts) for name, counts in without.items()])
-    assert (found.query, found.stream, found.hop) == (0, 0, 0)
+    assert (found.query, found.pipelined_query, found.stream, found.hop) == (0, 0, 0, 0)
 
 
 def test_memory_is_what_came_with_bodies_sessions_and_events() -> None:

@@ -7,6 +7,7 @@ from openrois_bench.simulation.paper import (
     MEBIBYTE,
     MEDIA,
     MESSAGES,
+    TOGETHER,
     Costs,
     Load,
     Wire,
@@ -46,10 +47,11 @@ def test_gateways_are_as_many_as_processor_and_memory_need(queries: int, applica
 
 
 def test_sockets_add_messages_and_connections() -> None:
-    each = over_sockets(COSTS.work, Wire(message=1.0, connection=100.0)).parts()
+    each = over_sockets(COSTS.work, Wire(message=1.0, together=0.5, connection=100.0)).parts()
     without = COSTS.work.parts()
     for name, messages in MESSAGES.parts().items():
-        assert each[name] == pytest.approx(without[name] + messages + 100 * CONNECTIONS.parts()[name])
+        wire = 0.5 if name in TOGETHER else 1.0
+        assert each[name] == pytest.approx(without[name] + messages * wire + 100 * CONNECTIONS.parts()[name])
     assert each["query"] == pytest.approx(4.0001)
 
 

@@ -54,7 +54,10 @@ def test_each_kind_of_work_is_done(twice: list[tuple[Found, str]]) -> None:
     assert found["messages"]["attached"] >= 4 * 8
     assert found["messages"]["sessions"] == 24 + found["messages"]["returns"]
     assert found["messages"]["fault checks"] >= 8 * 12
-    for kind in ("queries", "commands", "subscriptions", "deliveries", "streams", "signs of life", "changes", "hops"):
+    for kind in (
+        *("queries", "pipelined queries", "commands", "subscriptions", "deliveries", "burst deliveries", "streams"),
+        *("signs of life", "changes", "hops"),
+    ):
         assert found["messages"][kind] > 0, kind
     assert found["cost_us"]["query"] > 0
     assert found["memory"]["session_kib"] > 10
