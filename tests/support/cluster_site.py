@@ -16,7 +16,7 @@ from tests.support.gateway_processes import (
     Own,
     gateway_processes,
 )
-from tests.support.histories import LATE, History, judge
+from tests.support.histories import LATE, Completed, History, judge
 from tests.support.nats import NatsServer, nats_server
 from tests.support.postgres import Server
 from tests.support.proxies import Proxy, proxy
@@ -103,6 +103,10 @@ class Site:
         """Wait until every application has moved its arm some times; return since when all of them could."""
         return max(await asyncio.gather(*(each.moves(more) for each in self.operators.values())))
 
+    def ends(self) -> set[str]:
+        """Return how commands have ended."""
+        return {entry.status for entry in self.history.entries if isinstance(entry, Completed)}
+
     async def turns(self, seconds: float) -> None:
         """Let some time pass by chance, so that the next thing happens at another moment."""
         await asyncio.sleep(self.chance.random() * seconds)
@@ -119,6 +123,7 @@ async def cluster_site(
     folder: Path,
     *,
     balance: str = "roundrobin",
+    weights: Sequence[int] = (),
     may_forget: bool = False,
     late: float = LATE,
     way: WayTo | None = None,
@@ -132,6 +137,7 @@ async def cluster_site(
         postgres: has what they share; its store is emptied.
         folder: for logs.
         balance: of haproxy.
+        weights: of the gateways there.
         may_forget: ends of commands may be unknown for ever.
         late: seconds after the end of a command was told in which it may still begin.
         way: makes the way of each gateway to NATS, and to PostgreSQL; None for straight ones.
@@ -148,7 +154,9 @@ async def cluster_site(
         own = {each: _own(each, ways, postgres, programs.get(each, OPENROIS)) for each in "abc"}
         cluster = await stack.enter_async_context(gateway_processes(nats, postgres, folder, own=own, **options))
         urls = [each.url for each in cluster.gateways.values()]
-        front = await stack.enter_async_context(proxy(*urls, folder=folder, idle=IDLE, balance=balance))
+        front = await stack.enter_async_context(
+            proxy(*urls, folder=folder, idle=IDLE, balance=balance, weights=weights)
+        )
         around = await stack.enter_async_context(AsyncExitStack())
         here = Site(cluster, nats, postgres, front, random.Random(seed), around, ways=ways)
         try:

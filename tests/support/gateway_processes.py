@@ -86,6 +86,27 @@ class GatewayProcess:
                 *self.program, *self._words, cwd=ROOT, stdout=log, stderr=log, env=os.environ
             )
 
+    async def run(self, *more: str) -> tuple[int, str]:
+        """Run its program with its options and more to its end; return the exit status, and what it wrote."""
+        once = await asyncio.create_subprocess_exec(
+            *self.program,
+            *(*self._words, *more),
+            cwd=ROOT,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.STDOUT,
+        )
+        async with asyncio.timeout(PATIENCE):
+            said, _ = await once.communicate()
+        return once.returncode or 0, said.decode()
+
+    async def restart(self, program: Iterable[str] = ()) -> None:
+        """Stop it in good order, start it again, by another program where that is given, and wait until it is ready."""
+        self.signal(signal.SIGTERM)
+        assert await self.ended() == 0
+        self.program = tuple(program) or self.program
+        await self.start()
+        await self.ready()
+
     async def ready(self) -> float:
         """Wait until it says that it is ready; return the seconds that it took."""
 

@@ -2,8 +2,11 @@
 
 import json
 from typing import Any, Final
+from unittest.mock import _patch, patch
 
-__all__ = ["newer_text", "with_more"]
+from openrois.jsonrpc.session import RpcSession
+
+__all__ = ["newer_text", "speaking_newer", "with_more"]
 
 _MORE: Final = {"of": ["the", "next"], "minor": 1}
 _MAPS: Final = frozenset({"component_profiles", "profiles"})
@@ -31,3 +34,13 @@ def newer_text(text: str) -> str:
     elif "id" not in message and not message.get("method", "signaling.").startswith("signaling."):
         message["params"] = with_more(message.get("params", {}))
     return json.dumps(message)
+
+
+def speaking_newer() -> "_patch[Any]":
+    """Return a patch by which every session of this process writes its messages as a newer program does."""
+    put = RpcSession._put
+
+    def put_newer(session: RpcSession, text: str, *, droppable: bool = False) -> None:
+        put(session, newer_text(text), droppable=droppable)
+
+    return patch.object(RpcSession, "_put", put_newer)
