@@ -81,6 +81,7 @@ class AuthSetup:
             certificate = Certificate(settings.tls_cert, settings.tls_key, clock)
             reloader.add((settings.tls_cert, settings.tls_key), certificate.load, "the certificate")
         expiries = TokenExpiries(clock, revoked.covers, audit, tasks)
+        revoked.on_read = expiries.check_tokens
         tasks.start(reloader.run())
         tasks.start(expiries.watch())
         admission = Admission(origin_rules(settings), verifier, audit, turned_away)
@@ -103,13 +104,22 @@ def _keys(settings: GatewaySettings, reloader: Reloader, tasks: TaskScope) -> Ke
 
 
 class _Revoked:
-    """The list of revocations, as the file is now."""
+    """The list of revocations, as the file is now.
+
+    Attributes:
+        on_read: called when it was read again.
+    """
 
     def __init__(self, path: Path | None, reloader: Reloader) -> None:
+        self.on_read: Callable[[], None] = lambda: None
         self._list: Revocations = NOTHING_REVOKED
         if path is not None:
             self._read(path)
-            reloader.add((path,), lambda: self._read(path), "the list of revocations")
+            reloader.add((path,), lambda: self._read_again(path), "the list of revocations")
+
+    def _read_again(self, path: Path) -> None:
+        self._read(path)
+        self.on_read()
 
     def _read(self, path: Path) -> None:
         try:

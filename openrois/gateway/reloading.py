@@ -10,7 +10,7 @@ __all__ = ["Reloader"]
 
 _log = logging.getLogger(__name__)
 
-LOOK_INTERVAL: Final = 1.0
+LOOK_INTERVAL: Final = 0.5
 """Seconds between two checks."""
 
 _State = tuple[tuple[int, int, int], ...]

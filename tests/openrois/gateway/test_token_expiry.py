@@ -13,6 +13,7 @@ from websockets.exceptions import ConnectionClosed
 
 from openrois.aio.tasks import TaskScope
 from openrois.auth.principal import Principal, Role
+from openrois.gateway import reloading, token_expiry
 from openrois.gateway.renewal import REFRESH, Renewal
 from openrois.gateway.token_expiry import TOKEN_ENDED, TokenExpiries, TokenExpiry
 from openrois.observability.audit import Audit
@@ -206,6 +207,18 @@ async def test_revoked_token_ends_session_and_is_refused_again(tmp_path: Path) -
         coming.gateway.reload()
         with pytest.raises(Exception, match="401"):
             await coming.dial(token)
+
+
+async def test_what_is_revoked_ends_as_soon_as_that_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for module, name in ((token_expiry, "CHECK_INTERVAL"), (reloading, "LOOK_INTERVAL")):
+        monkeypatch.setattr(module, name, 3600.0)
+    revocations = tmp_path / "revoked"
+    revocations.write_text("")
+    async with guarded(tmp_path, auth_revocations=revocations) as coming, coming.dial(fresh(jti="t1")) as connection:
+        await hello(connection)
+        revocations.write_text("jti t1\n")
+        coming.gateway.reload()
+        assert await close_code(connection) == TOKEN_ENDED
 
 
 async def refresh(connection: ClientConnection, token: str) -> dict[str, Any]:
