@@ -32,7 +32,7 @@ TESTS = (
     *(f"tests/openrois/cluster/postgres/test_{part}.py" for part in ("address", "stop_messages")),
     *(
         f"tests/openrois/federation/test_{part}.py"
-        for part in ("assertion", "destinations", "foreign_work", "shared_quotas")
+        for part in ("assertion", "destinations", "foreign_work", "shared_quotas", "version_skew")
     ),
     "tests/openrois/adapter/test_rotation.py",
     "tests/openrois/http_limits/test_websocket_frames.py",

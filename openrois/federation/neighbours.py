@@ -16,11 +16,13 @@ from openrois.federation.assertion import Assertion
 from openrois.federation.cluster_directory import ClusterDirectory, Offer
 from openrois.federation.gateway_link import GatewayLink
 from openrois.federation.shared_quotas import SharedQuotas
+from openrois.federation.version_skew import is_tried, told_version
 from openrois.jsonrpc.session import RpcSession
 from openrois.remote.directory_follower import DirectoryFollower, FollowedEngine
 from openrois.remote.rpc_call import RpcCalls
 from openrois.transport.backoff import Backoff
 from openrois.transport.stream import StreamClosed
+from openrois.version import __version__
 
 __all__ = ["Neighbours"]
 
@@ -72,6 +74,10 @@ class Neighbours:
     def _handle_presence(self, present: Mapping[str, Present]) -> None:
         for gateway_id in present.keys() - self._followed.keys() - {self._link.gateway_id}:
             self._followed[gateway_id] = self._tasks.start(self._follow(gateway_id))
+            theirs = present[gateway_id].version
+            if theirs != __version__:
+                level = logging.INFO if is_tried(theirs, __version__) else logging.WARNING
+                _log.log(level, "%s", told_version(gateway_id, theirs, __version__))
 
     async def _follow(self, gateway_id: str) -> None:
         """Follow one gateway until it is there no more."""

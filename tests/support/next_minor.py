@@ -17,6 +17,7 @@ import openrois.cluster.postgres.database as database
 import openrois.cluster.postgres.ownership as ownership
 import openrois.cluster.postgres.stop_messages as stop_messages
 import openrois.cluster.pulse as pulse
+import openrois.federation.neighbours as neighbours
 import openrois.gateway.cluster_parts as cluster_parts
 from openrois.cli.__main__ import main
 from openrois.cluster.postgres.schema import STEPS, Step, migrate, migrate_back
@@ -87,7 +88,7 @@ def _say_more() -> None:
 
 
 def _run() -> int:
-    for module in (pulse, sys.modules["openrois.cli.__main__"]):
+    for module in (pulse, neighbours, sys.modules["openrois.cli.__main__"]):
         patch.object(module, "__version__", NEXT_VERSION).start()
     patch.object(ownership, "_WRITE", _written_claim()).start()
     patch.object(database, "migrate", partial(migrate, steps=_STEPS)).start()

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from openrois.cluster.postgres.schema import NEWEST, VERSION
+from openrois.version import __version__
 from tests.support.cluster_site import Site, cluster_site
 from tests.support.gateway_processes import OPENROIS, GatewayProcess, until
 from tests.support.newer import speaking_newer
@@ -54,7 +55,10 @@ async def test_f55_gateways_and_adapters_of_two_minor_versions(
             for gateway in here.chance.sample(list(here.cluster.gateways.values()), 3):
                 await gateway.restart()
                 await here.all_move()
-            assert "is of an older version" not in here.cluster.said()
+            said = here.cluster.said()
+            assert f"runs OpenRoIS {NEXT_VERSION}, and this one is {__version__}" in said
+            assert f"runs OpenRoIS {__version__}, and this one is {NEXT_VERSION}" in said
+            assert "is of an older version" not in said
 
 
 @pytest.mark.parametrize("seed", lasting())
