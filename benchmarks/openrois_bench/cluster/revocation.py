@@ -119,9 +119,13 @@ def _token(folder: Path, subject: str, scope: tuple[str, ...], role: Role) -> st
 async def _application(url: str, token: str) -> AsyncIterator[RpcSession]:
     async with TaskScope() as tasks, dial(url.replace("http", "ws", 1), credentials=Credentials(token)) as stream:
         session = RpcSession(stream)
-        tasks.start(session.run())
+        tasks.start(_run(session))
         await session.call("openrois.hello", {"version": "1", "extensions": ["openrois.lease"]})
         yield session
+
+
+async def _run(session: RpcSession) -> None:
+    await session.run()
 
 
 async def _until_bound(session: RpcSession) -> float:
