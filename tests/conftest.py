@@ -17,6 +17,7 @@ from hypothesis import HealthCheck, settings
 
 from tests.support import postgres
 from tests.support.canary import leak
+from tests.support.clocks import library, shared_memory_removed
 from tests.support.kachaka_api import IS_THERE
 from tests.support.mono import Mono
 from tests.support.namespaces import hide_cables_of_others, missing
@@ -138,6 +139,15 @@ def namespaces() -> None:
     if why := missing():
         # An administrator of a machine may forbid them: no program that is installed helps there.
         _lack(why) if shutil.which("ip") is None else pytest.skip(why)
+
+
+@pytest.fixture
+def faketime() -> Iterator[None]:
+    """Processes can have another clock."""
+    if library() is None:
+        _lack("no libfaketime is found; install it to run the tests with clocks that differ (apt install libfaketime)")
+    with shared_memory_removed():
+        yield
 
 
 @pytest.fixture(scope="session")

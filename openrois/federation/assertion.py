@@ -23,7 +23,8 @@ class Assertion(Model):
         subject: of the principal.
         roles: of the principal.
         scope: of the principal.
-        expires: epoch seconds at which its token ends; None for never.
+        expires: epoch seconds at which its token ends; None for never. The gateway that asserts it ends the session
+            then, by its own clock; one of an earlier version that is asked judges that itself.
         token_id: the id of its token, so that a revocation reaches this session too.
         address: where the application comes from.
         client_id: the id that adapters know the application by; empty where it needs none.
@@ -77,10 +78,10 @@ class Assertion(Model):
 
     @property
     def principal(self) -> Principal:
-        """The principal that is asserted."""
+        """The principal that is asserted; that its token ends is no matter of the gateway that is told."""
         if self.kind == "local":
             return LOCAL
-        return Principal(self.subject, frozenset(self.roles), self.scope, self.expires, self.token_id)
+        return Principal(self.subject, frozenset(self.roles), self.scope, None, self.token_id)
 
     def hello(self) -> dict[str, Any]:
         """Return it as an object for JSON."""

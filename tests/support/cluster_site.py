@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from tests.support.gateway_processes import (
     OPENROIS,
     PATIENCE,
@@ -21,7 +22,7 @@ from tests.support.nats import NatsServer, nats_server
 from tests.support.postgres import Server
 from tests.support.proxies import Proxy, proxy
 from tests.support.recorded import Operator, RecordedAdapter, operator
-from tests.support.ways import Way, WayTo
+from tests.support.ways import Way, WayTo, by_relay
 
 __all__ = ["Site", "cluster_site"]
 
@@ -43,7 +44,7 @@ class Site:
         chance: of this seed.
         adapters: by their engine ids.
         operators: applications, by name.
-        ways: from gateways to `nats` and `store`, where these are not straight, by gateway and that name.
+        ways: from gateways to `nats` and `store`, and what else is not straight, by both ends.
         history: what adapters and applications saw.
     """
 
@@ -58,18 +59,35 @@ class Site:
     ways: dict[tuple[str, str], Way] = field(default_factory=dict)
     history: History = field(default_factory=History)
 
-    async def adapter(self, engine_id: str = "robot", *gateways: GatewayProcess | str) -> RecordedAdapter:
+    async def adapter(
+        self, engine_id: str = "robot", *gateways: GatewayProcess | str, credentials: Credentials = NO_CREDENTIALS
+    ) -> RecordedAdapter:
         """Let an adapter dial these gateways or addresses, or all, and wait until one has attached it."""
         dialled = gateways or self.cluster.gateways.values()
         urls = [each if isinstance(each, str) else each.adapter_url for each in dialled]
         made = self.adapters[engine_id] = RecordedAdapter(self.history, engine_id)
-        await self.stack.enter_async_context(made.serving(urls))
+        await self.stack.enter_async_context(made.serving(urls, credentials))
         async with asyncio.timeout(PATIENCE):
             await made.connected.wait()
         return made
 
+    async def adapter_over_ways(self, engine_id: str) -> RecordedAdapter:
+        """Let an adapter dial every gateway over a relay of its own."""
+        urls = []
+        for each in self.cluster.gateways.values():
+            made = await self.stack.enter_async_context(by_relay(each.url.split("/")[2]))
+            self.ways[engine_id, each.gateway_id] = made
+            urls.append(f"ws://{made.address}/adapter")
+        return await self.adapter(engine_id, *urls)
+
     async def operator(
-        self, name: str, engine_id: str = "robot", at: GatewayProcess | str | None = None, *, begins: bool = True
+        self,
+        name: str,
+        engine_id: str = "robot",
+        at: GatewayProcess | str | None = None,
+        *,
+        begins: bool = True,
+        credentials: Credentials = NO_CREDENTIALS,
     ) -> Operator:
         """Let an application operate the arm of an engine through haproxy, or at one gateway or address.
 
@@ -77,7 +95,7 @@ class Site:
         """
         place = self.front.url if at is None else at if isinstance(at, str) else at.url
         url = place.replace("http", "ws", 1)
-        made = operator(self.history, url, name, f"{engine_id}/arm", begins=begins)
+        made = operator(self.history, url, name, f"{engine_id}/arm", begins=begins, credentials=credentials)
         app = self.operators[name] = await self.stack.enter_async_context(made)
         return app
 

@@ -1,6 +1,7 @@
 """A PostgreSQL server of the tests' own: it is killed, stopped, cut off and set back as they like."""
 
 import os
+import select
 import shutil
 import signal
 import subprocess
@@ -11,6 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from tests.support.canary import CANARY
+from tests.support.clocks import environment
 
 __all__ = ["PASSWORD", "Server", "programs"]
 
@@ -45,6 +47,7 @@ class Server:
         socket: its path.
         password_file: holds the password.
         settings: a server that starts has these.
+        ahead: seconds by which the clock of a server that starts is ahead of this machine's.
     """
 
     def __init__(self, folder: Path, programs: Path) -> None:
@@ -56,6 +59,7 @@ class Server:
         self.socket = f"{folder}/.s.PGSQL.5432"
         self.password_file = folder / "password"
         self.data = folder / "data"
+        self.ahead = 0.0
 
     @classmethod
     @contextmanager
@@ -87,7 +91,8 @@ class Server:
         ]
         with (self._folder / "log").open("ab") as log:
             words = [str(self._programs / "postgres"), "-D", str(self.data), *options]
-            process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=log, **_as_another())
+            env = {**os.environ, **environment(self.ahead)} if self.ahead else None
+            process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=log, env=env, **_as_another())
         self._process = process
         status = self.data / "postmaster.pid"
         while not (status.exists() and "ready" in status.read_text()):
@@ -105,6 +110,12 @@ class Server:
             yield connection
         finally:
             await connection.close(timeout=5)
+
+    def set_clock(self, ahead: float) -> None:
+        """Start the server anew with a clock that is so many seconds ahead."""
+        self.kill()
+        self.ahead = ahead
+        self.start()
 
     @contextmanager
     def configured(self, **settings: str) -> Iterator[None]:
@@ -130,9 +141,13 @@ class Server:
         return (self._folder / "log").read_text(errors="replace")
 
     def kill(self) -> None:
-        """Kill every process of the server."""
+        """Kill every process of the server, and return when all are gone: another one does not start before."""
         if self._process is not None:
+            ends = [fd for each in self._pids() if (fd := _watch(each)) is not None]
             self._signal(signal.SIGKILL)
+            for each in ends:
+                select.select([each], [], [], 20.0)
+                os.close(each)
             self._process.wait()
             self._process = None
 
@@ -155,11 +170,14 @@ class Server:
         """Copy a folder of data with its owner and rights."""
         subprocess.run(["cp", "-a", origin, target], check=True)
 
-    def _signal(self, number: int) -> None:
+    def _pids(self) -> list[int]:
         assert self._process is not None
         # Backends have sessions of their own, and belong to the postmaster.
         children = Path(f"/proc/{self._process.pid}/task/{self._process.pid}/children").read_text().split()
-        for each in (self._process.pid, *map(int, children)):
+        return [self._process.pid, *map(int, children)]
+
+    def _signal(self, number: int) -> None:
+        for each in self._pids():
             with suppress(ProcessLookupError):
                 os.kill(each, number)
 
@@ -177,3 +195,10 @@ def _user() -> tuple[str, str]:
 
 def _as_another() -> Mapping[str, Any]:
     return dict(zip(("user", "group"), _user(), strict=True), extra_groups=()) if os.geteuid() == 0 else {}
+
+
+def _watch(pid: int) -> int | None:
+    """Return a descriptor that is readable when a process is gone; None where it is gone already."""
+    with suppress(ProcessLookupError):
+        return os.pidfd_open(pid)
+    return None

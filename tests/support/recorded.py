@@ -22,6 +22,7 @@ from openrois.engine.registry import LocalRegistry
 from openrois.errors import RoISError
 from openrois.leases.epoch_fence import EpochFence
 from openrois.session.session import EngineHost
+from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import MessageStream
 from openrois.types.messages import Argument, Result
 from openrois.types.streams import HolderNotification
@@ -79,7 +80,7 @@ class RecordedAdapter:
         self._host: EngineHost | None = None
 
     @asynccontextmanager
-    async def serving(self, urls: Sequence[str]) -> AsyncIterator[None]:
+    async def serving(self, urls: Sequence[str], credentials: Credentials = NO_CREDENTIALS) -> AsyncIterator[None]:
         """Serve one of these gateways at a time while the block runs."""
         registry = LocalRegistry(self.engine_id, [Arm(self)], extension=self)
         registry.guard = self._run
@@ -87,7 +88,7 @@ class RecordedAdapter:
         await engine.attach(registry)
         async with TaskScope() as running, TaskScope() as dialling:
             self._host = EngineHost(engine, running, epoch_fence=self._fence)
-            dialling.start(serve_parent(self._host, *urls, attached=self._note_attached))
+            dialling.start(serve_parent(self._host, *urls, credentials=credentials, attached=self._note_attached))
             yield
 
     def _note_attached(self, is_attached: bool) -> None:
@@ -181,8 +182,10 @@ class Operator:
         refusals: what it was told in place of an acceptance, with the seconds that took, newest last.
     """
 
-    def __init__(self, history: History, url: str, name: str, component_ref: str) -> None:
-        self._dial = websocket(url)
+    def __init__(
+        self, history: History, url: str, name: str, component_ref: str, credentials: Credentials = NO_CREDENTIALS
+    ) -> None:
+        self._dial = websocket(url, credentials)
         self.client = Client(dial=self._connect, reconnect=QUICK, request_timeout=10)
         self.done = 0
         self.seconds = 0.0
@@ -285,10 +288,16 @@ class Operator:
 
 @asynccontextmanager
 async def operator(
-    history: History, url: str, name: str, component_ref: str, *, begins: bool = True
+    history: History,
+    url: str,
+    name: str,
+    component_ref: str,
+    *,
+    begins: bool = True,
+    credentials: Credentials = NO_CREDENTIALS,
 ) -> AsyncIterator[Operator]:
     """Connect an application that operates a component while the block runs, unless it is to begin nothing."""
-    app = Operator(history, url, name, component_ref)
+    app = Operator(history, url, name, component_ref, credentials)
     async with app.client, asyncio.TaskGroup() as tasks:
         if begins:
             await app.bind()

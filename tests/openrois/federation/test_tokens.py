@@ -1,6 +1,8 @@
 """Tokens of applications whose bodies are at another gateway: what changes here holds there."""
 
+import asyncio
 import json
+import time
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
@@ -11,6 +13,8 @@ from openrois.auth.principal import LOCAL, Principal, Role
 from openrois.errors import EngineUnreachable
 from openrois.federation.assertion import Assertion
 from openrois.federation.sub_sessions import PRINCIPAL
+from openrois.gateway.token_expiry import TokenExpiries
+from openrois.jsonrpc.session import RpcSession
 from openrois.transport.credentials import Credentials
 from openrois.transport.stream import StreamClosed
 from tests.support.cluster import seen_by
@@ -92,6 +96,32 @@ async def test_a_revoked_subject_holds_nothing_anywhere(guarded: Guarded) -> Non
         await app.socket.wait_closed()
     assert app.socket.close_code == 4401
     await other.eventually("OK", "rois.command.bind", component_ref="robot/lamp")
+
+
+async def test_the_end_of_a_token_is_judged_by_the_gateway_that_took_it(
+    guarded: Guarded, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    check, checking, both = TokenExpiries.check_tokens, set[TokenExpiries](), asyncio.Event()
+
+    def note(expiries: TokenExpiries) -> None:
+        check(expiries)
+        checking.add(expiries)
+        if len(checking) == 2:
+            both.set()
+
+    # By the clock of that gateway it is good; that of the owner is ahead.
+    ann = Principal("ann", frozenset({Role.OPERATOR}), ("robot/*",), expires=time.time() - 3000)
+    federation = guarded.place.gateway("b").federation
+    assert federation is not None
+    session = RpcSession(await federation.dial("a", Assertion.of(ann)))
+    async with asyncio.TaskGroup() as tasks:
+        tasks.create_task(session.run())
+        assert (await session.call("rois.command.bind", {"component_ref": "robot/lamp"}))["return_code"] == "OK"
+        monkeypatch.setattr(TokenExpiries, "check_tokens", note)
+        async with patience():
+            await both.wait()
+        assert (await session.call("rois.command.bind", {"component_ref": "robot/lamp"}))["return_code"] == "OK"
+        await session.close()
 
 
 async def test_a_gateway_without_tokens_opens_nothing_at_one_with_them(
