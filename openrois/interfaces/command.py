@@ -11,11 +11,20 @@ from openrois.commands.history import MAX_ID, STOP_RESERVE
 from openrois.commands.pending import PendingCommand
 from openrois.commands.sequence import commands_of, run_sequence, size_of
 from openrois.component.authoring.parameters import check_arguments
-from openrois.errors import Aborted, BadParameter, OutOfResources, RoISError, TimedOut, Unsupported
+from openrois.errors import (
+    Aborted,
+    BadParameter,
+    OutOfResources,
+    RoISError,
+    StoreUnreachable,
+    TimedOut,
+    Unsupported,
+)
 from openrois.interfaces import stream
 from openrois.interfaces.operation import shared_operation
 from openrois.interfaces.overload_rules import is_stop
 from openrois.interfaces.selection import found_by
+from openrois.journal.former import FormerCommand
 from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
 from openrois.jsonrpc.session import Reply
 from openrois.session.session import ApplicationSession
@@ -320,24 +329,34 @@ async def _former_command(app: ApplicationSession, command_id: str) -> Reply | N
     """Return the reply of `get_command_result`, or None where the journal knows no such command of this principal's.
 
     A notification of its end follows the reply, unless that was notified before. For the end of a command that runs at
-    another gateway the application waits a while: no reply without an end would be followed by `completed`.
+    another gateway, and for a journal that does not answer, the application waits a while: no reply without an end
+    would be followed by `completed`.
 
     Raises:
-        TimedOut: it still runs there.
-        StoreUnreachable: the journal is elsewhere, and did not answer.
+        TimedOut: it still runs there, or the journal did not answer.
     """
-    journal, subject = app.host.journal, app.principal.subject
-    for _ in range(_LOOKS_ELSEWHERE):
-        former = await journal.find(subject, command_id)
-        if former is None or not app.principal.sees(former.component_ref):
-            return None
-        if not former.is_running:
-            break
+    journal, subject, clock = app.host.journal, app.principal.subject, asyncio.get_running_loop().time
+    looks, why = 0.0, ""
+    while looks < _LOOKS_ELSEWHERE:
+        began = clock()
+        try:
+            former = await journal.find(subject, command_id)
+            if former is None or not app.principal.sees(former.component_ref):
+                return None
+            if not former.is_running:
+                told = await journal.deliver_outcome(subject, command_id)
+                return _former_reply(app, command_id, former, is_told=told is None)
+            why = "the command still runs, at another gateway"
+        except StoreUnreachable as error:
+            why = f"how the command ended is not known yet: {error}"
+        # A store that is silent takes as long as several looks.
+        looks += 1 + (clock() - began) // _LOOK_AGAIN
         await app.host.sleep(_LOOK_AGAIN)
-    else:
-        raise TimedOut("the command still runs, at another gateway: ask again")
-    told = await journal.deliver_outcome(subject, command_id)
-    then = None if told is None else lambda: app.completed(command_id, former.completed_status, former.reason)
+    raise TimedOut(f"{why}: ask again")
+
+
+def _former_reply(app: ApplicationSession, command_id: str, former: FormerCommand, *, is_told: bool) -> Reply:
+    then = None if is_told else lambda: app.completed(command_id, former.completed_status, former.reason)
     try:
         return Reply(ResultsResult(results=former.results()), then)
     except RoISError as error:

@@ -156,7 +156,7 @@ async def cluster_site(
         folder: for logs.
         balance: of haproxy.
         weights: of the gateways there.
-        may_forget: ends of commands may be unknown for ever.
+        may_forget: ends of commands may be lost, which their applications are told.
         late: seconds after the end of a command was told in which it may still begin.
         way: makes the way of each gateway to NATS, and to PostgreSQL; None for straight ones.
         programs: run some of the gateways, by id.

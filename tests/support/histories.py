@@ -5,15 +5,17 @@ what gateways took for true do not.
 
 F23  a component never has two holders: a greater epoch ends the smaller ones, and what runs has the greatest
 F24  an epoch belongs to one application for ever, over all its connections
-I2   each accepted command gets exactly one `completed`: no application leaves before
+I2   each accepted command gets exactly one `completed`: no application leaves before. Where the journal was lost, or
+     away when a gateway was, the SDK may say instead that its end is lost
 I11  a command runs once at most, not after its end was told, and where it ended OK it did run
 """
 
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import chain
 
-__all__ = ["LATE", "Accepted", "Completed", "Connected", "Held", "History", "Ran", "judge"]
+__all__ = ["LATE", "Accepted", "Completed", "Connected", "Held", "History", "Lost", "Ran", "judge"]
 
 LATE = 2.0
 """Seconds after the end of a command was told in which it may still begin: a gateway that knew of it was lost then."""
@@ -68,7 +70,16 @@ class Completed:
     status: str
 
 
-Entry = Connected | Held | Ran | Accepted | Completed
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """An application was told by its SDK that the end of its command cannot be known any more."""
+
+    at: float
+    application: str
+    command: str
+
+
+Entry = Connected | Held | Ran | Accepted | Completed | Lost
 
 
 @dataclass
@@ -91,12 +102,12 @@ def judge(history: History, *, may_forget: bool = False, late: float = LATE) -> 
 
     Args:
         history: what adapters and applications saw.
-        may_forget: the journal was away with the gateway that ran a command: its end may be unknown for ever.
+        may_forget: the journal was away with the gateway that ran a command: its end may be that it is lost.
         late: seconds after the end of a command was told in which it may still begin.
     """
     by_time = sorted(history.entries, key=lambda entry: entry.at)
-    endless = () if may_forget else _endless(by_time)
-    return [*_two_holders(by_time), *_shared_epochs(by_time), *_ends(by_time), *endless, *_runs(by_time, late)]
+    wrong = (_two_holders(by_time), _shared_epochs(by_time), _ends(by_time), _endless(by_time, may_forget=may_forget))
+    return [*chain.from_iterable(wrong), *_runs(by_time, late)]
 
 
 def _two_holders(entries: Iterable[Entry]) -> Iterable[str]:
@@ -139,6 +150,8 @@ def _ends(entries: Iterable[Entry]) -> Iterable[str]:
                 accepted.add(command)
             case Completed(_, _, command, status):
                 ends[command].append(status)
+            case Lost(_, _, command):
+                ends[command].append("lost")
             case _:
                 pass
     for command, statuses in ends.items():
@@ -148,9 +161,11 @@ def _ends(entries: Iterable[Entry]) -> Iterable[str]:
             yield f"{command} ended {statuses[0]} and was not accepted (I2)"
 
 
-def _endless(entries: Iterable[Entry]) -> Iterable[str]:
+def _endless(entries: Iterable[Entry], *, may_forget: bool) -> Iterable[str]:
     told = list(entries)
-    ended = {entry.command for entry in told if isinstance(entry, Completed)}
+    ended = {
+        entry.command for entry in told if isinstance(entry, Completed) or (may_forget and isinstance(entry, Lost))
+    }
     for entry in told:
         if isinstance(entry, Accepted) and entry.command not in ended:
             yield f"{entry.at:.3f}: {entry.command} of {entry.application} was accepted and has no end (I2)"

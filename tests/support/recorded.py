@@ -26,7 +26,7 @@ from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import MessageStream
 from openrois.types.messages import Argument, Result
 from openrois.types.streams import HolderNotification
-from tests.support.histories import Accepted, Completed, Connected, Held, History, Ran
+from tests.support.histories import Accepted, Completed, Connected, Held, History, Lost, Ran
 
 __all__ = ["Operator", "RecordedAdapter", "operator"]
 
@@ -268,6 +268,8 @@ class Operator:
                 await asyncio.sleep(0.02)
                 continue
             await moving.wait()
+            if moving.status is None:
+                self._history.add(Lost(time.monotonic(), self._name, self._names[moving.command_id]))
             self.done += moving.status == "OK"
             self._news.set()
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.support.histories import Accepted, Completed, Connected, Entry, Held, History, Ran, judge
+from tests.support.histories import Accepted, Completed, Connected, Entry, Held, History, Lost, Ran, judge
 
 ARM = "robot/arm"
 GOOD: list[Entry] = [
@@ -75,9 +75,14 @@ def test_a_command_may_begin_while_its_end_is_told_and_not_much_later() -> None:
 
 
 def test_an_end_that_was_lost_with_the_journal() -> None:
-    endless = History([*GOOD, Accepted(6, "app", "c")])
-    assert judge(endless, may_forget=True) == []
-    assert judge(endless) == ["6.000: c of app was accepted and has no end (I2)"]
+    endless, no_end = [*GOOD, Accepted(6, "app", "c")], ["6.000: c of app was accepted and has no end (I2)"]
+    lost = [*endless, Lost(7, "app", "c")]
+    assert judge(History(lost), may_forget=True) == []
+    assert judge(History(lost)) == no_end
+    assert judge(History(endless), may_forget=True) == no_end
+    assert judge(History([*lost, Completed(8, "app", "c", "ERROR")]), may_forget=True) == [
+        "c ended 2 times: lost, ERROR (I2)"
+    ]
 
 
 def test_what_ended_ok_has_run() -> None:

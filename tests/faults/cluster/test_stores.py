@@ -9,6 +9,7 @@ import pytest
 
 from openrois.client import ConnectionLost
 from tests.support.cluster_site import cluster_site
+from tests.support.histories import Lost
 from tests.support.postgres import Server
 from tests.support.seeds import SOME, lasting
 
@@ -125,7 +126,9 @@ async def test_f45_f48_an_owner_is_killed_while_postgresql_is_away(
         try:
             await here.turns(0.3)
             await owner.kill()
-            await here.turns(3.0)
+            await here.turns(12.0)
         finally:
             postgres_server.start()
         await here.all_move()
+    lost = sum(isinstance(each, Lost) for each in here.history.entries)
+    print(f"seed {seed}: {lost} ends of commands are lost")

@@ -303,7 +303,7 @@ async def test_the_end_of_a_command_at_a_gateway_that_may_be_lost_is_asked_for_a
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("openrois.interfaces.command._LOOKS_ELSEWHERE", 1)
-    monkeypatch.setattr("openrois.interfaces.command._LOOK_AGAIN", 0.0)
+    monkeypatch.setattr("openrois.interfaces.command._LOOK_AGAIN", 1e-9)
     await ann.bind(LAMP)
     running = await ann.component(LAMP).command("start").execute()
     await line.lamp.glowing.wait()

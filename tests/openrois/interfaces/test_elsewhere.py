@@ -98,6 +98,18 @@ async def test_one_that_is_out_of_scope_is_not_known(scene: Scene) -> None:
     assert await scene.app.code("rois.command.get_command_result", ASKED) == "OK"
 
 
-async def test_a_journal_that_does_not_answer_is_an_error(scene: Scene) -> None:
-    scene.journal.looks = [StoreUnreachable("the store did not answer within 1 s")]
-    assert await scene.app.code("rois.command.get_command_result", ASKED) == "ERROR"
+AWAY = StoreUnreachable("the store did not answer within 1 s")
+
+
+async def test_a_journal_that_does_not_answer_is_asked_again(scene: Scene) -> None:
+    scene.journal.looks = [AWAY, AWAY, FormerCommand("robot/lamp", None, GATEWAY_LOST, None), AWAY]
+    assert await scene.app.code("rois.command.get_command_result", ASKED) == "TIMEOUT"
+    scene.journal.looks = [AWAY, FormerCommand("robot/lamp", CompletedStatus.OK, "", GIVEN)]
+    assert await scene.app.code("rois.command.get_command_result", ASKED) == "OK"
+
+
+async def test_one_whose_end_a_journal_does_not_tell_in_time_is_a_timeout(scene: Scene) -> None:
+    scene.journal.looks = [AWAY]
+    assert await scene.app.code("rois.command.get_command_result", ASKED) == "TIMEOUT"
+    assert 4 < sum(scene.slept) <= 5
+    assert scene.journal.delivered == 0
