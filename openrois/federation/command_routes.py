@@ -2,13 +2,13 @@
 
 import logging
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 from openrois.errors import BadParameter, EngineUnreachable, OutOfResources, Unsupported
 from openrois.federation.destinations import command_ids, engine_named, engines_commanded, only_stops
 from openrois.federation.routes import Routes, fitting
 from openrois.interfaces.selection import found_by
-from openrois.jsonrpc.session import Handler
+from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
 from openrois.types.codes import ReturnCode
 from openrois.types.messages import ConditionParams, ReferenceResult, SearchResult
 from openrois.types.references import engine_of
@@ -28,15 +28,9 @@ class CommandRoutes:
     def __init__(self, routes: Routes) -> None:
         self._routes = routes
 
-    def methods(self) -> dict[str, Handler]:
+    def methods(self) -> BoundMethods:
         """Return the methods."""
-        return {
-            "rois.command.set_parameter": self._set_parameter,
-            "rois.command.execute": self._execute,
-            "rois.command.search": self._search,
-            "rois.command.bind_any": self._bind_any,
-            "rois.command.get_command_result": self._get_command_result,
-        }
+        return BoundMethods((_METHODS, self))
 
     async def _execute(self, params: dict[str, Any]) -> Any:
         name = "rois.command.execute"
@@ -122,3 +116,12 @@ class CommandRoutes:
                 self._routes.work.note_held(component_ref, is_held=True)
                 return ReferenceResult.read_newer(found)
         raise OutOfResources("every component that satisfies the condition is bound by another application")
+
+
+_METHODS: Final[Mapping[str, SharedMethod]] = {
+    "rois.command.set_parameter": CommandRoutes._set_parameter,
+    "rois.command.execute": CommandRoutes._execute,
+    "rois.command.search": CommandRoutes._search,
+    "rois.command.bind_any": CommandRoutes._bind_any,
+    "rois.command.get_command_result": CommandRoutes._get_command_result,
+}

@@ -2,7 +2,7 @@
 
 import logging
 from asyncio import gather
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from hashlib import sha256
 from typing import Any, Final
 
@@ -13,7 +13,8 @@ from openrois.federation.lines import SessionLine, new_line
 from openrois.federation.routes import Routes, fitting
 from openrois.federation.sub_session import SubSession
 from openrois.interfaces.lease import held_leases, tell_missed
-from openrois.jsonrpc.session import Handler, Reply
+from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
+from openrois.jsonrpc.session import Reply
 from openrois.leases.tokens import new_token
 from openrois.types.leases import LeaseTokenResult, ResumeParams, ResumeResult
 from openrois.types.messages import NoParams
@@ -56,9 +57,9 @@ class Resumption:
         self._missed: dict[str, None] = {}
         """Those of them that have left their gateway."""
 
-    def methods(self) -> dict[str, Handler]:
+    def methods(self) -> BoundMethods:
         """Return the methods."""
-        return {"openrois.lease.token": self._token, _RESUME: self._resume}
+        return BoundMethods((_METHODS, self))
 
     async def _token(self, params: dict[str, Any]) -> Any:
         if fitting(NoParams, params) is None:
@@ -217,6 +218,9 @@ class Resumption:
             except StoreUnreachable as error:
                 # It is removed when it has not been touched for a day.
                 _log.info("a session that has left stays in the store for a while: %s", error)
+
+
+_METHODS: Final[Mapping[str, SharedMethod]] = {"openrois.lease.token": Resumption._token, _RESUME: Resumption._resume}
 
 
 def _digest(token: str) -> bytes:

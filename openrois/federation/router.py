@@ -1,7 +1,8 @@
 """The methods of an application at its gateway: each request goes to the gateway that owns the engine it is about."""
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Iterator, Mapping
+from functools import partial
 from typing import Any, Final
 
 from openrois.auth.principal import Principal
@@ -19,6 +20,7 @@ from openrois.federation.system_routes import SystemRoutes
 from openrois.interfaces import directory_methods
 from openrois.interfaces.query import FAILING, STATUS_QUERY
 from openrois.interfaces.selection import COMPONENT_PROPERTIES, observed_component, queried_component
+from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
 from openrois.jsonrpc.session import Handler, Reply
 from openrois.scope.scoped_tree import ScopedTree
 from openrois.scope.views import ViewChange
@@ -73,10 +75,11 @@ class Router:
         self,
         federation: Federation,
         app: ApplicationSession,
-        local: Mapping[str, Handler],
+        local: BoundMethods,
         notify: Callable[..., None],
         address: str,
     ) -> None:
+        self._local = local
         self._routes = Routes(federation, app, local, notify, address, self._handle_loss)
         self.change_notice = ChangeNotice(notify, lambda engine_id: self.engine.tree.has_engine(engine_id))
         self._resumption = Resumption(self._routes)
@@ -120,65 +123,50 @@ class Router:
         await self._routes.subs.close(lost=lost)
         await self._resumption.close(lost=lost)
 
-    def methods(self) -> dict[str, Handler]:
+    def methods(self) -> Mapping[str, Handler]:
         """Return the methods of the application, in the place of those of its session here."""
-        table: dict[str, Handler] = {
-            **{name: self._leading(name) for name in OF_ENGINE},
-            "rois.query.query": self._query,
-            "rois.event.subscribe": self._subscribe,
-            "rois.stream.connect_stream": self._connect_stream,
-            "openrois.lease.grant": self._deciding("openrois.lease.grant"),
-            "openrois.lease.decline": self._deciding("openrois.lease.decline"),
-            **CommandRoutes(self._routes).methods(),
-            **SystemRoutes(self._routes, self.change_notice).methods(),
-            **StopRoutes(self._routes, self._routes.federation.other_way).methods(),
-            **self._resumption.methods(),
-        }
-        answering = {name: self._answering(name, handler) for name, handler in table.items()}
-        unrouted = {**self._routes.local, **directory_methods(self)}
-        extending = {name: self._answering(name, handler) for name, handler in unrouted.items() if _extends(name)}
-        return {**unrouted, **extending, **answering}
+        routed = CommandRoutes(self._routes).methods()
+        return _Methods(
+            routed.before(
+                SystemRoutes(self._routes, self.change_notice).methods(),
+                StopRoutes(self._routes, self._routes.federation.other_way).methods(),
+                self._resumption.methods(),
+                BoundMethods((_METHODS, self)),
+            ),
+            directory_methods(self).before(self._local),
+            self._answer,
+        )
 
-    def _answering(self, name: str, handler: Handler) -> Handler:
-        """Return a handler that answers a failure in RoIS terms as an operation does.
+    async def _answer(self, name: str, handler: Handler, params: dict[str, Any]) -> Any:
+        """Answer a failure in RoIS terms as an operation does.
 
         After the methods of extensions the sessions elsewhere speak these too.
         """
-        extends = _extends(name)
+        try:
+            said = await handler(params)
+        except UnwritableParams:
+            # The session here says what is wrong with params that do not fit.
+            said = await self._local[name](params)
+        except RoISError as error:
+            _log.debug("%s: %s", name, error)
+            return Reply(_RESULTS.get(name, ReturnResult)(return_code=error.return_code), reason=str(error))
+        if _extends(name):
+            self._routes.extend()
+        return said
 
-        async def answer(params: dict[str, Any]) -> Any:
-            try:
-                said = await handler(params)
-            except UnwritableParams:
-                # The session here says what is wrong with params that do not fit.
-                said = await self._routes.local[name](params)
-            except RoISError as error:
-                _log.debug("%s: %s", name, error)
-                return Reply(_RESULTS.get(name, ReturnResult)(return_code=error.return_code), reason=str(error))
-            if extends:
-                self._routes.extend()
-            return said
-
-        return answer
-
-    def _leading(self, name: str) -> Handler:
-        is_urgent = name == "rois.command.release"
-
-        async def lead(params: dict[str, Any]) -> Any:
-            component_ref = params.get("component_ref")
-            gateway_id = self._routes.gateway(engine_named(name, params), component_ref)
-            refs = (component_ref,) if isinstance(component_ref, str) else ()
-            if name not in _LOOKING:
-                for each in refs:
-                    self._resumption.note_use(each)
-            return await self._routes.ask_at(
-                *(gateway_id, name, params),
-                refs=refs,
-                urgent=is_urgent,
-                accepted=lambda result: self._note_held(name, component_ref, result),
-            )
-
-        return lead
+    async def _lead(self, name: str, params: dict[str, Any]) -> Any:
+        component_ref = params.get("component_ref")
+        gateway_id = self._routes.gateway(engine_named(name, params), component_ref)
+        refs = (component_ref,) if isinstance(component_ref, str) else ()
+        if name not in _LOOKING:
+            for each in refs:
+                self._resumption.note_use(each)
+        return await self._routes.ask_at(
+            *(gateway_id, name, params),
+            refs=refs,
+            urgent=name == "rois.command.release",
+            accepted=lambda result: self._note_held(name, component_ref, result),
+        )
 
     def _note_held(self, name: str, component_ref: object, result: Mapping[str, Any]) -> None:
         """Note what the application holds by the answer to a request."""
@@ -193,7 +181,7 @@ class Router:
     async def _query(self, params: dict[str, Any]) -> Any:
         asked = fitting(QueryParams, params)
         if asked is None:
-            return await self._routes.local["rois.query.query"](params)
+            return await self._local["rois.query.query"](params)
         if asked.query_type == STATUS_QUERY:
             component_ref = parse_condition(asked.condition, COMPONENT_PROPERTIES).value_of("component_ref")
             if component_ref is not None and self._has_lost(component_ref):
@@ -208,7 +196,7 @@ class Router:
     async def _subscribe(self, params: dict[str, Any]) -> Any:
         asked = fitting(SubscribeParams, params)
         if asked is None:
-            return await self._routes.local["rois.event.subscribe"](params)
+            return await self._local["rois.event.subscribe"](params)
         self._routes.require_reachable(asked.condition)
         component_ref = observed_component(self.engine, asked.event_type, asked.condition)
         return await self._routes.ask_about(component_ref, "rois.event.subscribe", params)
@@ -226,13 +214,10 @@ class Router:
 
         return await self._routes.ask_at(gateway_id, name, params, refs=(str(component_ref),), accepted=note)
 
-    def _deciding(self, name: str) -> Handler:
-        async def decide(params: dict[str, Any]) -> Any:
-            request_id = params.get("request_id")
-            gateway_id = self._routes.work.gateway_of_request(request_id) if isinstance(request_id, str) else None
-            return await self._routes.ask_at(gateway_id, name, params)
-
-        return decide
+    async def _decide(self, name: str, params: dict[str, Any]) -> Any:
+        request_id = params.get("request_id")
+        gateway_id = self._routes.work.gateway_of_request(request_id) if isinstance(request_id, str) else None
+        return await self._routes.ask_at(gateway_id, name, params)
 
     def _handle_loss(self, sub: SubSession, closed: StreamClosed) -> None:
         app, lost = self._routes.app, self._routes.work.lose(sub.gateway_id)
@@ -246,6 +231,55 @@ class Router:
         self._resumption.note_loss(refs)
         for fault in app.host.engine.mint.make_each(ErrorType.COMPONENT_NOT_RESPONDING, refs, reason):
             app.tell_fault(fault)
+
+
+def _named(method: Callable[[Router, str, dict[str, Any]], Awaitable[Any]], name: str) -> SharedMethod:
+    return lambda router, params: method(router, name, params)
+
+
+_METHODS: Final[Mapping[str, SharedMethod]] = {
+    **{name: _named(Router._lead, name) for name in OF_ENGINE},
+    **{name: _named(Router._decide, name) for name in ("openrois.lease.grant", "openrois.lease.decline")},
+    "rois.query.query": Router._query,
+    "rois.event.subscribe": Router._subscribe,
+    "rois.stream.connect_stream": Router._connect_stream,
+}
+
+
+class _Methods(Mapping[str, Handler]):
+    """The methods of one application.
+
+    Args:
+        routed: those that may go to another gateway.
+        others: those that are answered here; of one name the routed one counts.
+        answer: calls one of the former, or one of an extension.
+    """
+
+    __slots__ = ("_answer", "_others", "_routed")
+
+    def __init__(
+        self,
+        routed: BoundMethods,
+        others: BoundMethods,
+        answer: Callable[[str, Handler, dict[str, Any]], Awaitable[Any]],
+    ) -> None:
+        self._routed = routed
+        self._others = others
+        self._answer = answer
+
+    def __getitem__(self, name: str) -> Handler:
+        handler = self._routed.get(name)
+        if handler is None:
+            handler = self._others[name]
+            if not _extends(name):
+                return handler
+        return partial(self._answer, name, handler)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._routed.before(self._others))
+
+    def __len__(self) -> int:
+        return len(self._routed.before(self._others))
 
 
 def _extends(name: str) -> bool:

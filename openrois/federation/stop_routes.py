@@ -1,7 +1,7 @@
 """STOP of an application whose engines are at several gateways: by the link between these, and by the store too."""
 
 import asyncio
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 from pydantic import ValidationError
@@ -9,7 +9,8 @@ from pydantic import ValidationError
 from openrois.errors import EngineUnreachable, OutOfResources
 from openrois.federation.other_way import OtherWay
 from openrois.federation.routes import Routes, fitting
-from openrois.jsonrpc.session import Handler, Reply
+from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
+from openrois.jsonrpc.session import Reply
 from openrois.types.codes import ReturnCode
 from openrois.types.leases import StopAllParams, StopAllResult
 from openrois.types.references import engine_of
@@ -34,9 +35,9 @@ class StopRoutes:
         self._routes = routes
         self._other_way = other_way
 
-    def methods(self) -> dict[str, Handler]:
+    def methods(self) -> BoundMethods:
         """Return the method."""
-        return {_STOP: self._stop_all}
+        return BoundMethods((_METHODS, self))
 
     async def _stop_all(self, params: dict[str, Any]) -> Any:
         routes, asked = self._routes, fitting(StopAllParams, params)
@@ -123,6 +124,9 @@ class StopRoutes:
             for answer in answers
         ]
         return _together(results), "; ".join(answer.problem for answer in answers if answer.problem)
+
+
+_METHODS: Final[Mapping[str, SharedMethod]] = {_STOP: StopRoutes._stop_all}
 
 
 def _is_answered(asked: "asyncio.Future[tuple[StopAllResult, str]]") -> bool:

@@ -1,10 +1,10 @@
 """The session of an application at another gateway, as the gateway that the application is connected to has it."""
 
 import logging
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Final
 
+from openrois.aio.lean_queue import LeanQueue
 from openrois.errors import ComponentFailed, EngineUnreachable, NotResponding, Unsupported
 from openrois.federation.counts import Counts
 from openrois.jsonrpc import protocol
@@ -84,7 +84,7 @@ class SubSession:
         self._seen = seen
         self._calls = counts.calls
         self._unsent = 0
-        self._held: deque[tuple[str, Mapping[str, Any]]] = deque()
+        self._held = LeanQueue[tuple[str, Mapping[str, Any]]]()
         self._reason: Mapping[str, Any] | None = None
         self._session = RpcSession(
             stream,
@@ -214,7 +214,7 @@ class SubSession:
     def _sent(self) -> None:
         self._unsent = max(0, self._unsent - 1)
         while self._held and not self._unsent:
-            self._pass_on(*self._held.popleft())
+            self._pass_on(*self._held.pop())
 
     def take_notification(self, name: str, params: Mapping[str, Any]) -> None:
         """Take a notification of the other gateway, and pass it on in its turn."""
@@ -222,7 +222,7 @@ class SubSession:
             notice = ReasonNotification.read_newer(params)
             self._session.handle_reason(notice.request_id, sentence(notice.reason))
         elif self._unsent:
-            self._held.append((name, params))
+            self._held.put((name, params))
         else:
             self._pass_on(name, params)
 

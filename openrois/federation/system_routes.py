@@ -2,13 +2,14 @@
 
 import logging
 from asyncio import gather
+from collections.abc import Mapping
 from typing import Any, Final
 
 from openrois.errors import RoISError
 from openrois.federation.routes import Routes, fitting
 from openrois.federation.sub_session import SubSession
 from openrois.interfaces.system import profile_of
-from openrois.jsonrpc.session import Handler
+from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
 from openrois.session.change_notice import ChangeNotice
 from openrois.types.codes import ReturnCode
 from openrois.types.directory import DIRECTORY
@@ -36,15 +37,9 @@ class SystemRoutes:
         self._routes = routes
         self._notice = notice
 
-    def methods(self) -> dict[str, Handler]:
+    def methods(self) -> BoundMethods:
         """Return the methods."""
-        return {
-            "rois.system.connect": self._connect,
-            "rois.system.disconnect": self._disconnect,
-            "rois.system.get_profile": self._get_profile,
-            "rois.system.get_error_detail": self._get_error_detail,
-            "openrois.hello": self._hello,
-        }
+        return BoundMethods((_METHODS, self))
 
     async def _hello(self, params: dict[str, Any]) -> Any:
         result, _, said = await self._routes.ask_here("openrois.hello", params)
@@ -98,3 +93,12 @@ class SystemRoutes:
             if found.get("return_code") == ReturnCode.OK.value:
                 return found
         return reply
+
+
+_METHODS: Final[Mapping[str, SharedMethod]] = {
+    "rois.system.connect": SystemRoutes._connect,
+    "rois.system.disconnect": SystemRoutes._disconnect,
+    "rois.system.get_profile": SystemRoutes._get_profile,
+    "rois.system.get_error_detail": SystemRoutes._get_error_detail,
+    "openrois.hello": SystemRoutes._hello,
+}

@@ -207,14 +207,13 @@ class _Served:
         self.notes = RefusalNotes(app)
         session.on_refusal = self.notes.note
         session.outbox.gap = app.gap
-        methods: Mapping[str, Handler] = base_methods(app).before(
+        own = base_methods(app).before(
             directory_methods(app), stream_methods(app), lease_methods(app), BoundMethods((_SIGNALING, self._signaling))
         )
         self._router = None
         if federation is not None:
-            self._router = Router(federation, app, methods, session.notify, expiry.address)
-            methods = self._router.methods()
-        self.methods = methods
+            self._router = Router(federation, app, own, session.notify, expiry.address)
+        self.methods: Mapping[str, Handler] = own if self._router is None else self._router.methods()
         expiry.on_principal = partial(setattr, self._router or app, "principal")
         expiry.on_expiring = expiring(session.notify, lambda: app.extended)
         app.end_connection = partial(session.end_session, RESUMED, "another connection has resumed this session")
