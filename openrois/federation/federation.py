@@ -140,7 +140,7 @@ class Federation:
 
     async def _tell_quotas(self) -> None:
         while True:
-            self.quotas.tell(len(self._link.present))
+            self.quotas.tell_changes(len(self._link.present))
             await self._sleep(TELLING_INTERVAL)
 
     def require_reachable(self, engine_id: str) -> None:

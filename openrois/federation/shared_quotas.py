@@ -104,7 +104,7 @@ class SharedQuotas:
         finally:
             stop()
 
-    def tell(self, gateways: int) -> None:
+    def tell_changes(self, gateways: int) -> None:
         """Tell all other gateways what has changed, as far as it concerns them.
 
         Args:

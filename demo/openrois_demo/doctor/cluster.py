@@ -121,9 +121,7 @@ def _schema(facts: StoreFacts) -> Finding:
     if found is None:
         return Finding(Level.OK, name, f"none yet: the first gateway makes version {VERSION}")
     if found > NEWEST:
-        advice = (
-            "Install what the other gateways run, or run `openrois gateway --migrate-store-back` of that."
-        )
+        advice = "Install what the other gateways run, or run `openrois gateway --migrate-store-back` of that."
         return Finding(Level.FAIL, name, f"version {found}, and this program works with up to {NEWEST}", advice)
     if found > VERSION:
         return Finding(Level.OK, name, f"version {found}, made by a newer OpenRoIS: this one works with it")

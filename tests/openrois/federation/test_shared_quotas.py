@@ -86,7 +86,7 @@ def settle(gateways: Mapping[str, Here], times: int = 2) -> None:
     """Let so many tellings pass; two of them are what a quota needs."""
     for _ in range(times):
         for each in gateways.values():
-            each.shared.tell(len(gateways))
+            each.shared.tell_changes(len(gateways))
 
 
 def test_a_subject_with_all_it_may_have_at_one_gateway_has_nothing_more_at_another() -> None:
@@ -201,7 +201,7 @@ def test_what_changed_of_many_subjects_is_told_a_page_at_a_time(monkeypatch: pyt
     assert c.quotas.elsewhere(f"subject {TOLD_AT_ONCE}") == b.quotas.elsewhere(f"subject {TOLD_AT_ONCE}") != Usage()
     # All are looked at when a gateway comes; nothing has changed of them.
     a.told.clear()
-    a.shared.tell(3)
+    a.shared.tell_changes(3)
     assert a.told == []
 
 
