@@ -13,6 +13,7 @@ from openrois_bench.simulation.paper import (
     MEBIBYTE,
     MEDIA,
     MESSAGES,
+    TOGETHER,
     Costs,
     Wire,
     Work,
@@ -23,7 +24,15 @@ from openrois_bench.simulation.paper import (
     streams,
 )
 
-__all__ = ["scale_compared", "scale_costs", "scale_needs", "scale_saturation", "scale_streams", "scale_wire"]
+__all__ = [
+    "scale_compared",
+    "scale_costs",
+    "scale_needs",
+    "scale_others",
+    "scale_saturation",
+    "scale_streams",
+    "scale_wire",
+]
 
 RESULTS: Final = Path(__file__).parents[2] / "benchmarks/results"
 
@@ -33,7 +42,7 @@ BUSY: Final = 0.5
 KEPT: Final = 200
 """Events that a session keeps in the table of needs."""
 
-_ALONE: Final = ("attach", "session", "query", "command", "subscription", "stream", "sign", "change")
+_ALONE: Final = ("attach", "session", "query", "pipelined_query", "command", "subscription", "stream", "sign", "change")
 """Kinds that were measured one by one; an event comes with its deliveries."""
 
 FLEETS: Final = ((100, 1_000), (1_000, 10_000), (10_000, 100_000))
@@ -53,18 +62,28 @@ def work(result: Mapping[str, Any]) -> Work:
 
 
 def wire() -> Wire:
-    """Return what sockets add: the median over the kinds without a connection, and the mean of those with one."""
+    """Return what sockets add: the median over the kinds without a connection, and the mean of those with one.
+
+    Kinds whose messages come together have a median of their own.
+    """
     without, real = work(found("simulation_small")).parts(), work(found("simulation_real")).parts()
     messages, connections = MESSAGES.parts(), CONNECTIONS.parts()
-    each = [
-        (real[name] - without[name]) / number
+    each = {
+        name: (real[name] - without[name]) / number
         for name, number in messages.items()
         if number and not connections[name] and real[name]
-    ]
-    message = median(each)
+    }
+    message = median(added for name, added in each.items() if name not in TOGETHER)
+    together = median(added for name, added in each.items() if name in TOGETHER)
     opened = [name for name, number in connections.items() if number]
     more = [real[name] - without[name] - messages[name] * message for name in opened]
-    return Wire(message, sum(more) / len(more))
+    return Wire(message, together, sum(more) / len(more))
+
+
+def connection_kib() -> float:
+    """Return the memory of a connection: the mean of what bodies and sessions take more with sockets."""
+    without, real = found("simulation_small")["memory"], found("simulation_real")["memory"]
+    return sum(float(real[name] - without[name]) for name in ("body_kib", "session_kib")) / 2
 
 
 def scale_costs() -> list[str]:
@@ -83,8 +102,9 @@ def scale_wire() -> list[str]:
     """Return what sockets add."""
     sockets = wire()
     return [
-        f"A message that is read or written adds {_us(sockets.message)} us, and a connection "
-        f"{sockets.connection * 1000:.1f} ms.",
+        f"A message that is read or written adds {_us(sockets.message)} us, and one of several that come together "
+        f"{_us(sockets.together)} us. A connection adds {sockets.connection * 1000:.1f} ms "
+        f"and {connection_kib():.0f} KiB.",
     ]
 
 
@@ -139,7 +159,8 @@ def scale_needs() -> list[str]:
     result = found("simulation")
     each = over_sockets(work(result), wire())
     kept = result["memory"]
-    costs = Costs(each, kept["body_kib"] * 1024, kept["session_kib"] * 1024, kept["kept_event_b"])
+    bytes_each = kept["body_kib"] * 1024, kept["session_kib"] * 1024, kept["kept_event_b"], connection_kib() * 1024
+    costs = Costs(each, *bytes_each)
     rows = []
     for bodies, applications in FLEETS:
         number = 1
@@ -199,14 +220,45 @@ def scale_compared() -> list[str]:
     shared = real["plan"]["applications"] // real["plan"]["bodies"]
     kinds = [_row(f"`{name}`", Work(**{name: 1.0}), measured, expected) for name in _ALONE]
     kinds += [
-        _row(f"`event` and {number} x `delivery`", Work(event=1.0, delivery=number), measured, expected)
+        row
         for number in (1, shared)
+        for row in (
+            _row(f"`event` and {number} x `delivery`", Work(event=1.0, delivery=number), measured, expected),
+            _row(f"the same in bursts, {number}", Work(burst_event=1.0, burst_delivery=number), measured, expected),
+        )
     ]
     return [
         *tables,
         "",
         *_table((f"one gateway over sockets, {_of(real)}", "measured, us", "by the formulas, us", "ratio"), kinds),
     ]
+
+
+def scale_others() -> list[str]:
+    """Return what other programs measured, beside the formulas."""
+    expected = over_sockets(work(found("simulation_small")), wire())
+    rpc, events, fleet = (found(f"scale_{name}") for name in ("rpc", "events", "fleet"))
+    many, heard = events["many"]["gateway_us"], events["clients"]
+    delivery = cpu(expected, Work(burst_event=1.0 / heard, burst_delivery=1.0)) * MICROSECONDS
+    rows = [
+        _other(
+            f"`openrois bench rpc --auth`: a query of {rpc['clients'] * rpc['depth']} at a time",
+            *(rpc["pipelined"]["gateway_us"], expected.pipelined_query * MICROSECONDS, "us"),
+        ),
+        _other(f"`openrois bench events --auth`: a delivery in bursts to {heard} applications", many, delivery, "us"),
+    ]
+    for each in fleet["fleet"]:
+        bodies = f"`python -m openrois_bench.gateway.fleet`: at {each['bodies']:,} bodies"
+        memory_each = found("simulation_small")["memory"]["body_kib"] + connection_kib()
+        rows += [
+            _other(f"{bodies}, the next one", each["attach_ms"], expected.attach * 1000, "ms"),
+            _other(f"{bodies}, the memory of one", each["memory_kib_each"], memory_each, "KiB"),
+        ]
+    return _table(("program", "measured", "by the formulas", "ratio"), rows)
+
+
+def _other(name: str, measured: float, expected: float, unit: str) -> tuple[str, ...]:
+    return name, f"{measured:,.1f} {unit}", f"{expected:,.1f} {unit}", f"{expected / measured:.2f}"
 
 
 def _rush(result: Mapping[str, Any]) -> float:

@@ -9,7 +9,7 @@ from typing import Any, Final
 from openrois.aio.tasks import TaskScope
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois_bench.simulation.bodies import BURST_EVENT, BURST_SOURCE, EVENT, EVENT_SOURCE, SDP, Body
-from openrois_bench.simulation.door import Door
+from openrois_bench.simulation.door import Door, PeerStream
 from openrois_bench.simulation.mix import COMMAND_SECONDS
 
 __all__ = ["Application"]
@@ -54,7 +54,7 @@ class Application:
         self._scope = "*" if sees_all else f"{body.engine_id}/*"
         self._counts = counts
         self._tasks = tasks
-        self._stream: MessageStream | None = None
+        self._stream: PeerStream | None = None
         self._asked = 0
         self._subscribed = ""
         self._receives = "deliveries"
@@ -84,17 +84,17 @@ class Application:
 
     async def query(self) -> None:
         """Ask the body something."""
-        await self._query()
+        await self._query(1)
         self._counts["queries"] += 1
 
     async def query_together(self) -> None:
         """Ask the body several things before the first answer."""
-        await asyncio.gather(*(self._query() for _ in range(PIPELINED)))
+        await self._query(PIPELINED)
         self._counts["pipelined queries"] += PIPELINED
 
-    async def _query(self) -> None:
+    async def _query(self, times: int) -> None:
         condition = f"component_ref = '{self.body.engine_id}/navigation'"
-        await self._ask("rois.query.query", {"query_type": "component_status", "condition": condition})
+        await self._ask("rois.query.query", {"query_type": "component_status", "condition": condition}, times)
 
     async def command(self, component: str) -> None:
         """Bind a component, run a command of it to its end, and release it; skip it while another one has it."""
@@ -182,18 +182,21 @@ class Application:
         async with asyncio.timeout(seconds):
             return await answer
 
-    async def _ask(self, method: str, params: dict[str, Any]) -> dict[str, Any]:
-        self._asked += 1
-        answer = self._expect(self._asked)
+    async def _ask(self, method: str, params: dict[str, Any], times: int = 1) -> dict[str, Any]:
+        """Ask so many times at once, and return the last answer."""
+        numbers = range(self._asked + 1, self._asked + times + 1)
+        self._asked += times
+        answers = [self._expect(number) for number in numbers]
+        asked = f'"method":"{method}","params":{json.dumps(params)}'
         assert self._stream is not None
         try:
-            await self._stream.send(
-                f'{{"jsonrpc":"2.0","id":{self._asked},"method":"{method}","params":{json.dumps(params)}}}'
-            )
+            await self._stream.send_many([f'{{"jsonrpc":"2.0","id":{number},{asked}}}' for number in numbers])
         except StreamClosed as closed:
             raise Lost(method) from closed
-        self._counts["requests"] += 1
-        result: dict[str, Any] = await self._arrived(answer, PATIENCE)
+        self._counts["requests"] += times
+        result: dict[str, Any] = {}
+        for answer in answers:
+            result = await self._arrived(answer, PATIENCE)
         return result
 
     async def _read(self, stream: MessageStream) -> None:

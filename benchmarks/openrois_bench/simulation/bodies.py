@@ -7,9 +7,9 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
-from openrois.transport.stream import MessageStream, StreamClosed
+from openrois.transport.stream import StreamClosed
 from openrois_bench.gateway.fleet.stubs import body_name, body_profile
-from openrois_bench.simulation.door import Door
+from openrois_bench.simulation.door import Door, PeerStream
 from openrois_bench.simulation.mix import COMMAND_SECONDS
 
 __all__ = ["BURST", "BURST_EVENT", "BURST_SOURCE", "EVENT", "EVENT_SOURCE", "MOVING", "SDP", "Body"]
@@ -41,6 +41,7 @@ _HELLO: Final = (
 )
 _STATUS: Final = '{"return_code":"OK","results":[{"name":"status","data_type_ref":"Component_Status","value":"READY"}]}'
 _OK: Final = '{"return_code":"OK"}'
+_EVENT: Final = "rois.event.notify_event"
 _TIME: Final = "2027-01-15T08:00:00.000000+00:00"
 _RESULTS: Final = (
     {"name": "number", "data_type_ref": "int", "value": "1"},
@@ -73,7 +74,7 @@ class Body:
         self._subscriptions: dict[str, None] = {}
         self._burst_subscriptions: dict[str, None] = {}
         self._ticking: asyncio.Task[None] | None = None
-        self._stream: MessageStream | None = None
+        self._stream: PeerStream | None = None
         self._answers: dict[str, Callable[[dict[str, Any]], str]] = {
             "rois.system.get_profile": lambda _params: body_profile(self.engine_id),
             "openrois.hello": lambda _params: _HELLO,
@@ -125,9 +126,8 @@ class Body:
     async def burst(self) -> None:
         """Announce events at once, to those that are subscribed to bursts."""
         for subscribe_id in tuple(self._burst_subscriptions):
-            for _ in range(BURST):
-                self._counts["burst events"] += 1
-                await self._notify(subscribe_id, BURST_EVENT)
+            self._counts["burst events"] += BURST
+            await self._tell(_EVENT, *(self._event(subscribe_id, BURST_EVENT) for _ in range(BURST)))
 
     async def _take(self, text: str) -> None:
         message = json.loads(text)
@@ -146,10 +146,12 @@ class Body:
         self._minted += 1
         return f"{self.engine_id}/{self._minted:08x}"
 
-    async def _tell(self, method: str, params: dict[str, Any]) -> None:
+    async def _tell(self, method: str, *params: dict[str, Any]) -> None:
+        """Send notifications at once."""
+        told = f'{{"jsonrpc":"2.0","method":"{method}","params":'
         try:
             assert self._stream is not None
-            await self._stream.send(f'{{"jsonrpc":"2.0","method":"{method}","params":{json.dumps(params)}}}')
+            await self._stream.send_many([f"{told}{json.dumps(each)}}}" for each in params])
         except StreamClosed:
             # It restarts meanwhile.
             self._counts["lost with an adapter"] += 1
@@ -191,11 +193,11 @@ class Body:
             await asyncio.sleep(1 / self._rate)
             for subscribe_id in tuple(self._subscriptions):
                 self._counts["events"] += 1
-                await self._notify(subscribe_id, EVENT)
+                await self._tell(_EVENT, self._event(subscribe_id, EVENT))
 
-    async def _notify(self, subscribe_id: str, event_type: str) -> None:
+    def _event(self, subscribe_id: str, event_type: str) -> dict[str, Any]:
         event = {"event_id": self._mint(), "event_type": event_type, "subscribe_id": subscribe_id}
-        await self._tell("rois.event.notify_event", {**event, "expire": "", "results": _RESULTS})
+        return {**event, "expire": "", "results": _RESULTS}
 
     def _connect_stream(self, params: dict[str, Any]) -> str:
         stream_id = self._mint()

@@ -80,12 +80,14 @@ class Costs:
         body: bytes of memory of a body.
         session: bytes of memory of an application's session.
         detail: bytes of memory of an event that was sent to an application, which may ask for its details.
+        connection: bytes of memory of a connection, with its buffers.
     """
 
     work: Work
     body: float
     session: float
     detail: float
+    connection: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,9 +114,9 @@ def cpu(costs: Work, amount: Work) -> float:
 
 
 def memory(costs: Costs, load: Load) -> float:
-    """Return the bytes that all gateways need: bodies, sessions, and the details that sessions keep."""
-    each = costs.session + load.details * costs.detail
-    return load.bodies * costs.body + load.applications * each
+    """Return the bytes that all gateways need: bodies, sessions, their connections, and the details that are kept."""
+    session = costs.session + load.details * costs.detail
+    return load.bodies * (costs.body + costs.connection) + load.applications * (session + costs.connection)
 
 
 def gateways(costs: Costs, load: Load, busy: float, bytes_each: float) -> int:

@@ -1,5 +1,7 @@
 """The formulas of the paper model."""
 
+from dataclasses import replace
+
 import pytest
 from openrois_bench.simulation.mix import at_work
 from openrois_bench.simulation.paper import (
@@ -19,7 +21,7 @@ from openrois_bench.simulation.paper import (
     streams,
 )
 
-COSTS = Costs(Work(attach=0.002, query=0.0001, delivery=0.00001), body=50_000, session=60_000, detail=500)
+COSTS = Costs(Work(attach=0.002, query=0.0001, delivery=0.00001), body=50_000, session=60_000, detail=500, connection=0)
 
 
 def test_processor_time_is_the_sum_over_all_kinds() -> None:
@@ -29,6 +31,8 @@ def test_processor_time_is_the_sum_over_all_kinds() -> None:
 def test_memory_counts_what_sessions_keep() -> None:
     load = Load(bodies=10, applications=100, a_second=Work(), details=20)
     assert memory(COSTS, load) == 10 * 50_000 + 100 * (60_000 + 20 * 500)
+    with_sockets = replace(COSTS, connection=1000)
+    assert memory(with_sockets, load) == memory(COSTS, load) + 110 * 1000
 
 
 @pytest.mark.parametrize(
