@@ -41,6 +41,8 @@ _log = logging.getLogger(__name__)
 _RESULTS: Final = {method.name: method.result for method in METHODS}
 _OF_DIRECTORY: Final = frozenset({"rois.system.profile_changed", DirectoryChangedNotification.method})
 
+_UNREACHED: Final = "is not reached any more; what had begun may go on"
+
 _LOOKING: Final = frozenset({"rois.command.get_parameter", "rois.command.release"})
 _BINDING: Final = frozenset({"rois.command.bind", "rois.command.release"})
 
@@ -226,7 +228,7 @@ class Router:
             if app.extended:
                 self._routes.notify(notice.method, notice.model_dump(mode="json"))
         for command_id in lost.commands:
-            app.completed(command_id, CompletedStatus.ERROR, reason)
+            app.completed(command_id, CompletedStatus.ERROR, f"gateway {sub.gateway_id}, at which it ran, {_UNREACHED}")
         refs = [ref for ref in sub.refs if self.engine.sees(ref)]
         self._resumption.note_loss(refs)
         for fault in app.host.engine.mint.make_each(ErrorType.COMPONENT_NOT_RESPONDING, refs, reason):

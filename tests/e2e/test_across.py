@@ -1,18 +1,21 @@
-"""The page at one gateway shows and commands a body whose adapter is at another one."""
+"""The page at one gateway shows and commands a body whose adapter is at another one, and goes on when one is killed."""
 
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Final
 
 import pytest
+from openrois_media import VideoSource, serve
+from openrois_streaming.clock import SystemClock
+from openrois_streaming.synthetic import ColourBars
 from playwright.async_api import Browser, expect
 
 from openrois.adapter.components import SpeechSynthesis
 from openrois.testing import FaultRelay
 from openrois.types.references import reference
-from tests.support.browser import visiting
+from tests.support.browser import GATEWAY_AWAY, visiting
 from tests.support.conversation import say
-from tests.support.gateway_processes import until
+from tests.support.gateway_processes import gateway_processes, until
 from tests.support.loopback import some_address
 from tests.support.media_body import ENGINE, Body
 from tests.support.nats import NatsServer
@@ -88,3 +91,30 @@ async def test_a_page_at_another_gateway_sees_and_commands_the_body(
                     await until(no_sessions(body), "streams of a page that is gone go on")
                 finally:
                     await body.close()
+
+
+@pytest.mark.long
+@pytest.mark.media
+@pytest.mark.parametrize("killed", ["that of the body", "that of the page"])
+async def test_the_page_goes_on_when_a_gateway_is_killed(
+    browser: Browser, shared_nats: NatsServer, postgres_server: Server, tmp_path: Path, killed: str
+) -> None:
+    bars = VideoSource(ColourBars(320, 180, clock=SystemClock()), size=(320, 180))
+    with some_address():
+        async with gateway_processes(shared_nats, postgres_server, tmp_path) as gateways:
+            urls = [each.url for each in gateways.gateways.values()]
+            async with serve(engine_id=ENGINE, streams={"camera": bars}, gateway=urls):
+                owner = await gateways.owner(ENGINE)
+                front, other = gateways.others(owner.gateway_id)
+                async with (
+                    proxy(front.url, other.url, folder=tmp_path, idle=IDLE, balance="first") as way,
+                    visiting(browser, way.url, tolerated=[GATEWAY_AWAY]) as visit,
+                ):
+                    await visit.plays()
+                    await visit.status("video", "RUNNING")
+                    former = await visit.stream_id("video")
+                    await (owner if killed == "that of the body" else front).kill()
+                    await visit.another_stream("video", than=former)
+                    await visit.status("video", "RUNNING")
+                    await visit.plays()
+                    await visit.no_banner()

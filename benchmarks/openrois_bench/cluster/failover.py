@@ -39,7 +39,7 @@ from openrois_bench.measuring.figures import MILLISECONDS, Percentiles
 from openrois_bench.measuring.result import write_result
 from openrois_bench.measuring.table import table
 
-__all__ = ["Case", "measure", "printed", "summary"]
+__all__ = ["Case", "Gateway", "dialling", "free_ports", "measure", "owner_of", "printed", "summary"]
 
 PATIENCE: Final = 60.0
 CASES: Final = ("the application is at the owner", "the application is at another gateway")
@@ -179,7 +179,7 @@ async def _one_round(gateways: Mapping[str, Gateway], store: str, case: Case, *,
     adapter, began = Adapter(), time.perf_counter()
     async with adapter.serving([each.url for each in gateways.values()]):
         await adapter.attached(began)
-        owner = gateways[await _owner(store)]
+        owner = gateways[await owner_of("body", store)]
         others = [each.url for each in gateways.values() if each is not owner]
         urls = [owner.url, *others] if is_at_owner else [*others, owner.url]
         async with Client(dial=dialling(urls), reconnect=Reconnect(first=0.1, limit=0.5)) as client:
@@ -195,10 +195,15 @@ async def _one_round(gateways: Mapping[str, Gateway], store: str, case: Case, *,
     return owner
 
 
-async def _owner(store: str) -> str:
+async def owner_of(engine_id: str, store: str) -> str:
+    """Wait until an engine has an owner, and return that."""
+    asked = "SELECT gateway_id FROM openrois.claim WHERE engine_id = $1"
     connection = await asyncpg.connect(store)
     try:
-        return str(await connection.fetchval("SELECT gateway_id FROM openrois.claim WHERE engine_id = 'body'"))
+        async with within(PATIENCE, f"the owner of {engine_id}"):
+            while (found := await connection.fetchval(asked, engine_id)) is None:  # noqa: ASYNC110 - it is read
+                await asyncio.sleep(0.05)
+            return str(found)
     finally:
         await connection.close()
 
@@ -212,6 +217,7 @@ async def _binds(client: Client) -> bool:
 
 
 def free_ports(count: int) -> list[int]:
+    """Return so many ports of loopback that are free."""
     with ExitStack() as stack:
         probes = [stack.enter_context(socket.socket()) for _ in range(count)]
         for probe in probes:

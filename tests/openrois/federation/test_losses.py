@@ -96,6 +96,7 @@ class TestNats:
         await place.robot.lamp.glowing.wait()
         own_nats.kill()
         assert await app.completed("1") == {"1": "ERROR"}
+        assert app.reasons["1"] == "gateway a, at which it ran, is not reached any more; what had begun may go on"
         assert (await app.next("rois.system.notify_error"))["error_type"] == "COMPONENT_NOT_RESPONDING"
         own_nats.start()
         await seen_by(app, "robot")
