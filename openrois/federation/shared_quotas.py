@@ -163,7 +163,7 @@ class SharedQuotas:
         source, gateway_ids = object(), set[str]()
 
         def hear(params: Mapping[str, Any]) -> None:
-            told = _Told.model_validate(params)
+            told = _Told.read_newer(params)
             heard = self._heard.get(told.gateway)
             if heard is None or heard.source is not source:
                 self._forget(told.gateway)

@@ -9,7 +9,7 @@ from openrois.jsonrpc.session import RpcSession
 __all__ = ["newer_text", "speaking_newer", "with_more"]
 
 _MORE: Final = {"of": ["the", "next"], "minor": 1}
-_MAPS: Final = frozenset({"component_profiles", "profiles"})
+_MAPS: Final = frozenset({"component_profiles", "profiles", "used"})
 """Members that have what they are about for names."""
 
 

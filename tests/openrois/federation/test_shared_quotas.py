@@ -15,6 +15,7 @@ from openrois.auth.subject_quotas import SubjectQuotas, Usage
 from openrois.errors import OutOfResources
 from openrois.federation import shared_quotas
 from openrois.federation.shared_quotas import TOLD, TOLD_AT_ONCE, SharedQuotas
+from tests.support.newer import with_more
 
 
 @dataclass(eq=False)
@@ -227,6 +228,13 @@ def test_what_does_not_fit_is_no_telling() -> None:
             with pytest.raises(ValidationError):
                 hear({"gateway": "b", "used": used})
     assert here.quotas.elsewhere("ann") == Usage()
+
+
+def test_what_a_newer_gateway_says_besides_is_passed_over() -> None:
+    here = Here("a")
+    with here.shared.hearing() as hear:
+        hear(with_more({"gateway": "b", "used": {"ann": [1, 2, 3]}}))
+        assert here.quotas.elsewhere("ann") == Usage(1, 2, 3)
 
 
 STEPS = st.lists(st.tuples(st.sampled_from("abc"), st.booleans(), st.integers(1, 5)), max_size=30)
