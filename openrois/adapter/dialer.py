@@ -26,6 +26,9 @@ _log = logging.getLogger(__name__)
 _NOT_NOW: Final = range(500, 600)
 """Status codes of a gateway that is about to end or is full, and of a proxy before one that is not there yet."""
 
+_DOUBT: Final = 3.0
+"""Seconds of silence after which a gateway may have given the adapter up: it pings every 1.5 s and waits for 3 s."""
+
 
 async def serve_parent(
     host: EngineHost,
@@ -59,7 +62,7 @@ async def serve_parent(
         # The first attempts are shown soon, and later ones rarely: they must not fill a disk.
         news = logging.INFO if attempts.bit_count() == 1 else logging.DEBUG
         try:
-            async with dial(url, credentials=credentials) as stream:
+            async with dial(url, credentials=credentials, doubt_after=_DOUBT) as stream:
                 _log.info("connected to %s", url)
                 connected, attempts, news = clock(), 0, logging.INFO
                 closed = await serve_engine(host, stream, credentials, url=url, attached=attached)

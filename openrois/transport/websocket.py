@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import ssl
+from collections import deque
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager, suppress
 from typing import Final
@@ -10,7 +11,7 @@ from typing import Final
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.frames import CloseCode, Frame, Opcode
-from websockets.protocol import State
+from websockets.protocol import Event, State
 
 from openrois.aio.tasks import TaskScope
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
@@ -32,13 +33,42 @@ _frames.setLevel(logging.WARNING)
 _PING_INTERVAL: Final = 4.0
 _PING_TIMEOUT: Final = 5.0
 
+_MOST_HELD: Final = 16 << 20
+"""Characters that are held back until a ping is answered; more ends the connection."""
+
+
+class _Connection(ClientConnection):
+    """A connection that notes where something comes after a silence, pings included.
+
+    Attributes:
+        doubt_after: seconds of silence; None where they do not matter.
+        heard_at: when the last frame came.
+        is_in_doubt: whether what comes may have waited on the way for as long.
+    """
+
+    doubt_after: float | None = None
+    heard_at = 0.0
+    is_in_doubt = False
+
+    def process_event(self, event: Event) -> None:
+        now = self.loop.time()
+        if self.doubt_after is not None and now >= self.heard_at + self.doubt_after:
+            self.is_in_doubt = True
+        self.heard_at = now
+        super().process_event(event)
+
 
 class WebSocketStream:
-    """One open connection; a `MessageStream`."""
+    """One open connection; a `MessageStream`.
 
-    def __init__(self, connection: ClientConnection) -> None:
+    Where something comes after a silence that is in doubt, the other side may have given this one up since: nothing of
+    it is received before that side has answered a ping.
+    """
+
+    def __init__(self, connection: _Connection) -> None:
         self._connection = connection
         self._silence = Silence()
+        self._held: deque[str | bytes] = deque()
 
     async def keep_alive(self) -> None:
         """Ping until the connection ends; a side that is read from and stays silent after a ping is left."""
@@ -58,7 +88,11 @@ class WebSocketStream:
         """Return the next text message; a binary one ends the connection with 1003."""
         self._silence.reading = True
         try:
-            message = await self._connection.recv()
+            if not self._held:
+                self._held.append(await self._connection.recv())
+            if self._connection.is_in_doubt:
+                await self._prove()
+            message = self._held.popleft()
         except ConnectionClosed as closed:
             raise _closed(closed) from closed
         finally:
@@ -68,6 +102,32 @@ class WebSocketStream:
             await self.close(1003, "text messages only")
             raise StreamClosed(1003, "text messages only")
         return message
+
+    async def _prove(self) -> None:
+        """Hold back what comes until the other side answers a ping; where it has left this raises what says so."""
+        connection, size = self._connection, sum(map(len, self._held))
+        connection.is_in_doubt = False
+        try:
+            answer = asyncio.ensure_future(await connection.ping())
+            # The answer may stand behind more than the library takes in before that is read.
+            while not answer.done() and size <= _MOST_HELD:
+                reading = asyncio.ensure_future(connection.recv())
+                try:
+                    await asyncio.wait({reading, answer}, return_when=asyncio.FIRST_COMPLETED)
+                finally:
+                    if not reading.cancel() and reading.exception() is None:
+                        self._held.append(reading.result())
+                        size += len(self._held[-1])
+                # Only one may read at a time.
+                await asyncio.wait({reading})
+                if not reading.cancelled():
+                    reading.result()
+            if size > _MOST_HELD:
+                self.abort()
+            await answer
+        except BaseException:
+            connection.is_in_doubt = True
+            raise
 
     async def send(self, text: str) -> None:
         """Send one text message; waits while the kernel's buffer is full."""
@@ -128,7 +188,11 @@ def _closed(closed: ConnectionClosed) -> StreamClosed:
 
 @asynccontextmanager
 async def dial(
-    url: str, *, credentials: Credentials = NO_CREDENTIALS, open_timeout: float | None = OPEN_TIMEOUT
+    url: str,
+    *,
+    credentials: Credentials = NO_CREDENTIALS,
+    open_timeout: float | None = OPEN_TIMEOUT,
+    doubt_after: float | None = None,
 ) -> AsyncIterator[WebSocketStream]:
     """Open a WebSocket to `url` (`ws://` or `wss://`) for as long as the block runs.
 
@@ -136,6 +200,7 @@ async def dial(
         url: the address.
         credentials: what is shown to the other side.
         open_timeout: seconds that the handshake may take; None where the caller sees to it.
+        doubt_after: seconds of silence after which what comes is received only from a side that answers a ping.
 
     Raises:
         ValueError: the credentials cannot be read.
@@ -156,9 +221,12 @@ async def dial(
             ping_interval=None,
             proxy=None,
             logger=_frames,
+            create_connection=_Connection,
         ) as connection,
         TaskScope() as tasks,
     ):
+        assert isinstance(connection, _Connection)
+        connection.doubt_after, connection.heard_at = doubt_after, connection.loop.time()
         stream = WebSocketStream(connection)
         tasks.start(stream.keep_alive())
         code = CloseCode.INTERNAL_ERROR

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.cluster_site import Site, cluster_site
+from tests.support.gateway_processes import until
 from tests.support.postgres import Server
 from tests.support.seeds import lasting
 from tests.support.ways import Way, by_relay
@@ -78,3 +79,27 @@ async def test_f50_between_an_application_and_its_gateway(seed: int, postgres_se
             await here.turns(0.3)
             await go_half_open(here, way)
             await here.all_move()
+
+
+@pytest.mark.parametrize("seed", lasting())
+async def test_f50_what_waited_on_the_way_to_an_adapter_does_nothing(
+    seed: int, postgres_server: Server, tmp_path: Path
+) -> None:
+    # The adapter does not know yet that its gateway has given it up when the way goes on.
+    async with cluster_site(seed, postgres_server, tmp_path, late=0.0) as here:
+        gateways = here.cluster.gateways
+        way = await here.stack.enter_async_context(by_relay(gateways["a"].url.split("/")[2]))
+        await here.adapter("robot", f"ws://{way.address}/adapter")
+        app = await here.operator("inside", at=gateways["a"])
+
+        async def is_refused() -> bool:
+            return bool(app.refusals)
+
+        for _ in range(3):
+            await here.all_move()
+            app.refusals.clear()
+            await here.turns(0.3)
+            way.block(there=here.chance.random() < 0.5)
+            await until(is_refused, "the adapter is not given up")
+            way.open()
+        await here.all_move()

@@ -12,6 +12,7 @@ from openrois.aio.tasks import TaskScope
 from openrois.transport import websocket
 from openrois.transport.stream import StreamClosed
 from openrois.transport.websocket import MAX_MESSAGE, WebSocketStream, dial
+from tests.support.ways import by_relay
 
 
 @asynccontextmanager
@@ -213,3 +214,58 @@ async def test_many_at_once_arrive_in_order_and_none_after_the_end() -> None:
         await near.close()
         with pytest.raises(StreamClosed):
             await near.send_many(["a", "b"])
+
+
+@pytest.mark.parametrize(("doubt_after", "arrives"), [(None, True), (0.0, False)])
+async def test_what_has_waited_on_the_way_is_not_taken_from_a_side_that_has_left(
+    doubt_after: float | None, arrives: bool
+) -> None:
+    may_leave = asyncio.Event()
+
+    async def leave(far: ServerConnection) -> None:
+        await far.send("hello")
+        await may_leave.wait()
+        await far.send("old")
+        far.transport.close()
+
+    async with (
+        serving(leave) as url,
+        by_relay(url.split("/")[2]) as way,
+        dial(f"ws://{way.address}/", doubt_after=doubt_after) as near,
+    ):
+        assert await near.receive() == "hello"
+        way.block()
+        may_leave.set()
+        receiving = asyncio.ensure_future(near.receive())
+        way.open()
+        if arrives:
+            assert await receiving == "old"
+        else:
+            with pytest.raises(StreamClosed):
+                await receiving
+
+
+async def test_what_comes_after_a_silence_is_taken_in_order_when_the_other_side_answers() -> None:
+    async def burst(far: ServerConnection) -> None:
+        for number in range(200):
+            await far.send(str(number))
+        await far.wait_closed()
+
+    async with serving(burst) as url, dial(url, doubt_after=0.0) as near:
+        assert [await near.receive() for _ in range(200)] == [str(number) for number in range(200)]
+
+
+async def test_more_than_is_held_back_after_a_silence_ends_the_connection(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(websocket, "_MOST_HELD", 10)
+
+    async def mute(far: ServerConnection) -> None:
+        assert await far.recv() == "hello"
+        # Nothing more is read, and so no ping is answered.
+        far.transport.pause_reading()
+        await far.send("x" * 11)
+        await far.wait_closed()
+
+    async with serving(mute) as url, dial(url, doubt_after=0.0) as near:
+        await near.send("hello")
+        with pytest.raises(StreamClosed):
+            await near.receive()
