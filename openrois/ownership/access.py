@@ -90,13 +90,18 @@ class StoreAccess:
                 raise self._fail(self._patience) from None
             raise StoreUnreachable(f"{self._name} is busy with other engines: dial again") from None
 
-    async def ask(self, step: Awaitable[T]) -> T:
+    async def ask(self, step: Awaitable[T], seconds: float | None = None) -> T:
         """Return the result of one step at the store.
+
+        Args:
+            step: what is asked.
+            seconds: in which it has its result; None for a share of the patience.
 
         Raises:
             StoreUnreachable: it failed, or did not answer in time; whether it was made is not known.
         """
-        seconds, started = self._patience * _STEP, self._clock()
+        started = self._clock()
+        seconds = self._patience * _STEP if seconds is None else seconds
         try:
             async with asyncio.timeout(seconds):
                 result = await step

@@ -29,6 +29,9 @@ __all__ = ["PATIENCE", "Directorate"]
 PATIENCE: Final = 1.0
 """Seconds in which every call has its result or its error."""
 
+_ENTERING: Final = 5.0
+"""Seconds for a step while a gateway starts: nothing waits for it yet, and the machine may be busy with starting."""
+
 _ATTEMPTS: Final = 8
 """Times that a claim is judged anew because another gateway was faster."""
 
@@ -109,13 +112,13 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
     async def __aenter__(self) -> Self:
         async with AsyncExitStack() as stack:
             started = self._clock()
-            registered = await self.access.ask(self._store.register(self.gateway_id, self._ttl_ms))
+            registered = await self.access.ask(self._store.register(self.gateway_id, self._ttl_ms), _ENTERING)
             self._run = registered.run
             self._note_renewed(started, registered)
             stack.callback(self._owners.close)
             stack.push_async_callback(self._leave)
             stack.callback(self._store.listen(self._note_hint))
-            await self._read_owners()
+            await self._read_owners(_ENTERING)
             tasks = await stack.enter_async_context(TaskScope())
             tasks.start(self._keep_renewing())
             tasks.start(self._follow_hints())
@@ -349,18 +352,19 @@ class Directorate(AbstractAsyncContextManager["Directorate"]):
             with suppress(StoreUnreachable):
                 await self._read_owners()
 
-    async def _read_owners(self) -> None:
-        """Read the owners of the engines that were hinted at, or of all."""
+    async def _read_owners(self, seconds: float | None = None) -> None:
+        """Read the owners of the engines that were hinted at, or of all; `seconds` are as for `StoreAccess.ask`."""
         async with self._reading:
             engine_ids = None if self._is_stale else tuple(self._hinted)
             # What is hinted at from here on may come too late for this answer.
             self._hinted.clear()
             self._is_stale = False
             try:
-                found = {each.engine_id: each for each in await self.access.ask(self._store.owners(engine_ids))}
+                owners = await self.access.ask(self._store.owners(engine_ids), seconds)
             except BaseException:
                 self._is_stale = True
                 raise
+            found = {each.engine_id: each for each in owners}
             for engine_id in engine_ids if engine_ids is not None else found.keys() | self._owners.by_engine.keys():
                 self._compare(engine_id, found.get(engine_id))
 

@@ -208,6 +208,16 @@ class TestStoreAway:
             "the store answers again",
         ]
 
+    async def test_a_gateway_begins_with_one_that_is_slower_than_calls_may_be(self, network: Network) -> None:
+        class Slow(LossyStore):
+            async def register(self, gateway_id: str, ttl_ms: int) -> Renewed:
+                for _ in range(5):
+                    await asyncio.sleep(0)
+                return await super().register(gateway_id, ttl_ms)
+
+        async with Directorate(Slow(network.store), "a", patience=0.0, sleep=never) as a:
+            assert a.run == network.store.gateways["a"].run
+
     async def test_a_gateway_does_not_begin_without_it(self, network: Network) -> None:
         network.a.is_cut = True
         with pytest.raises(StoreUnreachable):
