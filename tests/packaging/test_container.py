@@ -62,7 +62,7 @@ def test_it_installs_what_was_tried_and_nothing_newer() -> None:
     (install,) = [rest for name, rest in steps() if name == "RUN" and "pip install" in rest]
     words = shlex.split(install)
     assert words[words.index("-c") + 1] == "constraints.txt"
-    assert words[-1] == ".[gateway]"
+    assert words[-1] == ".[cluster]"
 
 
 def test_another_image_may_be_built_on() -> None:
@@ -82,11 +82,12 @@ def test_the_builder_is_given_what_is_copied_and_not_the_rest() -> None:
 def test_a_gateway_needs_nothing_that_is_not_in_it() -> None:
     (removed,) = [rest for name, rest in steps() if name == "RUN" and "pip uninstall" in rest]
     gone = removed.partition("--yes ")[2].split()
-    others = {module for modules in EXTRAS.values() for module in modules} - set(EXTRAS["gateway"])
+    others = {module for modules in EXTRAS.values() for module in modules} - set(EXTRAS["cluster"])
     modules = sorted({*gone, *others})
     program = (
         f"import sys; sys.modules.update(dict.fromkeys({modules!r}))\n"
-        "import openrois.gateway.command, openrois.auth.command, openrois_conformance.command, openrois.cli.__main__"
+        "import openrois.gateway.command, openrois.auth.command, openrois_conformance.command, openrois.cli.__main__\n"
+        "import openrois.gateway.cluster_parts, openrois_demo.doctor.command, openrois_demo.doctor.cluster"
     )
     subprocess.run([sys.executable, "-c", program], cwd=ROOT, check=True)
 

@@ -20,6 +20,7 @@ from tests.support.kachaka_api import needs_kachaka
 
 PACKAGING = Path(__file__).parents[2] / "packaging"
 UNIT = PACKAGING / "openrois-gateway.service"
+ONE_OF = PACKAGING / "openrois-gateway@.service"
 AVATAR = PACKAGING / "openrois-avatar.service"
 ROBOT = PACKAGING / "openrois-robot@.service"
 
@@ -37,7 +38,7 @@ def entries(unit: Path = UNIT) -> dict[str, list[str]]:
 
 
 @needs_systemd
-@pytest.mark.parametrize("unit", [UNIT, AVATAR, ROBOT], ids=lambda unit: unit.stem)
+@pytest.mark.parametrize("unit", [UNIT, ONE_OF, AVATAR, ROBOT], ids=lambda unit: unit.stem)
 def test_systemd_understands_every_line(tmp_path: Path, unit: Path) -> None:
     there = tmp_path / unit.name
     there.write_text(unit.read_text(encoding="utf-8").replace("/opt/openrois/bin/openrois", sys.executable))
@@ -59,7 +60,9 @@ def test_systemd_understands_what_is_written_of_ports(tmp_path: Path) -> None:
 
 @needs_systemd
 @pytest.mark.parametrize(
-    ("unit", "threshold"), [(UNIT, 15), (AVATAR, 15), (ROBOT, 15)], ids=["gateway", "avatar", "robot"]
+    ("unit", "threshold"),
+    [(UNIT, 15), (ONE_OF, 15), (AVATAR, 15), (ROBOT, 15)],
+    ids=["gateway", "one of several", "avatar", "robot"],
 )
 def test_it_is_exposed_as_little_as_can_be(unit: Path, threshold: int) -> None:
     arguments = ["systemd-analyze", "security", "--offline=true", f"--threshold={threshold}", "--no-pager", str(unit)]

@@ -20,16 +20,13 @@ from tests.support.gateway_processes import (
 from tests.support.histories import LATE, Completed, History, judge
 from tests.support.nats import NatsServer, nats_server
 from tests.support.postgres import Server
-from tests.support.proxies import Proxy, proxy
+from tests.support.proxies import ShippedProxy, shipped_proxy
 from tests.support.recorded import Operator, RecordedAdapter, operator
 from tests.support.ways import Way, WayTo, by_relay
 
 __all__ = ["Site", "cluster_site"]
 
 _SAME: Mapping[str, Sequence[str]] = {}
-
-IDLE = 60.0
-"""Seconds after which haproxy cuts what is idle: longer than any of these faults."""
 
 
 @dataclass
@@ -51,7 +48,7 @@ class Site:
     cluster: GatewayProcesses
     nats: NatsServer
     postgres: Server
-    front: Proxy
+    front: ShippedProxy
     chance: random.Random
     stack: AsyncExitStack
     adapters: dict[str, RecordedAdapter] = field(default_factory=dict)
@@ -140,7 +137,7 @@ async def cluster_site(
     postgres: Server,
     folder: Path,
     *,
-    balance: str = "roundrobin",
+    balance: str = "leastconn",
     weights: Sequence[int] = (),
     may_forget: bool = False,
     late: float = LATE,
@@ -172,9 +169,7 @@ async def cluster_site(
         own = {each: _own(each, ways, postgres, programs.get(each, OPENROIS)) for each in "abc"}
         cluster = await stack.enter_async_context(gateway_processes(nats, postgres, folder, own=own, **options))
         urls = [each.url for each in cluster.gateways.values()]
-        front = await stack.enter_async_context(
-            proxy(*urls, folder=folder, idle=IDLE, balance=balance, weights=weights)
-        )
+        front = await stack.enter_async_context(shipped_proxy(*urls, balance=balance, weights=weights))
         around = await stack.enter_async_context(AsyncExitStack())
         here = Site(cluster, nats, postgres, front, random.Random(seed), around, ways=ways)
         try:

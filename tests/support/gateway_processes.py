@@ -37,11 +37,13 @@ class Own:
         nats: the address of its way to NATS; empty for the straight one.
         store: the URL of its way to PostgreSQL; empty for the straight one.
         program: runs it; another version, or with another clock.
+        options: of it alone.
     """
 
     nats: str = ""
     store: str = ""
     program: tuple[str, ...] = OPENROIS
+    options: tuple[str, ...] = ()
 
 
 _NOTHING: Final[Mapping[str, Own]] = MappingProxyType({})
@@ -70,10 +72,12 @@ class GatewayProcess:
         program: runs it from the next start on.
     """
 
-    def __init__(self, gateway_id: str, folder: Path, options: Iterable[str], program: Iterable[str]) -> None:
+    def __init__(
+        self, gateway_id: str, folder: Path, options: Iterable[str], program: Iterable[str], scheme: str = "http"
+    ) -> None:
         port = free_port()
         self.gateway_id = gateway_id
-        self.url = f"http://127.0.0.1:{port}/"
+        self.url = f"{scheme}://127.0.0.1:{port}/"
         self.log = folder / f"gateway-{gateway_id}.log"
         self.program = tuple(program)
         self._words = ("gateway", "--port", str(port), "--gateway-id", gateway_id, *options)
@@ -128,7 +132,7 @@ class GatewayProcess:
         """Return the status and the answer of `/readyz`; 0 where there is none within a second."""
         with suppress(ClientError, TimeoutError, OSError):
             timeout = ClientTimeout(1.0)
-            async with ClientSession(timeout=timeout) as http, http.get(f"{self.url}readyz") as answer:
+            async with ClientSession(timeout=timeout) as http, http.get(f"{self.url}readyz", ssl=False) as answer:
                 return answer.status, await answer.json()
         return 0, None
 
@@ -189,6 +193,7 @@ class GatewayProcesses:
         ids: str,
         options: Iterable[str] = (),
         own: Mapping[str, Own] = _NOTHING,
+        scheme: str = "http",
     ) -> None:
         self.nats = nats
         self.postgres = postgres
@@ -197,7 +202,7 @@ class GatewayProcesses:
         for each in ids:
             has = own.get(each, Own())
             found = ("--cluster", has.nats or nats.url, "--store", has.store or postgres.url)
-            self.gateways[each] = GatewayProcess(each, folder, (*found, *shared), has.program)
+            self.gateways[each] = GatewayProcess(each, folder, (*found, *shared, *has.options), has.program, scheme)
 
     def __getitem__(self, gateway_id: str) -> GatewayProcess:
         return self.gateways[gateway_id]
@@ -239,11 +244,15 @@ async def gateway_processes(
     *,
     options: Iterable[str] = (),
     own: Mapping[str, Own] = _NOTHING,
+    scheme: str = "http",
 ) -> AsyncIterator[GatewayProcesses]:
-    """Run gateways with an empty store while the block runs; what they wrote is added to a failure."""
+    """Run gateways with an empty store while the block runs; what they wrote is added to a failure.
+
+    Their addresses begin with `https` where the options give them a certificate.
+    """
     async with postgres.admin() as admin:
         await admin.execute("DROP SCHEMA IF EXISTS openrois CASCADE")
-    running = GatewayProcesses(nats, postgres, folder, ids, options, own)
+    running = GatewayProcesses(nats, postgres, folder, ids, options, own, scheme)
     try:
         for each in running.gateways.values():
             await each.start()

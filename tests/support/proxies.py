@@ -1,65 +1,47 @@
-"""haproxy in front of a gateway, as an operator would have it, and impatient; or in front of those of a cluster."""
+"""haproxy in front of gateways: the configuration that is shipped, or an impatient one in front of a single gateway."""
 
 import asyncio
-import csv
+import re
 import shutil
-from collections.abc import AsyncIterator, Sequence
+import tempfile
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Final
 from urllib.parse import urlsplit
 
 from tests.support.demo import free_port
+from tests.support.gateway_processes import until
+from tests.support.packages import ROOT
 
-__all__ = ["IDLE", "Proxy", "proxy"]
+__all__ = ["IDLE", "SHIPPED", "Proxy", "ShippedProxy", "proxy", "shipped", "shipped_proxy"]
 
-IDLE = 1.0
+IDLE: Final = 1.0
 """Seconds after which it cuts a connection over which nothing passes."""
-_PATIENCE = 30.0
+
+SHIPPED: Final = ROOT / "packaging/haproxy.cfg"
+
+_PATIENCE: Final = 30.0
 
 
 class Proxy:
     """The proxy process, which can be stopped and started again.
 
-    Of several gateways each takes its turn while it is ready; a connection to one that is not is ended.
-
     Args:
-        targets: addresses of the gateways.
+        configuration: what it does.
+        port: where it does that.
         folder: for its configuration.
-        idle: seconds after which it cuts a connection over which nothing passes.
-        balance: which gateway has the next connection: `roundrobin`, or `first`, which is the first that is ready.
-        weights: of the gateways, for their shares of the connections; none for equal ones.
 
     Attributes:
         url: where a gateway is reached through it.
     """
 
-    def __init__(
-        self,
-        targets: Sequence[str],
-        folder: Path,
-        idle: float = IDLE,
-        balance: str = "roundrobin",
-        weights: Sequence[int] = (),
-    ) -> None:
-        port, self._admin_port = free_port(), free_port()
+    def __init__(self, configuration: str, port: int, folder: Path) -> None:
         self.url = f"http://127.0.0.1:{port}/"
         self._port = port
         self._process: asyncio.subprocess.Process | None = None
         self._file = folder / "haproxy.cfg"
-        waits = "".join(f" timeout {what} {idle * 1000:.0f}ms\n" for what in ("connect", "client", "server", "tunnel"))
-        checked = " check inter 200ms fall 2 rise 1 on-marked-down shutdown-sessions" if len(targets) > 1 else ""
-        servers = "".join(
-            f" server gateway{number} {urlsplit(target).netloc}{checked} weight {weight}\n"
-            for number, (target, weight) in enumerate(zip(targets, weights or [1] * len(targets), strict=True))
-        )
-        self._file.write_text(
-            f"global\n stats socket ipv4@127.0.0.1:{self._admin_port} level admin\n"
-            f"defaults\n mode http\n{waits}"
-            f"frontend page\n bind 127.0.0.1:{port}\n default_backend gateway\n"
-            f"backend gateway\n balance {balance}\n option httpchk GET /readyz\n"
-            f" option redispatch\n retries 3\n{servers}"
-        )
+        self._file.write_text(configuration)
 
     async def start(self) -> None:
         """Start it, and wait until it listens."""
@@ -69,33 +51,15 @@ class Proxy:
         self._process = await asyncio.create_subprocess_exec(
             program, "-db", "-f", str(self._file), stdout=quiet, stderr=quiet
         )
-        async with asyncio.timeout(_PATIENCE):
-            while True:
-                with suppress(OSError):
-                    _, writer = await asyncio.open_connection("127.0.0.1", self._port)
-                    writer.close()
-                    await writer.wait_closed()
-                    return
-                await asyncio.sleep(0.02)
+        await until(self._is_there, "the proxy does not listen", _PATIENCE)
 
-    async def ask(self, command: str) -> str:
-        """Give it a command over its socket for operators, and return what it says."""
-        async with asyncio.timeout(_PATIENCE):
-            reader, writer = await asyncio.open_connection("127.0.0.1", self._admin_port)
-            writer.write(f"{command}\n".encode())
-            said = (await reader.read()).decode()
+    async def _is_there(self) -> bool:
+        with suppress(OSError):
+            _, writer = await asyncio.open_connection("127.0.0.1", self._port)
             writer.close()
             await writer.wait_closed()
-        return said
-
-    async def connections(self) -> list[int]:
-        """Return how many connections there are now to each gateway."""
-        rows = csv.DictReader((await self.ask("show stat")).removeprefix("# ").splitlines())
-        return [int(row["scur"]) for row in rows if row["pxname"] == "gateway" and row["svname"].startswith("gateway")]
-
-    async def set_weight(self, number: int, weight: int) -> None:
-        """Give a gateway another share of the connections that come; those that are there stay."""
-        assert not (await self.ask(f"set weight gateway/gateway{number} {weight}")).strip()
+            return True
+        return False
 
     async def kill(self) -> None:
         """End it, and with it all connections."""
@@ -106,11 +70,124 @@ class Proxy:
 
 
 @asynccontextmanager
-async def proxy(*targets: str, folder: Path, **options: Any) -> AsyncIterator[Proxy]:
-    """Run one while the block runs."""
-    made = Proxy(targets, folder, **options)
+async def proxy(target: str, *, folder: Path, idle: float = IDLE) -> AsyncIterator[Proxy]:
+    """Run one in front of a gateway while the block runs; it cuts a connection over which nothing passes."""
+    port = free_port()
+    waits = "".join(f" timeout {what} {idle * 1000:.0f}ms\n" for what in ("connect", "client", "server", "tunnel"))
+    configuration = (
+        f"defaults\n mode http\n{waits}frontend page\n bind 127.0.0.1:{port}\n default_backend gateway\n"
+        f"backend gateway\n server gateway {urlsplit(target).netloc}\n"
+    )
+    made = Proxy(configuration, port, folder)
+    async with _running(made):
+        yield made
+
+
+class ShippedProxy(Proxy):
+    """The shipped configuration in front of three gateways, with other addresses.
+
+    Attributes:
+        socket: where it is asked and told things while it runs.
+    """
+
+    def __init__(self, targets: Sequence[str], folder: Path, balance: str, weights: Sequence[int]) -> None:
+        port = free_port()
+        self.socket = folder / "admin.sock"
+        super().__init__(shipped(targets, port, self.socket, balance, weights), port, folder)
+
+    async def _is_there(self) -> bool:
+        # No connection of these tests' own is spread among the gateways.
+        with suppress(OSError):
+            return bool(await self.ask("show info"))
+        return False
+
+    async def ask(self, command: str) -> str:
+        """Return what it answers to a command."""
+        reader, writer = await asyncio.open_unix_connection(str(self.socket))
+        try:
+            writer.write(f"{command}\n".encode())
+            return (await reader.read()).decode()
+        finally:
+            writer.close()
+
+    async def shown(self, column: str, backend: str = "ready") -> dict[str, str]:
+        """Return one column of its statistics, by server."""
+        names, *rows = (line.split(",") for line in (await self.ask(f"show stat {backend} 4 -1")).strip().splitlines())
+        return {row[1]: row[names.index(column)] for row in rows}
+
+    async def takes_for(self, *states: str, backend: str = "ready") -> None:
+        """Wait until it takes its gateways, in their order, for these: `UP`, `NOLB` (no new connections), `DOWN`."""
+
+        async def is_so() -> bool:
+            # One that changes is `UP 1/2`.
+            return [status.split()[0] for status in (await self.shown("status", backend)).values()] == list(states)
+
+        await until(is_so, f"the proxy does not take its gateways for {', '.join(states)}", _PATIENCE)
+
+    async def connections(self, backend: str = "ready") -> list[int]:
+        """Return how many connections there are now to each gateway."""
+        return list(map(int, (await self.shown("scur", backend)).values()))
+
+    async def set_weight(self, number: int, weight: int) -> None:
+        """Give a gateway another share of the connections that come; those that are there stay."""
+        assert not (await self.ask(f"set server ready/{'abc'[number]} weight {weight}")).strip()
+
+    async def spread(self, holds: Callable[[list[int]], bool], backend: str = "ready") -> list[int]:
+        """Wait until something holds for the numbers of connections to its gateways, and return these."""
+        counts: list[int] = []
+
+        async def is_so() -> bool:
+            nonlocal counts
+            counts = await self.connections(backend)
+            return holds(counts)
+
+        await until(is_so, "the proxy does not spread connections as expected", _PATIENCE)
+        return counts
+
+
+@asynccontextmanager
+async def shipped_proxy(
+    *targets: str, balance: str = "leastconn", weights: Sequence[int] = ()
+) -> AsyncIterator[ShippedProxy]:
+    """Run it in front of three gateways while the block runs.
+
+    Args:
+        targets: addresses of the gateways.
+        balance: which gateway has the next connection: as it is shipped, or `first`, which is the first that is ready.
+        weights: of the gateways, for their shares of the connections; none for equal ones.
+    """
+    # The path of a socket is short.
+    with tempfile.TemporaryDirectory(prefix="or-ha-") as folder:
+        made = ShippedProxy(targets, Path(folder), balance, weights)
+        async with _running(made):
+            yield made
+
+
+def shipped(
+    targets: Sequence[str], port: int, socket: Path, balance: str = "leastconn", weights: Sequence[int] = ()
+) -> str:
+    """Return the shipped configuration with other addresses, and for who may not change to another user."""
+    changes = [
+        (r"^    (user|group) haproxy\n", "", 2),
+        (r"/run/haproxy/admin\.sock", str(socket), 1),
+        (r"bind :8765", f"bind 127.0.0.1:{port}", 1),
+        ("balance leastconn", f"balance {balance}", 1),
+    ]
+    for name, target, weight in zip("abc", targets, weights or [100] * len(targets), strict=True):
+        changes.append((rf"gateway-{name}\.example\.org:8765", f"{urlsplit(target).netloc} weight {weight}", 2))
+    if urlsplit(targets[0]).scheme == "http":
+        changes.append((" check-ssl verify none", "", 1))
+    text = SHIPPED.read_text(encoding="utf-8")
+    for pattern, new, times in changes:
+        text, count = re.subn(pattern, new, text, flags=re.MULTILINE)
+        assert count == times, f"{pattern} stands {count} times in {SHIPPED.name}"
+    return text
+
+
+@asynccontextmanager
+async def _running(made: Proxy) -> AsyncIterator[None]:
     await made.start()
     try:
-        yield made
+        yield
     finally:
         await made.kill()
