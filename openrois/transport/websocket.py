@@ -4,7 +4,7 @@ import asyncio
 import logging
 import ssl
 from collections import deque
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager, suppress
 from typing import Final
 
@@ -38,37 +38,41 @@ _MOST_HELD: Final = 16 << 20
 
 
 class _Connection(ClientConnection):
-    """A connection that notes where something comes after a silence, pings included.
+    """A connection that notes where something comes after a silence, pings included."""
 
-    Attributes:
-        doubt_after: seconds of silence; None where they do not matter.
-        heard_at: when the last frame came.
-        is_in_doubt: whether what comes may have waited on the way for as long.
-    """
+    _silent_for: float | None = None
+    _heard_at = 0.0
+    _note: Callable[[], None]
 
-    doubt_after: float | None = None
-    heard_at = 0.0
-    is_in_doubt = False
+    def note_silence(self, seconds: float, note: Callable[[], None]) -> None:
+        """Call `note` where something comes after so many seconds without anything."""
+        self._silent_for, self._heard_at, self._note = seconds, self.loop.time(), note
 
     def process_event(self, event: Event) -> None:
-        now = self.loop.time()
-        if self.doubt_after is not None and now >= self.heard_at + self.doubt_after:
-            self.is_in_doubt = True
-        self.heard_at = now
+        if self._silent_for is not None:
+            now = self.loop.time()
+            if now >= self._heard_at + self._silent_for:
+                self._note()
+            self._heard_at = now
         super().process_event(event)
 
 
 class WebSocketStream:
     """One open connection; a `MessageStream`.
 
-    Where something comes after a silence that is in doubt, the other side may have given this one up since: nothing of
-    it is received before that side has answered a ping.
+    What comes after a long silence is in doubt: it may have waited on the way since the other side gave this one up.
+    Nothing of it is received before that side has answered a ping.
     """
 
-    def __init__(self, connection: _Connection) -> None:
+    def __init__(self, connection: ClientConnection) -> None:
         self._connection = connection
         self._silence = Silence()
         self._held: deque[str | bytes] = deque()
+        self._is_in_doubt = False
+
+    def doubt(self) -> None:
+        """Receive nothing more before the other side has answered a ping."""
+        self._is_in_doubt = True
 
     async def keep_alive(self) -> None:
         """Ping until the connection ends; a side that is read from and stays silent after a ping is left."""
@@ -90,7 +94,7 @@ class WebSocketStream:
         try:
             if not self._held:
                 self._held.append(await self._connection.recv())
-            if self._connection.is_in_doubt:
+            if self._is_in_doubt:
                 await self._prove()
             message = self._held.popleft()
         except ConnectionClosed as closed:
@@ -106,7 +110,7 @@ class WebSocketStream:
     async def _prove(self) -> None:
         """Hold back what comes until the other side answers a ping; where it has left this raises what says so."""
         connection, size = self._connection, sum(map(len, self._held))
-        connection.is_in_doubt = False
+        self._is_in_doubt = False
         try:
             answer = asyncio.ensure_future(await connection.ping())
             # The answer may stand behind more than the library takes in before that is read.
@@ -126,7 +130,7 @@ class WebSocketStream:
                 self.abort()
             await answer
         except BaseException:
-            connection.is_in_doubt = True
+            self._is_in_doubt = True
             raise
 
     async def send(self, text: str) -> None:
@@ -225,9 +229,10 @@ async def dial(
         ) as connection,
         TaskScope() as tasks,
     ):
-        assert isinstance(connection, _Connection)
-        connection.doubt_after, connection.heard_at = doubt_after, connection.loop.time()
         stream = WebSocketStream(connection)
+        if doubt_after is not None:
+            assert isinstance(connection, _Connection)
+            connection.note_silence(doubt_after, stream.doubt)
         tasks.start(stream.keep_alive())
         code = CloseCode.INTERNAL_ERROR
         try:
