@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
+from tests.support.demo import free_port
 from tests.support.gateway_processes import (
     OPENROIS,
     PATIENCE,
@@ -28,6 +29,13 @@ __all__ = ["Site", "cluster_site"]
 
 _SAME: Mapping[str, Sequence[str]] = {}
 
+_NATS = """
+ping_interval: "1s"
+ping_max: 2
+cluster {{ name: "openrois", listen: "127.0.0.1:{port}", no_advertise: true, routes: [{routes}] }}
+"""
+"""What servers of NATS have that are several."""
+
 
 @dataclass
 class Site:
@@ -35,7 +43,7 @@ class Site:
 
     Attributes:
         cluster: its gateways.
-        nats: joins them.
+        nats: joins them; where there are two servers, that of all but gateway `a`.
         postgres: has what they share.
         front: haproxy.
         chance: of this seed.
@@ -142,6 +150,7 @@ async def cluster_site(
     may_forget: bool = False,
     late: float = LATE,
     way: WayTo | None = None,
+    apart: WayTo | None = None,
     programs: Mapping[str, Sequence[str]] = _SAME,
     **options: Any,
 ) -> AsyncIterator[Site]:
@@ -156,17 +165,24 @@ async def cluster_site(
         may_forget: ends of commands may be lost, which their applications are told.
         late: seconds after the end of a command was told in which it may still begin.
         way: makes the way of each gateway to NATS, and to PostgreSQL; None for straight ones.
+        apart: makes the way between two servers of NATS, that of gateway `a` and that of the others; None for one.
         programs: run some of the gateways, by id.
         options: of the gateways.
     """
     async with AsyncExitStack() as stack:
-        nats = stack.enter_context(nats_server(folder))
+        port = free_port()
+        nats = stack.enter_context(nats_server(folder, _NATS.format(port=port, routes="") if apart else ""))
         ways: dict[tuple[str, str], Way] = {}
+        servers = dict.fromkeys("abc", nats)
+        if apart is not None:
+            between = ways["a", "others"] = await stack.enter_async_context(apart(f"127.0.0.1:{port}"))
+            route = f'"nats-route://{between.address}"'
+            servers["a"] = stack.enter_context(nats_server(folder, _NATS.format(port=free_port(), routes=route)))
         if way is not None:
             for gateway_id in "abc":
-                for name, target in (("nats", f"127.0.0.1:{nats.port}"), ("store", postgres.socket)):
+                for name, target in (("nats", f"127.0.0.1:{servers[gateway_id].port}"), ("store", postgres.socket)):
                     ways[gateway_id, name] = await stack.enter_async_context(way(target))
-        own = {each: _own(each, ways, postgres, programs.get(each, OPENROIS)) for each in "abc"}
+        own = {each: _own(each, servers[each], ways, postgres, programs.get(each, OPENROIS)) for each in "abc"}
         cluster = await stack.enter_async_context(gateway_processes(nats, postgres, folder, own=own, **options))
         urls = [each.url for each in cluster.gateways.values()]
         front = await stack.enter_async_context(shipped_proxy(*urls, balance=balance, weights=weights))
@@ -182,9 +198,17 @@ async def cluster_site(
         assert not wrong, "\n".join((f"seed {seed}", *wrong, here.said(), *here.history.told()))
 
 
-def _own(gateway_id: str, ways: Mapping[tuple[str, str], Way], postgres: Server, program: Sequence[str]) -> Own:
+def _own(
+    gateway_id: str,
+    server: NatsServer,
+    ways: Mapping[tuple[str, str], Way],
+    postgres: Server,
+    program: Sequence[str],
+) -> Own:
     """Return what one gateway has otherwise than the others."""
-    if not ways:
-        return Own(program=tuple(program))
-    nats, store = (ways[gateway_id, name].address for name in ("nats", "store"))
-    return Own(f"nats://{nats}", f"postgresql://openrois@{store}/postgres?sslmode=disable", tuple(program))
+    nats, store = ways.get((gateway_id, "nats")), ways.get((gateway_id, "store"))
+    return Own(
+        server.url if nats is None else f"nats://{nats.address}",
+        postgres.url if store is None else f"postgresql://openrois@{store.address}/postgres?sslmode=disable",
+        tuple(program),
+    )
