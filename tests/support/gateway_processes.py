@@ -112,9 +112,14 @@ class GatewayProcess:
         await self.ready()
 
     async def ready(self) -> float:
-        """Wait until it says that it is ready; return the seconds that it took."""
+        """Wait until it says that it is ready; return the seconds that it took.
+
+        One that could not start, because the store was slow for a moment, is started again, as by its unit of systemd.
+        """
 
         async def is_so() -> bool:
+            if not self.is_running:
+                await self.start()
             return (await self.readiness())[0] == 200
 
         return await until(is_so, f"{self.gateway_id} is not ready:\n{self.said()}")

@@ -9,6 +9,7 @@ from openrois.cluster.frames import PROTOCOL, Accept, Address, Beat, Dial, parse
 from openrois.cluster.postgres.schema import STEPS
 from openrois.cluster.postgres.stop_messages import StopAsked, StopTold, read_message
 from openrois.federation.assertion import Assertion
+from openrois.federation.shared_quotas import _Told
 from openrois.gateway.applications import ResumeReportParams
 from openrois.types.leases import ResumeResult, StopAllResult
 from openrois.types.streams import HelloParams, HelloResult, HolderNotification
@@ -21,6 +22,7 @@ REQUIRED: dict[type[BaseModel], set[str]] = {
     Assertion: {"kind", "subject"},
     StopAsked: {"id", "asker", "owner", "engine_id", "subject"},
     StopTold: {"id", "asker", "owner", "part", "parts"},
+    _Told: {"gateway", "used"},
     ResumeReportParams: set(),
     ResumeResult: set(),
     StopAllResult: set(),
