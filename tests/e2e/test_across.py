@@ -21,7 +21,7 @@ from tests.support.media_body import ENGINE, Body
 from tests.support.nats import NatsServer
 from tests.support.place import owned_by, place_of
 from tests.support.postgres import Server
-from tests.support.proxies import proxy
+from tests.support.proxies import proxy, shipped_proxy
 
 pytestmark = [
     pytest.mark.browser,
@@ -107,7 +107,7 @@ async def test_the_page_goes_on_when_a_gateway_is_killed(
                 owner = await gateways.owner(ENGINE)
                 front, other = gateways.others(owner.gateway_id)
                 async with (
-                    proxy(front.url, other.url, folder=tmp_path, idle=IDLE, balance="first") as way,
+                    shipped_proxy(front.url, other.url, owner.url, balance="first") as way,
                     visiting(browser, way.url, tolerated=[GATEWAY_AWAY]) as visit,
                 ):
                     await visit.plays()
