@@ -31,6 +31,10 @@ _ADAPTERS: Final = 0.25, 0.75
 _APPLICATIONS: Final = 2.0
 """Seconds: a gateway takes one to be there again, and its adapters at most another to find it."""
 
+_ADAPTERS_OF_OTHERS: Final = 0.0, 0.5
+_APPLICATIONS_OF_OTHERS: Final = 0.5
+"""Seconds, where other gateways are there: their adapters have until then."""
+
 _LOOK: Final = 0.05
 _LAST_WORDS: Final = 1.0
 
@@ -46,6 +50,7 @@ class Drain:
         host: the gateway's engine.
         patience: seconds that what runs has to end by itself.
         relayed: the number of commands of applications here that run at other gateways.
+        has_others: whether other gateways are there, which take the clients of this one.
         settle: waited for before the connections are closed.
         sleep: waits for some seconds.
         clock: monotonic seconds.
@@ -58,6 +63,7 @@ class Drain:
         patience: float,
         *,
         relayed: Callable[[], int] = lambda: 0,
+        has_others: Callable[[], bool] = lambda: False,
         settle: Callable[[], Awaitable[None]] = _at_once,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
         clock: Callable[[], float] = time.monotonic,
@@ -66,6 +72,7 @@ class Drain:
         self._host = host
         self._patience = patience
         self._relayed = relayed
+        self._has_others = has_others
         self._settle = settle
         self._sleep = sleep
         self._clock = clock
@@ -90,10 +97,12 @@ class Drain:
             await stop_components(host.engine, host.pending, host.tasks, busy, RESTARTS)
             await self._until(lambda: not host.commands.taken, _LAST_WORDS)
         await self._settle()
+        adapters, least = _ADAPTERS, _APPLICATIONS
+        if self._has_others():
+            adapters, least = _ADAPTERS_OF_OTHERS, _APPLICATIONS_OF_OTHERS
         applications = host.connection_stats.sessions("application")
-        spread = min(len(applications) / PER_SECOND, MOST)
-        await self._close(applications, _APPLICATIONS, spread)
-        await self._close(host.connection_stats.sessions("adapter"), *_ADAPTERS)
+        await self._close(applications, least, min(len(applications) / PER_SECOND, MOST))
+        await self._close(host.connection_stats.sessions("adapter"), *adapters)
 
     async def _until(self, is_idle: Callable[[], bool], patience: float) -> None:
         deadline = self._clock() + patience

@@ -169,7 +169,12 @@ async def run_gateway(
         drain = Drain(host, settings.drain)
         if clustering is not None:
             federation = clustering.federation
-            drain = Drain(host, settings.drain, relayed=lambda: federation.relayed, settle=clustering.settle)
+            drain = Drain(
+                *(host, settings.drain),
+                relayed=lambda: federation.relayed,
+                has_others=lambda: bool(federation.others),
+                settle=clustering.settle,
+            )
         shown = f"[{settings.host}]" if ":" in settings.host else settings.host
         metrics = ""
         if settings.metrics is not None:
