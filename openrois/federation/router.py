@@ -153,7 +153,7 @@ class Router:
             _log.debug("%s: %s", name, error)
             return Reply(_RESULTS.get(name, ReturnResult)(return_code=error.return_code), reason=str(error))
         if _extends(name):
-            self._routes.extend()
+            await self._routes.extend()
         return said
 
     async def _lead(self, name: str, params: dict[str, Any]) -> Any:

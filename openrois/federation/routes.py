@@ -82,10 +82,10 @@ class Routes:
             generation=self.line.generation,
         )
 
-    def extend(self) -> None:
+    async def extend(self) -> None:
         """Let the sessions elsewhere send the notifications of extensions, where the one here does."""
         if self.app.extended and not self.subs.says("openrois.hello"):
-            self.subs.say("openrois.hello", {"version": EXTENSION_VERSION, "extensions": []})
+            await self.subs.say("openrois.hello", {"version": EXTENSION_VERSION, "extensions": []})
 
     def gateway(self, engine_id: str, component_ref: object = None) -> str | None:
         """Return the other gateway that owns an engine; None where the session here answers.

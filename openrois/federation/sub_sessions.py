@@ -3,14 +3,16 @@
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Mapping
+from contextlib import suppress
 from functools import partial
 from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
-from openrois.errors import EngineUnreachable
+from openrois.errors import EngineUnreachable, RoISError
 from openrois.federation.assertion import Assertion
 from openrois.federation.counts import Counts
-from openrois.federation.sub_session import SubSession
+from openrois.federation.sub_session import SubSession, UnwritableParams
+from openrois.jsonrpc.handler import InvalidParams
 from openrois.transport.stream import MessageStream, StreamClosed
 
 __all__ = ["PRINCIPAL", "SubSessions"]
@@ -21,6 +23,9 @@ PRINCIPAL: Final = "openrois.cluster.principal"
 """Notification to another gateway: the application has another principal from now on."""
 
 _APPLICATION_LOST: Final = 1011
+
+_HEARING_TIME: Final = 1.0
+"""Seconds that an application waits for another gateway to hear what it says to all of them."""
 
 Dial = Callable[[str, Assertion], Awaitable[MessageStream]]
 
@@ -65,11 +70,13 @@ class SubSessions:
         """Those that are open."""
         return tuple(self._open.values())
 
-    def say(self, method: str, params: Mapping[str, Any]) -> None:
-        """Say something at the beginning of each sub-session from now on, and now to those that are open."""
+    async def say(self, method: str, params: Mapping[str, Any]) -> None:
+        """Say something at the beginning of each sub-session from now on, and now to those that are open.
+
+        Returns when these have heard it, so that the application gets what they notify from its reply on.
+        """
         self._said[method] = params
-        for sub in self.open:
-            sub.post(method, params)
+        await asyncio.gather(*(_ask(sub, method, params) for sub in self.open))
 
     def says(self, method: str) -> bool:
         """Tell whether something is said at the beginning of each sub-session."""
@@ -138,6 +145,11 @@ class SubSessions:
         self._open.clear()
         code, reason = (_APPLICATION_LOST, "the application is lost") if lost else (1000, "")
         await asyncio.gather(*(sub.close(code, reason) for sub in subs))
+
+
+async def _ask(sub: SubSession, method: str, params: Mapping[str, Any]) -> None:
+    with suppress(RoISError, InvalidParams, UnwritableParams):
+        await sub.ask(method, params, timeout=_HEARING_TIME, urgent=True)
 
 
 def _settle(opening: "asyncio.Future[SubSession]", outcome: SubSession | Exception) -> None:

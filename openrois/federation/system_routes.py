@@ -45,7 +45,7 @@ class SystemRoutes:
         result, _, said = await self._routes.ask_here("openrois.hello", params)
         if not isinstance(result, HelloResult) or result.return_code is not ReturnCode.OK:
             return said
-        self._routes.subs.say("openrois.hello", params)
+        await self._routes.subs.say("openrois.hello", params)
         if DIRECTORY in HelloParams.model_validate(params).extensions:
             self._notice.name_engines()
             return result
@@ -53,7 +53,7 @@ class SystemRoutes:
         return result.model_copy(update={"engines": tuple(sorted(seen))})
 
     async def _connect(self, params: dict[str, Any]) -> Any:
-        self._routes.subs.say("rois.system.connect", {})
+        await self._routes.subs.say("rois.system.connect", {})
         return await self._routes.local["rois.system.connect"](params)
 
     async def _disconnect(self, params: dict[str, Any]) -> Any:

@@ -177,13 +177,16 @@ class TestASession:
 
 class TestSessions:
     async def test_one_is_opened_for_all_that_need_it_and_begins_with_what_has_to_be_said(self, far: Far) -> None:
-        far.subs.say("openrois.hello", {"version": "1"})
+        await far.subs.say("openrois.hello", {"version": "1"})
         one, other = await asyncio.gather(far.subs.to("a"), far.subs.to("a"))
         assert one is other
         assert [gateway_id for gateway_id, _ in far.dialled] == ["a"]
         assert (await far.asked())["params"] == {"version": "1"}
-        far.subs.say("rois.system.connect", {})
-        assert (await far.asked())["method"] == "rois.system.connect"
+        saying = asyncio.ensure_future(far.subs.say("rois.system.connect", {}))
+        request = await far.asked()
+        assert request["method"] == "rois.system.connect"
+        await far.say({"id": request["id"], "result": {"return_code": "OK"}})
+        await saying
         assert far.subs.says("rois.system.connect")
         far.subs.unsay("rois.system.connect")
         assert not far.subs.says("rois.system.connect")
@@ -216,3 +219,19 @@ class TestSessions:
             await far.streams[-1].receive()
         assert ended.value.code == code
         assert far.lost == [], "the application has left, so that nothing is told"
+
+
+async def test_what_is_said_to_all_gateways_has_been_heard_when_it_returns(far: Far) -> None:
+    await far.subs.to("a")
+    saying = asyncio.ensure_future(far.subs.say("openrois.hello", {"version": "1"}))
+    request = await far.asked()
+    assert (request["method"], saying.done()) == ("openrois.hello", False)
+    await far.say({"id": request["id"], "result": {"return_code": "OK"}})
+    async with patience():
+        await saying
+    # What is lost meanwhile is waited for no more.
+    saying = asyncio.ensure_future(far.subs.say("openrois.hello", {"version": "1"}))
+    await far.asked()
+    await far.streams[-1].close()
+    async with patience():
+        await saying
