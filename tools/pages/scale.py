@@ -3,7 +3,6 @@
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from statistics import median
 from typing import Any, Final
 
 from openrois_bench.measuring.figures import MICROSECONDS
@@ -45,6 +44,9 @@ KEPT: Final = 200
 _ALONE: Final = ("attach", "session", "query", "pipelined_query", "command", "subscription", "stream", "sign", "change")
 """Kinds that were measured one by one; an event comes with its deliveries."""
 
+_WAKES: Final = Work(command=5, event=1, sign=1, change=1)
+"""Messages of one of a kind that come at times of their own: a gateway that does little wakes for each."""
+
 FLEETS: Final = ((100, 1_000), (1_000, 10_000), (10_000, 100_000))
 UPLINK: Final = 20e6
 """Bits a second that leave an avatar in the table of streams."""
@@ -62,22 +64,29 @@ def work(result: Mapping[str, Any]) -> Work:
 
 
 def wire() -> Wire:
-    """Return what sockets add: the median over the kinds without a connection, and the mean of those with one.
-
-    Kinds whose messages come together have a median of their own.
-    """
-    without, real = work(found("simulation_small")).parts(), work(found("simulation_real")).parts()
-    messages, connections = MESSAGES.parts(), CONNECTIONS.parts()
-    each = {
-        name: (real[name] - without[name]) / number
-        for name, number in messages.items()
-        if number and not connections[name] and real[name]
-    }
-    message = median(added for name, added in each.items() if name not in TOGETHER)
-    together = median(added for name, added in each.items() if name in TOGETHER)
+    """Return what sockets add: to a message while all are at work, to one of several together, and to a connection."""
+    small, real = found("simulation_small"), found("simulation_real")
+    without, measured = work(small).parts(), work(real).parts()
+    amount, connections = _at_work(real), CONNECTIONS.parts()
+    message = (real["loads"]["rush"]["simulated_s"] - cpu(work(small), amount)) / cpu(MESSAGES, amount)
+    # One of each kind, and as many deliveries as an event has there.
+    mixed = {name: 1 if name != "burst_delivery" else _shared(real) for name in TOGETHER}
+    together = sum(number * (measured[name] - without[name]) for name, number in mixed.items())
     opened = [name for name, number in connections.items() if number]
-    more = [real[name] - without[name] - messages[name] * message for name in opened]
-    return Wire(message, together, sum(more) / len(more))
+    more = [measured[name] - without[name] - MESSAGES.parts()[name] * message for name in opened]
+    return Wire(message, together / cpu(MESSAGES, Work(**mixed)), sum(more) / len(more))
+
+
+def _shared(result: Mapping[str, Any]) -> int:
+    return int(result["plan"]["applications"] // result["plan"]["bodies"])
+
+
+def wake() -> float:
+    """Return the seconds that a message takes more for which a gateway wakes: the mean over those not of commands."""
+    without = over_sockets(work(found("simulation_small")), wire()).parts()
+    measured = work(found("simulation_real")).parts()
+    named = ("event", "sign", "change")
+    return max(sum(measured[name] - without[name] for name in named) / len(named), 0.0)
 
 
 def connection_kib() -> float:
@@ -104,7 +113,8 @@ def scale_wire() -> list[str]:
     return [
         f"A message that is read or written adds {_us(sockets.message)} us, and one of several that come together "
         f"{_us(sockets.together)} us. A connection adds {sockets.connection * 1000:.1f} ms "
-        f"and {connection_kib():.0f} KiB.",
+        f"and {connection_kib():.0f} KiB. Where a gateway does little, a message that it wakes for takes "
+        f"{_us(wake())} us more.",
     ]
 
 
@@ -149,7 +159,7 @@ def scale_saturation() -> list[str]:
         f"{plan['bodies']:,} bodies, {plan['applications']:,} applications and {plan['gateways']} gateways: "
         f"{hours:.1f} virtual hours took {minutes:.0f} minutes of a processor, and at most "
         f"{memories['most_mib'] / 1024:.1f} GiB with all peers. In the busiest minute of the day one gateway took "
-        f"{result['day_peak']:.0%} of a processor."
+        f"{result['day_peak']:.1%} of a processor."
     )
     return [*table, "", took]
 
@@ -212,16 +222,17 @@ def scale_compared() -> list[str]:
     for result in (small, large):
         for name, load in result["loads"].items():
             # What begins in the few seconds of a rush has not all ended in them: it goes by its rates.
-            seconds = _rush(result) if name == "rush" else load["formula_s"]
+            seconds = cpu(work(result), _at_work(result)) if name == "rush" else load["formula_s"]
             took = load["simulated_s"]
             rows.append((f"{name}, {_of(result)}", f"{took:.2f} s", f"{seconds:.2f} s", f"{seconds / took:.2f}"))
     tables = _table(("simulator, all kinds together", "simulated", "by the formulas", "ratio"), rows)
-    expected, measured = over_sockets(work(small), wire()), work(real)
-    shared = real["plan"]["applications"] // real["plan"]["bodies"]
+    measured, wakes = work(real), _WAKES.parts()
+    at_once = over_sockets(work(small), wire()).parts()
+    expected = Work(**{name: cost + wakes[name] * wake() for name, cost in at_once.items()})
     kinds = [_row(f"`{name}`", Work(**{name: 1.0}), measured, expected) for name in _ALONE]
     kinds += [
         row
-        for number in (1, shared)
+        for number in (1, _shared(real))
         for row in (
             _row(f"`event` and {number} x `delivery`", Work(event=1.0, delivery=number), measured, expected),
             _row(f"the same in bursts, {number}", Work(burst_event=1.0, burst_delivery=number), measured, expected),
@@ -250,8 +261,10 @@ def scale_others() -> list[str]:
     for each in fleet["fleet"]:
         bodies = f"`python -m openrois_bench.gateway.fleet`: at {each['bodies']:,} bodies"
         memory_each = found("simulation_small")["memory"]["body_kib"] + connection_kib()
+        # Of which half are attached before applications that see others: one look for garbage is seldom in both halves.
+        attach_ms = (each["attach_ms"] + each["attach_with_scopes_ms"]) / 2
         rows += [
-            _other(f"{bodies}, the next one", each["attach_ms"], expected.attach * 1000, "ms"),
+            _other(f"{bodies}, each of the next 200", attach_ms, expected.attach * 1000, "ms"),
             _other(f"{bodies}, the memory of one", each["memory_kib_each"], memory_each, "KiB"),
         ]
     return _table(("program", "measured", "by the formulas", "ratio"), rows)
@@ -261,10 +274,12 @@ def _other(name: str, measured: float, expected: float, unit: str) -> tuple[str,
     return name, f"{measured:,.1f} {unit}", f"{expected:,.1f} {unit}", f"{expected / measured:.2f}"
 
 
-def _rush(result: Mapping[str, Any]) -> float:
+def _at_work(result: Mapping[str, Any]) -> Work:
+    """Return what there was in the rush of a result, by the rates of those at work."""
     plan = result["plan"]
     load = at_work(plan["bodies"], plan["applications"], plan["gateways"], plan["seeing_all"])
-    return cpu(work(result), load.a_second) * float(plan["rush"])
+    more = dict.fromkeys(("event", "delivery"), plan["rate"])
+    return Work(**{name: each * plan["rush"] * more.get(name, 1) for name, each in load.a_second.parts().items()})
 
 
 def _row(name: str, amount: Work, measured: Work, expected: Work) -> tuple[str, ...]:

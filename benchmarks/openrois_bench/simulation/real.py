@@ -72,7 +72,7 @@ async def real_gateway(plan: Plan) -> AsyncIterator[RealGateway]:
     with TemporaryDirectory(prefix="openrois-bench-") as name:
         key = _written(Path(name, "key"), secrets.token_urlsafe(48))
         limits = ("--most-adapters", str(2 * plan.bodies + 8), "--most-applications", most, "--per-address", most)
-        arguments = ("-P", "-m", "openrois.cli", "gateway", "--port", "0", *limits, "--auth-key", str(key))
+        arguments = ("-P", "-m", "openrois_bench.simulation.unpinged", "--port", "0", *limits, "--auth-key", str(key))
         async with child(*arguments) as process:
             yield RealGateway(process, key)
 
