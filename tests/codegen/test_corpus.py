@@ -1,7 +1,7 @@
 """The corpus: what is valid by construction is, and what is not is refused, by the models and by their schema."""
 
 import json
-from typing import Any
+from typing import Any, TypeGuard
 
 import jsonschema
 import pytest
@@ -25,10 +25,15 @@ def value_id(case: dict[str, Any]) -> str:
     return f"{case['type']} {case['text'][:20]}"
 
 
+def is_result(source: Any) -> TypeGuard[type[ReturnResult]]:
+    """Tell whether a type is that of a method's results."""
+    return isinstance(source, type) and issubclass(source, ReturnResult)
+
+
 def accepts(source: Any, message: Any) -> bool:
     """Tell whether the model reads a message as it comes off the wire."""
     try:
-        if isinstance(source, type) and issubclass(source, ReturnResult):
+        if is_result(source):
             source.read(message)
         else:
             TypeAdapter(source).validate_python(message)
@@ -58,7 +63,9 @@ def test_every_case_has_a_name_of_its_own(name: str) -> None:
 @pytest.mark.parametrize("name", TYPES)
 def test_the_models_judge_as_the_corpus_does(name: str) -> None:
     source = sources()[name]
-    assert misjudged(name, [(case, accepts(source, case.message)) for case in corpus()[name]]) == []
+    # What a newer program adds to results is passed over: tests/openrois/types/test_newer.py.
+    told = [case for case in corpus()[name] if case.kind != "unknown" or not is_result(source)]
+    assert misjudged(name, [(case, accepts(source, case.message)) for case in told]) == []
 
 
 @pytest.mark.parametrize("name", TYPES)

@@ -13,6 +13,7 @@ from openrois_signaling import relay
 from openrois_streaming.input import reader
 from openrois_streaming.input.messages import MESSAGE_LIMIT
 
+from openrois.adapter import dialer
 from openrois.aio import bounded_history
 from openrois.commands import history, quota
 from openrois.engine import condition, engine, faults, registry
@@ -204,6 +205,12 @@ ADAPTER_LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
     "pings to adapters": (
         (ADAPTER.ping_interval, ADAPTER.ping_timeout),
         (f"{TRANSPORT}::test_a_silent_side_is_cut", f"{TRANSPORT}::test_the_default_bounds"),
+    ),
+    "silence after which what comes may have waited on the way since the gateway gave the adapter up": (
+        (dialer._DOUBT,),
+        (
+            "tests/openrois/transport/test_websocket.py::test_what_has_waited_on_the_way_is_not_taken_from_a_side_that_has_left",
+        ),
     ),
     "messages waiting for one adapter, events aside": (
         (outbox.CONTROL_LIMIT, outbox.CONTROL_TEXT / MIB),

@@ -195,7 +195,6 @@ async def _adapter_no_profile(stage: Stage) -> None:
         ("a failure", Answer({"return_code": "ERROR", "profile": None, "component_profiles": {}})),
         ("a JSON-RPC error", Answer(error=-32603)),
         ("a result that does not fit", Answer({"return_code": "OK", "profile": 5})),
-        ("a superfluous field", Answer({**profile_result(new_engine_id(), {}), "extra": 1})),
     ):
         engine = _engine()
         engine.answers[PROFILE] = answer
@@ -267,7 +266,6 @@ _BROKEN: Final[tuple[dict[str, Any], ...]] = (
     {"results": []},
     {"return_code": "OK", "results": None},
     {"return_code": "OK", "results": [{"name": "n", "data_type_ref": "int", "value": 5}]},
-    {"return_code": "OK", "results": [], "extra": 1},
 )
 
 

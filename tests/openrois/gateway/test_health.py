@@ -9,6 +9,7 @@ from urllib.parse import urlsplit
 import aiohttp
 import pytest
 
+import openrois.gateway
 from openrois.gateway.server import Gateway
 from openrois.observability.health import Readiness
 from tests.support import deployment
@@ -68,6 +69,6 @@ def test_the_table_for_operators_lists_what_may_lack() -> None:
     page = (Path(__file__).parents[3] / "docs" / "how-to" / "operating.md").read_text(encoding="utf-8")
     table = page.partition("| `lacking` |")[2].partition("\n\n")[0]
     listed = {line.split("`")[1] for line in table.splitlines() if line.startswith("| `")}
-    source = (Path(__file__).parents[3] / "openrois" / "gateway" / "server.py").read_text(encoding="utf-8")
-    required = {part.partition('"')[0] for part in source.split('readiness.require("')[1:]}
+    sources = [path.read_text(encoding="utf-8") for path in Path(openrois.gateway.__path__[0]).glob("*.py")]
+    required = {part.partition('"')[0] for text in sources for part in text.split('readiness.require("')[1:]}
     assert listed == required
