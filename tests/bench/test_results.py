@@ -36,7 +36,9 @@ def test_all_results_together_are_small() -> None:
 @pytest.mark.parametrize("path", RESULTS, ids=lambda path: path.stem)
 def test_a_result_has_versions_and_no_samples(path: Path) -> None:
     told = json.loads(path.read_text())
-    assert told.get("command", "").startswith("python -m openrois_bench.") or told["bench"] == path.stem
+    # Those that the page of scale compares its formulas with are of benchmarks that have a result of their own.
+    bench = path.stem.removeprefix("scale_")
+    assert told.get("command", "").startswith("python -m openrois_bench.") or told["bench"] == bench
     assert told["conditions"]["versions"]
     assert numbers(told) <= NUMBERS
 
