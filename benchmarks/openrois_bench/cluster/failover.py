@@ -8,40 +8,32 @@ gateways. The application holds the body, at its owner and at another gateway in
 
 import argparse
 import asyncio
-import signal
-import socket
 import sys
 import time
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
-from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, suppress
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-import asyncpg
 import uvloop
-from aiohttp import ClientError, ClientSession
 
 from openrois.adapter import Component, command
 from openrois.adapter.dialer import serve_parent
 from openrois.adapter.running import hosted
 from openrois.aio.tasks import TaskScope
-from openrois.client import Client, ConnectionFailed, ConnectionLost, Reconnect
-from openrois.client.dialling import websocket
+from openrois.client import Client, ConnectionLost, Reconnect
 from openrois.errors import RoISError
 from openrois.transport.address import adapter_url
-from openrois.transport.stream import MessageStream
-from openrois_bench.cluster.postgres import postgres_server
-from openrois_bench.cluster.stream import nats_server
+from openrois_bench.cluster.gateways import PATIENCE, Cluster, Gateway, dialling, three_gateways
 from openrois_bench.errors import within
 from openrois_bench.measuring.conditions import conditions, load
 from openrois_bench.measuring.figures import MILLISECONDS, Percentiles
 from openrois_bench.measuring.result import write_result
 from openrois_bench.measuring.table import table
 
-__all__ = ["Case", "Gateway", "dialling", "free_ports", "measure", "owner_of", "printed", "summary"]
+__all__ = ["CASES", "Case", "measure", "printed", "summary"]
 
-PATIENCE: Final = 60.0
 CASES: Final = ("the application is at the owner", "the application is at another gateway")
 REF: Final = "body/arm"
 
@@ -65,34 +57,6 @@ class Case:
 
     attached: list[float] = field(default_factory=list)
     operated: list[float] = field(default_factory=list)
-
-
-class Gateway:
-    """A gateway that is killed and started again at the same address."""
-
-    def __init__(self, gateway_id: str, port: int, nats: str, store: str) -> None:
-        self.url = f"http://127.0.0.1:{port}/"
-        options = ("--gateway-id", gateway_id, "--cluster", nats, "--store", store, "--cluster-name", "bench")
-        self._words = ("-P", "-m", "openrois.cli", "gateway", "--port", str(port), *options)
-        self._process: asyncio.subprocess.Process | None = None
-
-    async def start(self) -> None:
-        """Start it, and wait until it is ready."""
-        quiet = asyncio.subprocess.DEVNULL
-        self._process = await asyncio.create_subprocess_exec(sys.executable, *self._words, stdout=quiet, stderr=quiet)
-        async with within(PATIENCE, f"the start of {self.url}"), ClientSession() as http:
-            while True:
-                with suppress(ClientError):
-                    async with http.get(f"{self.url}readyz") as answer:
-                        if answer.status == 200:
-                            return
-                await asyncio.sleep(0.05)
-
-    async def kill(self) -> None:
-        """Kill it."""
-        if self._process is not None and self._process.returncode is None:
-            self._process.send_signal(signal.SIGKILL)
-            await self._process.wait()
 
 
 class Adapter:
@@ -122,24 +86,6 @@ class Adapter:
         return self._attached_at
 
 
-def dialling(urls: Sequence[str]) -> Callable[[], Any]:
-    """Return what connects a client to the first of several gateways that is there."""
-
-    @asynccontextmanager
-    async def connect() -> AsyncIterator[MessageStream]:
-        async with AsyncExitStack() as stack:
-            for number, url in enumerate(urls):
-                try:
-                    stream = await stack.enter_async_context(websocket(url)())
-                    break
-                except ConnectionFailed:
-                    if number + 1 == len(urls):
-                        raise
-            yield stream
-
-    return connect
-
-
 async def operated(client: Client) -> float:
     """Command the body until a command has ended well; return when that was."""
     while True:
@@ -156,31 +102,22 @@ async def measure(rounds: int, progress: Callable[[str], None]) -> dict[str, Cas
         BenchFailed: something that takes part did not do what it should.
     """
     cases = {name: Case() for name in CASES}
-    async with AsyncExitStack() as stack:
-        nats, _ = await stack.enter_async_context(nats_server())
-        store = await stack.enter_async_context(postgres_server())
-        running = {
-            gateway_id: Gateway(gateway_id, port, nats, store)
-            for gateway_id, port in zip("abc", free_ports(3), strict=True)
-        }
-        for each in running.values():
-            stack.push_async_callback(each.kill)
-            await each.start()
+    async with three_gateways() as running:
         for number in range(rounds):
             name = CASES[number % 2]
-            killed = await _one_round(running, store, cases[name], is_at_owner=name == CASES[0])
+            killed = await _one_round(running, cases[name], is_at_owner=name == CASES[0])
             await killed.start()
             progress(f"round {number + 1} of {rounds}")
     return cases
 
 
-async def _one_round(gateways: Mapping[str, Gateway], store: str, case: Case, *, is_at_owner: bool) -> Gateway:
+async def _one_round(running: Cluster, case: Case, *, is_at_owner: bool) -> Gateway:
     """Kill the gateway that owns the body; return it."""
     adapter, began = Adapter(), time.perf_counter()
-    async with adapter.serving([each.url for each in gateways.values()]):
+    async with adapter.serving(running.urls):
         await adapter.attached(began)
-        owner = gateways[await owner_of("body", store)]
-        others = [each.url for each in gateways.values() if each is not owner]
+        owner = await running.owner_of("body")
+        others = [url for url in running.urls if url != owner.url]
         urls = [owner.url, *others] if is_at_owner else [*others, owner.url]
         async with Client(dial=dialling(urls), reconnect=Reconnect(first=0.1, limit=0.5)) as client:
             async with within(PATIENCE, "the body, as the application sees it"):
@@ -195,34 +132,12 @@ async def _one_round(gateways: Mapping[str, Gateway], store: str, case: Case, *,
     return owner
 
 
-async def owner_of(engine_id: str, store: str) -> str:
-    """Wait until an engine has an owner, and return that."""
-    asked = "SELECT gateway_id FROM openrois.claim WHERE engine_id = $1"
-    connection = await asyncpg.connect(store)
-    try:
-        async with within(PATIENCE, f"the owner of {engine_id}"):
-            while (found := await connection.fetchval(asked, engine_id)) is None:  # noqa: ASYNC110 - it is read
-                await asyncio.sleep(0.05)
-            return str(found)
-    finally:
-        await connection.close()
-
-
 async def _binds(client: Client) -> bool:
     try:
         await client.bind(REF)
     except RoISError:
         return False
     return True
-
-
-def free_ports(count: int) -> list[int]:
-    """Return so many ports of loopback that are free."""
-    with ExitStack() as stack:
-        probes = [stack.enter_context(socket.socket()) for _ in range(count)]
-        for probe in probes:
-            probe.bind(("127.0.0.1", 0))
-        return [probe.getsockname()[1] for probe in probes]
 
 
 def summary(cases: Mapping[str, Case]) -> dict[str, Any]:

@@ -28,9 +28,7 @@ from openrois.client import Client, Notification, Reconnect
 from openrois.remote.serve import STREAM_GRACE
 from openrois.types.codes import StreamStatus
 from openrois.types.streams import StreamStatusNotification
-from openrois_bench.cluster.failover import Gateway, dialling, free_ports, owner_of
-from openrois_bench.cluster.postgres import postgres_server
-from openrois_bench.cluster.stream import nats_server
+from openrois_bench.cluster.gateways import PATIENCE, Cluster, Gateway, dialling, three_gateways
 from openrois_bench.errors import within
 from openrois_bench.measuring.conditions import conditions, load
 from openrois_bench.measuring.figures import MILLISECONDS, Percentiles
@@ -40,7 +38,6 @@ from openrois_bench.processes.child import child
 
 __all__ = ["CASES", "Case", "measure", "printed", "summary"]
 
-PATIENCE: Final = 60.0
 CASES: Final = ("that of the body and the viewer", "that of the body", "that of the viewer")
 SIZE: Final = (320, 180)
 FPS: Final = 30.0
@@ -138,36 +135,24 @@ async def measure(rounds: int, progress: Callable[[str], None], watched: float =
         BenchFailed: something that takes part did not do what it should.
     """
     cases = {name: Case() for name in CASES}
-    async with AsyncExitStack() as stack:
-        nats, _ = await stack.enter_async_context(nats_server())
-        store = await stack.enter_async_context(postgres_server())
-        running = {
-            gateway_id: Gateway(gateway_id, port, nats, store)
-            for gateway_id, port in zip("abc", free_ports(3), strict=True)
-        }
-        for each in running.values():
-            stack.push_async_callback(each.kill)
-            await each.start()
+    async with three_gateways() as running:
         for number in range(rounds):
             names = CASES[2:] if number % 2 else CASES[:2]
             found = {name: cases[name] for name in names}
-            killed = await _one_round(f"body-{number}", running, store, found, watched)
+            killed = await _one_round(f"body-{number}", running, found, watched)
             await killed.start()
             progress(f"round {number + 1} of {rounds}")
     return cases
 
 
-async def _one_round(
-    engine_id: str, gateways: Mapping[str, Gateway], store: str, cases: Mapping[str, Case], watched: float
-) -> Gateway:
+async def _one_round(engine_id: str, running: Cluster, cases: Mapping[str, Case], watched: float) -> Gateway:
     """Kill the gateway of some cases; return it."""
-    urls = [each.url for each in gateways.values()]
     async with AsyncExitStack() as stack:
         await stack.enter_async_context(
-            child("-P", "-m", "openrois_bench.cluster.picture", "--be-body", engine_id, *urls)
+            child("-P", "-m", "openrois_bench.cluster.picture", "--be-body", engine_id, *running.urls)
         )
-        owner = gateways[await owner_of(engine_id, store)]
-        front, other = (each for each in gateways.values() if each is not owner)
+        owner = await running.owner_of(engine_id)
+        front, other = (each for each in running.gateways.values() if each is not owner)
         victim = front if CASES[2] in cases else owner
         viewers = {name: Viewer(f"{engine_id}/camera") for name in cases}
         for name, viewer in viewers.items():

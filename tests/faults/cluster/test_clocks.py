@@ -47,7 +47,7 @@ async def epochs(here: Site) -> dict[str, int]:
 
 
 async def every_owner_goes(here: Site) -> None:
-    """Kill each gateway in turn, or stop it in good order; whoever has its engines then has greater epochs."""
+    """Kill each gateway in turn, or stop it in good order; the gateway that has its engines then has greater epochs."""
     for gateway in here.chance.sample(list(here.cluster.gateways.values()), 3):
         before = await epochs(here)
         owned = [each for each in here.adapters if await here.cluster.owner_id(each) == gateway.gateway_id]
