@@ -26,7 +26,7 @@ faults: .venv/dev.stamp; OPENROIS_SEEDS=20 $(PY) -m pytest -n 4 --dist worksteal
 ACROSS := command event signaling streams streams_strict reasons corners envelope
 # Several gateways: at most 20 minutes. What applications ask is asked once more with their robot at another gateway.
 cluster: .venv/dev.stamp
-	OPENROIS_SEEDS=$${OPENROIS_SEEDS:-2} $(PY) -m pytest -n $(WORKERS) --dist worksteal tests/openrois/cluster tests/openrois/ownership tests/openrois/resumption tests/openrois/federation tests/faults/cluster $(ARGS)
+	OPENROIS_SEEDS=$${OPENROIS_SEEDS:-3} $(PY) -m pytest -n $(WORKERS) --dist worksteal tests/openrois/cluster tests/openrois/ownership tests/openrois/resumption tests/openrois/federation tests/faults/cluster $(ARGS)
 	$(PY) -m pytest -n $(WORKERS) --dist worksteal --across $(ACROSS:%=tests/conformance/test_%.py) $(ARGS)
 # What needs programs of robots' vendors, Roslyn or many seeds: at most 20 minutes. What cannot be installed here is skipped, and said.
 robots: .venv/dev.stamp .venv-reachy/stamp
