@@ -9,7 +9,6 @@ gateway that has the adapter and at the other one, in turn.
 import argparse
 import asyncio
 import json
-import sys
 import time
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
@@ -17,17 +16,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-import uvloop
-
 from openrois_bench.cluster.postgres import postgres_server
+from openrois_bench.cluster.reporting import measure_and_report
 from openrois_bench.cluster.stream import nats_server
 from openrois_bench.errors import within
 from openrois_bench.gateway.deployment import request
 from openrois_bench.gateway.gauge import COMPONENT
 from openrois_bench.gateway.load import Application, Door, applications
-from openrois_bench.measuring.conditions import conditions, load
 from openrois_bench.measuring.figures import MICROSECONDS, Percentiles, median
-from openrois_bench.measuring.result import write_result
 from openrois_bench.measuring.table import table
 from openrois_bench.processes.child import Child, child, cpu_of
 
@@ -161,21 +157,17 @@ def printed(figures: Mapping[str, Any]) -> str:
     return f"{table(head, rows)}\n\nadded at another gateway, in queries at the owner (p50): {figures['added']}"
 
 
-def _report_progress(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
-
-
 def main() -> None:
     """Measure."""
     parser = argparse.ArgumentParser(prog="python -m openrois_bench.cluster.across", description=__doc__)
     parser.add_argument("--rounds", type=int, default=AcrossSettings().rounds, help="of both ways (%(default)s)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures to FILE")
     chosen = parser.parse_args()
-    before = load()
-    figures = summary(uvloop.run(measure(AcrossSettings(rounds=chosen.rounds), _report_progress)))
-    met = conditions(before, {})
-    print(f"{met}\n\n{printed(figures)}")
-    write_result(chosen.json, "openrois_bench.cluster.across", met, summary=figures)
+
+    async def measured(progress: Callable[[str], None]) -> dict[str, Any]:
+        return summary(await measure(AcrossSettings(rounds=chosen.rounds), progress))
+
+    measure_and_report("openrois_bench.cluster.across", measured, printed, chosen.json)
 
 
 if __name__ == "__main__":

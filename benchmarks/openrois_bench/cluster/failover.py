@@ -8,15 +8,12 @@ gateways. The application holds the body, at its owner and at another gateway in
 
 import argparse
 import asyncio
-import sys
 import time
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
-
-import uvloop
 
 from openrois.adapter import Component, command
 from openrois.adapter.dialer import serve_parent
@@ -26,10 +23,9 @@ from openrois.client import Client, ConnectionLost, Reconnect
 from openrois.errors import RoISError
 from openrois.transport.address import adapter_url
 from openrois_bench.cluster.gateways import PATIENCE, Cluster, Gateway, dialling, three_gateways
+from openrois_bench.cluster.reporting import measure_and_report
 from openrois_bench.errors import within
-from openrois_bench.measuring.conditions import conditions, load
 from openrois_bench.measuring.figures import MILLISECONDS, Percentiles
-from openrois_bench.measuring.result import write_result
 from openrois_bench.measuring.table import table
 
 __all__ = ["CASES", "Case", "measure", "printed", "summary"]
@@ -168,21 +164,17 @@ def printed(figures: Mapping[str, Any]) -> str:
     return table(head, rows)
 
 
-def _report_progress(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
-
-
 def main() -> None:
     """Measure."""
     parser = argparse.ArgumentParser(prog="python -m openrois_bench.cluster.failover", description=__doc__)
     parser.add_argument("--rounds", type=int, default=20, help="of both cases together (%(default)s)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures to FILE")
     chosen = parser.parse_args()
-    before = load()
-    figures = summary(uvloop.run(measure(chosen.rounds, _report_progress)))
-    met = conditions(before, {})
-    print(f"{met}\n\n{printed(figures)}")
-    write_result(chosen.json, "openrois_bench.cluster.failover", met, summary=figures)
+
+    async def measured(progress: Callable[[str], None]) -> dict[str, Any]:
+        return summary(await measure(chosen.rounds, progress))
+
+    measure_and_report("openrois_bench.cluster.failover", measured, printed, chosen.json)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,6 @@ so that the change to the streams in their place counts.
 
 import argparse
 import asyncio
-import sys
 import time
 from collections.abc import AsyncIterable, AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
@@ -29,10 +28,9 @@ from openrois.remote.serve import STREAM_GRACE
 from openrois.types.codes import StreamStatus
 from openrois.types.streams import StreamStatusNotification
 from openrois_bench.cluster.gateways import PATIENCE, Cluster, Gateway, dialling, three_gateways
+from openrois_bench.cluster.reporting import measure_and_report
 from openrois_bench.errors import within
-from openrois_bench.measuring.conditions import conditions, load
 from openrois_bench.measuring.figures import MILLISECONDS, Percentiles
-from openrois_bench.measuring.result import write_result
 from openrois_bench.measuring.table import table
 from openrois_bench.processes.child import child
 
@@ -209,10 +207,6 @@ def printed(figures: Mapping[str, Any]) -> str:
     return table(head, rows)
 
 
-def _report_progress(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
-
-
 def main() -> None:
     """Measure, or be the body."""
     parser = argparse.ArgumentParser(prog="python -m openrois_bench.cluster.picture", description=__doc__)
@@ -223,11 +217,11 @@ def main() -> None:
     if chosen.be_body:
         uvloop.run(be_body(chosen.be_body[0], chosen.be_body[1:]))
         return
-    before = load()
-    figures = summary(uvloop.run(measure(chosen.rounds, _report_progress)))
-    met = conditions(before, {})
-    print(f"{met}\n\n{printed(figures)}")
-    write_result(chosen.json, "openrois_bench.cluster.picture", met, summary=figures)
+
+    async def measured(progress: Callable[[str], None]) -> dict[str, Any]:
+        return summary(await measure(chosen.rounds, progress))
+
+    measure_and_report("openrois_bench.cluster.picture", measured, printed, chosen.json)
 
 
 if __name__ == "__main__":

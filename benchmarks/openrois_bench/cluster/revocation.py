@@ -12,7 +12,6 @@ import argparse
 import asyncio
 import os
 import signal
-import sys
 import tempfile
 import time
 from collections.abc import AsyncIterator, Callable, Mapping
@@ -20,8 +19,6 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
-
-import uvloop
 
 from openrois.adapter import Component, command
 from openrois.adapter.dialer import serve_parent
@@ -34,11 +31,10 @@ from openrois.transport.address import adapter_url
 from openrois.transport.credentials import Credentials
 from openrois.transport.websocket import dial
 from openrois_bench.cluster.postgres import postgres_server
+from openrois_bench.cluster.reporting import measure_and_report
 from openrois_bench.cluster.stream import nats_server
 from openrois_bench.errors import BenchFailed, within
-from openrois_bench.measuring.conditions import conditions, load
 from openrois_bench.measuring.figures import MILLISECONDS, Percentiles
-from openrois_bench.measuring.result import write_result
 from openrois_bench.measuring.table import table
 from openrois_bench.processes.child import Child, child
 
@@ -245,21 +241,17 @@ def printed(figures: Mapping[str, Any]) -> str:
     return table(head, rows)
 
 
-def _report_progress(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
-
-
 def main() -> None:
     """Measure."""
     parser = argparse.ArgumentParser(prog="python -m openrois_bench.cluster.revocation", description=__doc__)
     parser.add_argument("--rounds", type=int, default=20, help="of all cases (%(default)s)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures to FILE")
     chosen = parser.parse_args()
-    before = load()
-    figures = summary(uvloop.run(measure(chosen.rounds, _report_progress)))
-    met = conditions(before, {})
-    print(f"{met}\n\n{printed(figures)}")
-    write_result(chosen.json, "openrois_bench.cluster.revocation", met, summary=figures)
+
+    async def measured(progress: Callable[[str], None]) -> dict[str, Any]:
+        return summary(await measure(chosen.rounds, progress))
+
+    measure_and_report("openrois_bench.cluster.revocation", measured, printed, chosen.json)
 
 
 if __name__ == "__main__":

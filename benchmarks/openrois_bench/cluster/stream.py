@@ -23,10 +23,9 @@ import uvloop
 from openrois.cluster.link import NatsLink, NatsSettings, NatsStream
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.transport.websocket import dial
+from openrois_bench.cluster.reporting import measure_and_report
 from openrois_bench.errors import BenchFailed, within
-from openrois_bench.measuring.conditions import conditions, load
 from openrois_bench.measuring.figures import MICROSECONDS, MILLISECONDS, Percentiles, median
-from openrois_bench.measuring.result import write_result
 from openrois_bench.measuring.table import table
 from openrois_bench.processes.child import child, cpu_of, own_cpu
 
@@ -218,10 +217,6 @@ def printed(figures: Mapping[str, Any]) -> str:
     return f"{table(head, rows)}\n\nNATS / WebSocket, p50 of 350 bytes, median of the rounds: {figures['ratio']}"
 
 
-def _report_progress(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
-
-
 def main() -> None:
     """Measure, or be the other gateway."""
     parser = argparse.ArgumentParser(prog="python -m openrois_bench.cluster.stream", description=__doc__)
@@ -232,11 +227,11 @@ def main() -> None:
     if chosen.far:
         uvloop.run(be_far(chosen.far))
         return
-    before = load()
-    figures = summary(uvloop.run(measure(StreamSettings(rounds=chosen.rounds), _report_progress)))
-    met = conditions(before, {})
-    print(f"{met}\n\n{printed(figures)}")
-    write_result(chosen.json, "openrois_bench.cluster.stream", met, summary=figures)
+
+    async def measured(progress: Callable[[str], None]) -> dict[str, Any]:
+        return summary(await measure(StreamSettings(rounds=chosen.rounds), progress))
+
+    measure_and_report("openrois_bench.cluster.stream", measured, printed, chosen.json)
 
 
 if __name__ == "__main__":

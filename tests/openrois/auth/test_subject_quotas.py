@@ -1,22 +1,12 @@
 """What one subject may have over all of its connections."""
 
 from contextlib import ExitStack
-from dataclasses import dataclass, field
 
 import pytest
 
 from openrois.auth.subject_quotas import SubjectQuotas
 from openrois.errors import OutOfResources
-
-
-@dataclass(eq=False)
-class Session:
-    """Stands in for the session of an application."""
-
-    quota_name: str
-    streams: list[str] = field(default_factory=list)
-    connecting: int = 0
-    is_relayed: bool = False
+from tests.support.quotas import Session
 
 
 def test_connections_are_counted_for_each_subject() -> None:

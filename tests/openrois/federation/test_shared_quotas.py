@@ -3,7 +3,6 @@
 import json
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
@@ -16,16 +15,7 @@ from openrois.errors import OutOfResources
 from openrois.federation import shared_quotas
 from openrois.federation.shared_quotas import TOLD, TOLD_AT_ONCE, SharedQuotas
 from tests.support.newer import with_more
-
-
-@dataclass(eq=False)
-class Session:
-    """Stands in for the session of an application."""
-
-    quota_name: str
-    streams: list[str] = field(default_factory=list)
-    connecting: int = 0
-    is_relayed: bool = False
+from tests.support.quotas import Session
 
 
 class Here:
