@@ -111,6 +111,8 @@ class Resumption:
             raise BadParameter("resume before binding or executing anything that acts")
         line = await self._redeem(asked.token)
         self._belong_to(line)
+        # What ends here from now on is notified by itself, while others are asked.
+        missed = [command_id for command_id in asked.command_ids if app.commands.ending(command_id) is not None]
         reports = await gather(*(self._report(gateway_id, asked) for gateway_id in routes.federation.others))
         is_whole = routes.federation.is_joined and None not in reports
         routes.federation.counts.resumptions["whole" if is_whole else "partial"] += 1
@@ -128,7 +130,7 @@ class Resumption:
             leases=(*held, *(lease for report in found for lease in report.leases)),
             forgotten=tuple(command_id for command_id in asked.command_ids if command_id not in known),
         )
-        return Reply(result, lambda: tell_missed(app, asked.command_ids))
+        return Reply(result, lambda: tell_missed(app, missed))
 
     async def _redeem(self, token: str) -> SessionLine:
         """Use up a token, and return the line that this session belongs to from now on.

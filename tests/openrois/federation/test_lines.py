@@ -1,6 +1,7 @@
 """Lines of sessions at one gateway: what they hold is written, and kept for them at the next owner."""
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
+from hashlib import sha256
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -13,10 +14,12 @@ from openrois.errors import Unsupported
 from openrois.federation.lines import Lines, SessionLine, new_line
 from openrois.federation.resumption import MAX_USED, Resumption
 from openrois.leases.changes import Why
+from openrois.leases.tokens import new_token
 from openrois.resumption.holdings_writer import HoldingsWriter
 from openrois.resumption.lines import Holding
 from openrois.resumption.memory_store import MemoryResumeStore
 from openrois.session.session import ApplicationSession, EngineHost
+from openrois.types.codes import CompletedStatus
 from tests.support.components import Lamp
 
 LAMP = "robot/lamp"
@@ -128,3 +131,52 @@ def test_engines_are_looked_for_at_their_next_gateway_up_to_a_bound() -> None:
     resumption.find_again([f"engine-{number}" for number in range(MAX_USED + 1)])
     assert len(resumption._missed) == MAX_USED
     assert "engine-0" not in resumption._missed
+
+
+async def test_a_command_that_ends_while_other_gateways_are_asked_has_one_end(place: Place) -> None:
+    told: list[str] = []
+
+    def session() -> ApplicationSession:
+        def notify(method: str, params: Mapping[str, Any], **_more: bool) -> None:
+            if method == "rois.command.completed":
+                told.append(params["command_id"])
+
+        return ApplicationSession(place.host, notify)
+
+    former, app = session(), session()
+    place.lines.adopt(former, SessionLine("one"))
+    former.commands.accept({"early": LAMP, "late": LAMP}, 0, text=0, subject=None)
+
+    def end(command_id: str) -> None:
+        former.commands.finish(command_id, (), CompletedStatus.OK, "")
+        former.completed(command_id, CompletedStatus.OK)
+
+    await former.close(lost=True)
+    end("early")
+    told.clear()
+    token = new_token()
+    await place.store.issue("one", 0, app.principal.subject, sha256(token.encode()).digest())
+
+    async def ask_others(_gateway_id: str) -> Any:
+        end("late")
+        raise Unsupported("it is not there")
+
+    federation = SimpleNamespace(
+        lines=place.lines,
+        resume_store=place.store,
+        others=("b",),
+        is_joined=True,
+        counts=SimpleNamespace(resumptions={"whole": 0, "partial": 0}),
+        keep_alive=lambda _line_id, _resumption: None,
+    )
+    routes = SimpleNamespace(
+        app=app,
+        federation=federation,
+        line=SessionLine("one", 1),
+        subs=SimpleNamespace(to=ask_others),
+        work=SimpleNamespace(running=0),
+    )
+    reply = await Resumption(cast(Any, routes))._resume({"token": token, "command_ids": ["early", "late"]})
+    assert (reply.result.forgotten, told) == ((), ["late"])
+    reply.then()
+    assert told == ["late", "early"]
