@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -23,6 +24,11 @@ PATIENCE: Final = 90.0
 """Seconds that programs may take on a busy machine to begin, to say what they have to say, and to be gone."""
 _END: Final = 10.0
 
+_LANES: Final = 8
+_LANE: Final = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0")[2:]) % _LANES
+"""Workers of one run choose among different ports: one may be chosen long before a program listens there."""
+_CHOSEN: Final = deque[int](maxlen=256)
+
 
 def free_port() -> int:
     """Return a TCP port of the loopback interface that is free and outside of the range of ephemeral ports.
@@ -30,10 +36,13 @@ def free_port() -> int:
     Debian's ephemeral ports begin at 32768. A restarted program can use the port again.
     """
     while True:
-        # Tests of other processes must not try the same ones, however they seed `random`.
-        port = 20_000 + secrets.randbelow(12_000)
+        # Tests of other runs must not try the same ones, however they seed `random`.
+        port = 20_000 + secrets.randbelow(12_000 // _LANES) * _LANES + _LANE
+        if port in _CHOSEN:
+            continue
         with socket.socket() as probe, suppress(OSError):
             probe.bind(("127.0.0.1", port))
+            _CHOSEN.append(port)
             return port
 
 

@@ -111,6 +111,8 @@ async def test_f52_the_clock_of_its_own_gateway_judges_a_token(seed: int, store:
         # Tokens are looked at every second.
         for app in here.operators.values():
             app.seconds = 0.2
+            # Until its owner has told what it offers an engine is not to be had.
+            app.refusals.clear()
         await here.all_move(20)
         # A token whose issuer's clock is further off than the leeway is good for nothing.
         for each, off in (("a", -HOUR), ("b", HOUR), ("c", HOUR), ("c", -HOUR)):

@@ -2,13 +2,16 @@
 
 import asyncio
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from openrois.client import ConnectionLost
 from tests.support.cluster_site import Site, cluster_site
+from tests.support.gateway_processes import until
 from tests.support.postgres import Server
+from tests.support.recorded import Operator
 from tests.support.seeds import lasting
 from tests.support.ways import Way, WayTo, by_cable, by_relay
 
@@ -26,6 +29,11 @@ async def block(here: Site, *ways: Way) -> None:
     for each in here.chance.sample(ways, len(ways)):
         each.block()
         await here.turns(0.5)
+
+
+async def is_refused(app: Operator) -> bool:
+    """Tell whether an application was refused since it was looked at last."""
+    return bool(app.refusals)
 
 
 async def open_again(here: Site, *ways: Way) -> None:
@@ -169,6 +177,7 @@ async def test_f51_gateways_that_do_not_hear_each_other(seed: int, postgres_serv
             across.refusals.clear()
             await block(here, here.ways["a", "others"])
             await here.turns(12)
+            await until(partial(is_refused, across), "an application goes on past the cut")
             await inside.moves(20)
             done = across.done, back.done
             await inside.moves(20)
