@@ -105,6 +105,8 @@ class Connection:
         self._reconnect = reconnect
         self._renewable = renewable
         self._session: RpcSession | None = None
+        self._restoring: RpcSession | None = None
+        """The next connection, while what the last one had is made again there."""
         self._changed = asyncio.Event()
         self._over: str | None = None
         self._supervising: asyncio.Task[None] | None = None
@@ -213,9 +215,13 @@ class Connection:
             raise ConnectionLost(f"{doing}: {self._over or _NOT_OPENED}")
 
     def post(self, method: str, params: Model) -> None:
-        """Send a request and drop its answer; nothing happens without a connection."""
-        if self._session is not None:
-            self._session.post(method, params.model_dump(mode="json", exclude_none=True))
+        """Send a request and drop its answer; nothing happens without a connection.
+
+        What is given back while it is made again on the next connection is given back there.
+        """
+        session = self._session or self._restoring
+        if session is not None:
+            session.post(method, params.model_dump(mode="json", exclude_none=True))
 
     async def _connected(self, method: str, patience: float) -> RpcSession:
         try:
@@ -313,6 +319,7 @@ class Connection:
                 running = asyncio.ensure_future(session.run())
                 stack.push_async_callback(_ended, running)
                 await self._owner.greet_gateway(session)
+            self._restoring = session
             await self._owner.restore_state(session)
         except ConnectionFailed:
             raise
@@ -322,6 +329,8 @@ class Connection:
             stranger = isinstance(error, RpcError) and error.code == METHOD_NOT_FOUND
             what = "what answers does not serve applications" if stranger else "no connection to the gateway"
             raise ConnectionFailed(f"{what}: {error}") from error
+        finally:
+            self._restoring = None
         return session, running
 
 

@@ -11,6 +11,7 @@ import pytest
 from openrois.client import (
     BindingLost,
     BindingRestored,
+    BodyLost,
     Client,
     Connected,
     Disconnected,
@@ -283,3 +284,19 @@ async def test_a_connection_that_ends_while_unsubscribing_ends_the_subscription_
         await heard(notices, Connected)
     assert not client._subscriptions._entries
     assert [event async for event in rang] == []
+
+
+async def test_of_a_body_that_is_lost_while_it_is_bound_again_nothing_stays_held(
+    line: Line, clock: Clock, client: Client
+) -> None:
+    gone, lost = client.notices(Disconnected), client.notices(BodyLost)
+    async with client.body("Move", "Navigation"):
+        line.cut()
+        await heard(gone, Disconnected)
+        async with Client(dial=line.dial) as other:
+            await other.bind("robot/navigation")
+            await clock.pass_time()
+            # The first of the two was bound again when the second was refused.
+            await heard(lost, BodyLost)
+            await client.search()
+            await other.bind("robot/move")
