@@ -42,7 +42,7 @@ TESTS = (
     *(f"tests/openrois/journal/test_{part}.py" for part in ("former", "records")),
     *(
         f"tests/openrois/auth/test_{part}.py"
-        for part in ("claims", "keys", "loopback", "principal", "revocations", "subject_quotas", "tokens")
+        for part in ("claims", "keys", "loopback", "principal", "ranks", "revocations", "subject_quotas", "tokens")
     ),
     *(
         f"tests/conformance_command/test_{part}.py"

@@ -1,10 +1,11 @@
-"""The claims of a genuine token, read strictly: subject, roles, scope and life time. Pure."""
+"""The claims of a genuine token, read strictly: subject, roles, rank, scope and life time. Pure."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 from openrois.auth.principal import Principal, Role
+from openrois.auth.ranks import Ranks
 from openrois.auth.refusal import Refusal, TokenRefused
 
 __all__ = ["LEEWAY", "MAX_LIFETIME", "ClaimRules", "read_claims"]
@@ -36,12 +37,14 @@ class ClaimRules:
         audience: what has to be in `aud`; empty for a token that names no audience.
         max_lifetime: seconds from `iat` to `exp` at most.
         leeway: seconds by which the clocks may differ.
+        ranks: those that a token may name; one that names none is of the lowest.
     """
 
     issuer: str = ""
     audience: str = ""
     max_lifetime: float = MAX_LIFETIME
     leeway: float = LEEWAY
+    ranks: Ranks = field(default_factory=Ranks)
 
 
 def read_claims(claims: Mapping[str, Any], rules: ClaimRules, now: float) -> Principal:
@@ -66,9 +69,10 @@ def read_claims(claims: Mapping[str, Any], rules: ClaimRules, now: float) -> Pri
         token_id = "" if claims.get("jti") is None else _text(claims["jti"])
         roles = _roles(claims.get("roles"))
         scope = _scope(claims.get("scope"), roles)
+        rank = _rank(claims.get("rank"), rules.ranks)
     except TokenRefused as refused:
         raise TokenRefused(refused.reason, subject) from None
-    return Principal(subject, roles, scope, expires, token_id)
+    return Principal(subject, roles, scope, expires, token_id, rank)
 
 
 def _check_times(claims: Mapping[str, Any], rules: ClaimRules, now: float) -> float:
@@ -124,6 +128,16 @@ def _roles(value: object) -> frozenset[Role]:
     if not all(isinstance(name, str) and name in known for name in names):
         raise TokenRefused(Refusal.CLAIM)
     return frozenset(known[name] for name in names)
+
+
+def _rank(value: object, ranks: Ranks) -> str:
+    if value is None:
+        return ranks.lowest
+    if not isinstance(value, str):
+        raise TokenRefused(Refusal.CLAIM)
+    if value not in ranks:
+        raise TokenRefused(Refusal.RANK)
+    return value
 
 
 def _scope(value: object, roles: frozenset[Role]) -> tuple[str, ...]:

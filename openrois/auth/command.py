@@ -12,6 +12,7 @@ from openrois.auth.issuing import issue_token
 from openrois.auth.key_files import make_key_files
 from openrois.auth.keys import ALGORITHMS
 from openrois.auth.principal import Role
+from openrois.auth.ranks import DEFAULT_RANKS
 from openrois.cli.command_line import CommandLine
 
 __all__ = ["main"]
@@ -39,6 +40,12 @@ def main(arguments: Sequence[str]) -> int:
     issue.add_argument("--sub", required=True, metavar="NAME", help="who it is for")
     issue.add_argument(
         "--role", action="append", required=True, choices=[role.value for role in Role], help="what that one is"
+    )
+    issue.add_argument(
+        "--rank",
+        default="",
+        metavar="NAME",
+        help=f"one of the gateway's --ranks, which are {', '.join(DEFAULT_RANKS)} unless set (the lowest)",
     )
     issue.add_argument("--scope", action="append", default=[], metavar="PATTERN", help="components, such as 'avatar/*'")
     issue.add_argument("--ttl", type=_seconds, default=900, metavar="TIME", help="how long: 90s, 15m, 1h (15m)")
@@ -86,10 +93,13 @@ def _issue(chosen: argparse.Namespace) -> int:
         ttl=chosen.ttl,
         issuer=chosen.issuer,
         audience=chosen.audience,
+        rank=chosen.rank,
     )
     if not chosen.scope and Role.ADMINISTRATOR.value not in chosen.role:
         _tell("without --scope this token is good for no component")
     if chosen.ttl > MAX_LIFETIME:
         _tell(f"a gateway takes this token only with --auth-max-lifetime {chosen.ttl} or more")
+    if chosen.rank and chosen.rank not in DEFAULT_RANKS:
+        _tell(f"a gateway takes this token only where its --ranks name {chosen.rank}")
     print(token)
     return 0

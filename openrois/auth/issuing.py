@@ -10,6 +10,7 @@ import jwt
 from openrois.auth.claims import MAX_NAME, MAX_PATTERN, MAX_PATTERNS, ClaimRules, read_claims
 from openrois.auth.key_files import read_signing_key
 from openrois.auth.principal import Role
+from openrois.auth.ranks import Ranks
 from openrois.auth.refusal import TokenRefused
 
 __all__ = ["issue_token"]
@@ -25,6 +26,7 @@ def issue_token(
     ttl: int,
     issuer: str = "",
     audience: str = "",
+    rank: str = "",
 ) -> str:
     """Return a new token.
 
@@ -37,6 +39,7 @@ def issue_token(
         ttl: for how many seconds it is good.
         issuer: the claim `iss`; empty for none.
         audience: the claim `aud`; empty for none.
+        rank: the claim `rank`; empty for none, which is the lowest.
 
     Raises:
         ValueError: the key cannot be used, or no gateway would take such a token.
@@ -52,8 +55,10 @@ def issue_token(
     claims |= {"scope": list(scope)} if scope else {}
     claims |= {"iss": issuer} if issuer else {}
     claims |= {"aud": audience} if audience else {}
+    claims |= {"rank": rank} if rank else {}
+    ranks = Ranks((rank,)) if rank else Ranks()
     try:
-        read_claims(claims, ClaimRules(issuer, audience, ttl), now)
+        read_claims(claims, ClaimRules(issuer, audience, ttl, ranks=ranks), now)
     except TokenRefused:
         raise ValueError(
             f"a gateway would refuse this token: --sub must have 1 to {MAX_NAME} printable characters, "

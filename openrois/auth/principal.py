@@ -85,6 +85,7 @@ class Principal:
         scope: patterns of component references (`avatar/*`), case-sensitive; `*` stands for any text, slashes too.
         expires: epoch seconds from which on this does not hold any more; None for always.
         token_id: the id of the token that says so; empty where it has none.
+        rank: which principals it goes before (`openrois.auth.ranks`); empty counts as the lowest.
     """
 
     subject: str
@@ -92,6 +93,7 @@ class Principal:
     scope: tuple[str, ...]
     expires: float | None = None
     token_id: str = ""
+    rank: str = ""
     _methods: frozenset[str] = field(init=False, repr=False, compare=False)
     _shown: Callable[[str], object] = field(init=False, repr=False, compare=False)
 

@@ -35,6 +35,8 @@ class Refusal(StrEnum):
     REVOKED = "revoked"
     SUBJECT = "subject"
     """A session is renewed by a token of the same subject only."""
+    RANK = "rank"
+    """Its rank is none of those that the gateway knows."""
     ROLE = "role"
     """It is good, but not for what was asked."""
     ORIGIN = "origin"

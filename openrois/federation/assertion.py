@@ -26,6 +26,7 @@ class Assertion(Model):
         expires: epoch seconds at which its token ends; None for never. The gateway that asserts it ends the session
             then, by its own clock; one of an earlier version that is asked judges that itself.
         token_id: the id of its token, so that a revocation reaches this session too.
+        rank: of the principal; empty, of a gateway of an earlier version, counts as the lowest.
         address: where the application comes from.
         client_id: the id that adapters know the application by; empty where it needs none.
         line: names the session over all its connections; empty where it cannot be resumed.
@@ -38,6 +39,7 @@ class Assertion(Model):
     scope: Annotated[tuple[str, ...], Field(max_length=MAX_SCOPE, strict=False)] = ()
     expires: float | None = None
     token_id: Annotated[str, Field(max_length=1024)] = ""
+    rank: Annotated[str, Field(max_length=64)] = ""
     address: Annotated[str, Field(max_length=256)] = ""
     client_id: Annotated[str, Field(max_length=64)] = ""
     line: Annotated[str, Field(max_length=64)] = ""
@@ -59,6 +61,7 @@ class Assertion(Model):
             scope=principal.scope,
             expires=principal.expires,
             token_id=principal.token_id,
+            rank=principal.rank,
             **more,
         )
 
@@ -81,7 +84,7 @@ class Assertion(Model):
         """The principal that is asserted; that its token ends is no matter of the gateway that is told."""
         if self.kind == "local":
             return LOCAL
-        return Principal(self.subject, frozenset(self.roles), self.scope, None, self.token_id)
+        return Principal(self.subject, frozenset(self.roles), self.scope, None, self.token_id, self.rank)
 
     def hello(self) -> dict[str, Any]:
         """Return it as an object for JSON."""

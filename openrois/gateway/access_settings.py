@@ -7,6 +7,7 @@ from pydantic import model_validator
 
 from openrois.auth.claims import MAX_LIFETIME
 from openrois.auth.jwks import flaw_of_address
+from openrois.auth.ranks import DEFAULT_RANKS, Ranks
 from openrois.gateway.origins import parse_origin
 from openrois.gateway.settings_group import SettingsGroup, require_between, setting
 
@@ -28,6 +29,9 @@ class Authentication(SettingsGroup):
     auth_issuer: str = setting("", "what the claim iss of every token has to be", metavar="TEXT")
     auth_audience: str = setting("", "what the claim aud of every token has to name", metavar="TEXT")
     auth_max_lifetime: float = setting(MAX_LIFETIME, "seconds that a token may last", metavar="SECONDS")
+    ranks: str = setting(
+        ",".join(DEFAULT_RANKS), "ranks of tokens, the highest first: that of people", metavar="NAME,NAME..."
+    )
     auth_revocations: Path | None = setting(
         None, "lists revoked subjects and tokens: lines `sub NAME` and `jti ID`", metavar="FILE"
     )
@@ -49,6 +53,10 @@ class Authentication(SettingsGroup):
             raise ValueError(f"{self.auth_jwks[:200]!r} cannot be the address of the issuer's keys: {flaw}")
         if not self.is_authenticated and (self.auth_issuer or self.auth_audience or self.auth_revocations):
             raise ValueError("--auth-issuer, --auth-audience and --auth-revocations require --auth-key or --auth-jwks")
+        try:
+            Ranks.parse(self.ranks)
+        except ValueError as error:
+            raise ValueError(f"--ranks {self.ranks[:200]!r} cannot be used: {error}") from None
         require_between("--auth-max-lifetime", self.auth_max_lifetime, 60, _DAY, "seconds")
         return self
 

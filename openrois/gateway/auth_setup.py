@@ -12,6 +12,7 @@ from openrois.auth.jwks import KeySetCache, fetch_from_file, fetch_from_url
 from openrois.auth.key_files import read_keys
 from openrois.auth.keys import KeySource, StoredKeys
 from openrois.auth.principal import Principal
+from openrois.auth.ranks import Ranks
 from openrois.auth.revocations import NOTHING_REVOKED, Revocations, parse_revocations
 from openrois.auth.tokens import TokenVerifier
 from openrois.gateway.admission import Admission, origin_rules
@@ -74,7 +75,8 @@ class AuthSetup:
         revoked = _Revoked(settings.auth_revocations, reloader)
         verifier = None
         if settings.is_authenticated:
-            rules = ClaimRules(settings.auth_issuer, settings.auth_audience, settings.auth_max_lifetime)
+            ranks = Ranks.parse(settings.ranks)
+            rules = ClaimRules(settings.auth_issuer, settings.auth_audience, settings.auth_max_lifetime, ranks=ranks)
             verifier = TokenVerifier(_keys(settings, reloader, tasks), rules, clock, revoked.covers)
         certificate = None
         if settings.tls_cert is not None and settings.tls_key is not None:

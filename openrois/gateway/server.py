@@ -22,6 +22,7 @@ from aiohttp import WSCloseCode, web
 from openrois.aio.loop_lag import LoopLag
 from openrois.aio.tasks import TaskScope
 from openrois.auth.principal import LOCAL, quota_name
+from openrois.auth.ranks import Ranks
 from openrois.auth.subject_quotas import SubjectQuotas
 from openrois.engine.engine import Engine
 from openrois.errors import OutOfResources
@@ -129,6 +130,7 @@ async def run_gateway(
             epochs=CountedEpochs(round(time.time() * 1000)) if parts is None else parts.epochs,
             unread=UnreadBudget(settings.unread),
             quotas=SubjectQuotas(settings.subject_connections, settings.subject_sessions, settings.subject_streams),
+            ranks=Ranks.parse(settings.ranks),
         )
         auth_setup = AuthSetup.open(settings, audit, tasks, host.connection_stats.turn_away)
         readiness = Readiness()

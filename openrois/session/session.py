@@ -14,6 +14,7 @@ from typing import Any, Final, cast
 
 from openrois.aio.tasks import TaskScope
 from openrois.auth.principal import LOCAL, Principal, quota_name
+from openrois.auth.ranks import Ranks
 from openrois.auth.subject_quotas import SubjectQuotas
 from openrois.commands.history import MAX_RUNNING, MAX_RUNNING_TEXT, CommandHistory
 from openrois.commands.pending import PendingCommands
@@ -82,6 +83,7 @@ class EngineHost:
         draining: it is about to end, and begins nothing new.
         heartbeat: to the parent, for what moves.
         epoch_fence: which parent reported the latest holder.
+        ranks: of the principals of its applications.
         instance: a random text by which gateways know this engine's process again; no other engine may learn it.
     """
 
@@ -103,6 +105,7 @@ class EngineHost:
     draining: bool = False
     heartbeat: Heartbeat = field(default_factory=Heartbeat)
     epoch_fence: EpochFence = field(default_factory=EpochFence)
+    ranks: Ranks = field(default_factory=Ranks)
     instance: str = field(default_factory=lambda: secrets.token_hex(16), repr=False)
     leases: LeaseKeeper = field(init=False)
     views: Views = field(init=False)

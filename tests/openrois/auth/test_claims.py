@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from openrois.auth.claims import MAX_PATTERNS, ClaimRules, read_claims
 from openrois.auth.principal import Role
+from openrois.auth.ranks import Ranks
 from openrois.auth.refusal import Refusal, TokenRefused
 from tests.support.tokens import claims_of
 
@@ -159,3 +160,33 @@ def test_the_audit_records_the_principal() -> None:
     with pytest.raises(TokenRefused) as refused:
         read_claims(claims_of(NOW, roles="root"), ClaimRules(), NOW)
     assert refused.value.subject == "alice"
+
+
+@pytest.mark.parametrize(
+    ("claimed", "rank"), [(..., "script"), (None, "script"), ("person", "person"), ("agent", "agent")]
+)
+def test_a_rank(claimed: object, rank: str) -> None:
+    assert read_claims(claims_of(NOW, rank=claimed), ClaimRules(), NOW).rank == rank
+
+
+@pytest.mark.parametrize(
+    ("claimed", "refusal"),
+    [
+        ("emperor", Refusal.RANK),
+        ("Person", Refusal.RANK),
+        ("", Refusal.RANK),
+        ("person agent", Refusal.RANK),
+        (0, Refusal.CLAIM),
+        (True, Refusal.CLAIM),
+        (["person"], Refusal.CLAIM),
+    ],
+)
+def test_no_rank(claimed: object, refusal: Refusal) -> None:
+    assert reason(rank=claimed) is refusal
+
+
+def test_ranks_are_the_gateways() -> None:
+    rules = ClaimRules(ranks=Ranks(("crew", "guest")))
+    assert reason(rules, rank="person") is Refusal.RANK
+    assert reason(rules, rank="crew") is None
+    assert read_claims(claims_of(NOW), rules, NOW).rank == "guest"

@@ -53,9 +53,19 @@ def test_a_key_is_never_written_over(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert key.read_text() == text
 
 
+async def test_a_token_of_a_person(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    key = tmp_path / "key"
+    assert main(["new-key", str(key)]) == 0
+    capsys.readouterr()
+    assert main(["issue", "--key", str(key), "--sub", "ann", "--role", "operator", "--rank", "person"]) == 0
+    verifier = TokenVerifier(StoredKeys(read_keys([key])), ClaimRules(), time.time)
+    assert (await verifier.verify(capsys.readouterr().out.strip())).rank == "person"
+
+
 @pytest.mark.parametrize(
     "options",
     [
+        ["--sub", "a", "--role", "viewer", "--rank", "person "],
         ["--sub", "", "--role", "viewer"],
         ["--sub", "a", "--role", "viewer", "--scope", ""],
         ["--sub", "a\nb", "--role", "viewer"],
@@ -65,7 +75,8 @@ def test_what_is_not_issued(options: list[str], tmp_path: Path, capsys: pytest.C
     key = tmp_path / "key"
     main(["new-key", str(key)])
     assert main(["issue", "--key", str(key), *options]) == 1
-    assert "a gateway would refuse this token: --sub must have 1 to 128 printable characters" in capsys.readouterr().err
+    told = "is no rank" if "--rank" in options else "a gateway would refuse this token: --sub must have 1 to 128"
+    assert told in capsys.readouterr().err
     assert main(["issue", "--key", str(tmp_path / "none"), "--sub", "a", "--role", "viewer"]) == 1
     assert "cannot be read" in capsys.readouterr().err
 
@@ -89,6 +100,7 @@ def test_what_no_gateway_would_take_for_so_long(ttl: str, capsys: pytest.Capture
     [
         (["--role", "viewer"], "without --scope this token is good for no component"),
         (["--role", "viewer", "--scope", "*", "--ttl", "2h"], "only with --auth-max-lifetime 7200 or more"),
+        (["--role", "viewer", "--scope", "*", "--rank", "crew"], "only where its --ranks name crew"),
         (["--role", "viewer", "--scope", "*", "--ttl", "1h"], ""),
         (["--role", "administrator"], ""),
     ],

@@ -54,7 +54,7 @@ async def refusal(token: str, *algorithms: str) -> Refusal:
 async def test_good_tokens(algorithm: str) -> None:
     key = {"HS256": SECRET, "RS256": keys().rsa, "ES256": keys().p256, "EdDSA": keys().ed25519}[algorithm]
     token = issue(NOW, key, jti="t1")
-    expected = Principal("alice", frozenset({Role.OPERATOR}), ("*",), NOW + 900, "t1")
+    expected = Principal("alice", frozenset({Role.OPERATOR}), ("*",), NOW + 900, "t1", "script")
     assert await verifier(algorithm).verify(token) == expected
     assert await verifier("HS256", "RS256", "ES256", "EdDSA").verify(token) == expected
     for other in {"HS256", "RS256", "ES256", "EdDSA"} - {algorithm}:

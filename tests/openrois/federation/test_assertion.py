@@ -11,7 +11,7 @@ from openrois.auth.principal import LOCAL, Principal, Role
 from openrois.errors import BadParameter
 from openrois.federation.assertion import MAX_SCOPE, Assertion
 
-ANN = Principal("ann", frozenset({Role.OPERATOR, Role.VIEWER}), ("robot/*",), 1234.5, "t-1")
+ANN = Principal("ann", frozenset({Role.OPERATOR, Role.VIEWER}), ("robot/*",), 1234.5, "t-1", "person")
 
 
 def test_a_principal_comes_back_as_it_was() -> None:
@@ -41,6 +41,7 @@ def test_a_scope_that_is_too_long_goes_nowhere() -> None:
         {"roles": ["emperor"]},
         {"roles": "operator"},
         {"scope": ["*"] * (MAX_SCOPE + 1)},
+        {"rank": "x" * 65},
         {"generation": -1},
         {"line": "x" * 65},
     ],
@@ -49,6 +50,12 @@ def test_a_scope_that_is_too_long_goes_nowhere() -> None:
 def test_what_is_no_assertion_is_refused(flaw: dict[str, object]) -> None:
     with pytest.raises(BadParameter, match="what the gateway asserts is no principal"):
         Assertion.parse({**Assertion.of(ANN).hello(), **flaw})
+
+
+def test_a_gateway_of_an_earlier_version_asserts_no_rank() -> None:
+    said = Assertion.of(ANN).hello()
+    del said["rank"]
+    assert Assertion.parse(said).principal.rank == ""
 
 
 def test_what_a_newer_gateway_says_besides_is_passed_over() -> None:

@@ -42,6 +42,8 @@ def test_not_this_machine(host: str) -> None:
         ({"turn": ("turn:x",), "turn_secret": "short"}, "at least 16 characters"),
         ({"turn_ttl": 59}, "--turn-ttl must be between 60 and 86400 seconds, not 59"),
         ({"turn_ttl": 86401}, "not 86401"),
+        ({"ranks": "person,person"}, "--ranks 'person,person' cannot be used: a rank is named twice"),
+        ({"ranks": ""}, "--ranks '' cannot be used: '' is no rank"),
         ({"adapter_timeout": 0}, "--adapter-timeout must be more than 0 and less than 3600 seconds, not 0"),
         ({"adapter_timeout": float("nan")}, "finite"),
         ({"adapter_timeout": float("inf")}, "finite"),
