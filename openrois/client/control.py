@@ -155,11 +155,11 @@ class Control:
         Args:
             engine_id: the engine.
             component_ref: a component of the engine, in place of its id. Without both it is every engine of which
-                this application may stop something.
+                this application holds something; of an administrator every engine that it sees.
 
         Raises:
             ComponentFailed: something did not say that it has stopped; all commands have ended with ABORT all the same.
-            OutOfResources: this application holds nothing that acts there.
+            Unsupported: there is no such engine, or nothing that acts there is in scope.
         """
         params = StopAllParams(engine_id=engine_id, component_ref=component_ref)
         return (await self._connection.act("openrois.stop_all", params, StopAllResult)).stopped

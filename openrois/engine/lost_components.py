@@ -1,6 +1,6 @@
 """Components whose connection was lost: until they are back they count as failing. Pure."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 __all__ = ["LostComponents"]
@@ -18,6 +18,9 @@ class LostComponents:
 
     def __contains__(self, component_ref: object) -> bool:
         return component_ref in self._refs
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._refs)
 
     def __len__(self) -> int:
         return len(self._refs)

@@ -9,6 +9,7 @@ from openrois.contract import Directory
 from openrois.engine.lost_components import LostComponents
 from openrois.engine.tree import Tree, TreeChange
 from openrois.observability.logs import Tally
+from openrois.types.codes import ComponentFunction
 
 __all__ = ["ClusterDirectory", "Offer", "Origin"]
 
@@ -56,12 +57,14 @@ class ClusterDirectory:
         tree: it.
         changes: called with each change of it.
         lost: components of gateways that were lost.
+        lost_acting: those of them that act: STOP may still reach them.
     """
 
     def __init__(self, engine_id: str, owner_of: Callable[[str], str | None] = lambda _engine_id: None) -> None:
         self.tree: Tree[Origin] = Tree(engine_id)
         self.changes: Listeners[TreeChange] = Listeners()
         self.lost = LostComponents()
+        self.lost_acting = LostComponents()
         self._owner_of = owner_of
         self._offers: dict[str, dict[str, Offer]] = {}
         self._shown: dict[str, tuple[Origin, Offer]] = {}
@@ -108,7 +111,11 @@ class ClusterDirectory:
             shown = self._shown.get(root_id)
             self.put(gateway_id, {root_id: None})
             if lost and shown is not None and root_id not in self._shown:
-                self.lost.lose(shown[1].directory.component_profiles)
+                profiles = shown[1].directory.component_profiles
+                self.lost.lose(profiles)
+                self.lost_acting.lose(
+                    ref for ref, profile in profiles.items() if profile.function is ComponentFunction.ACTUATION
+                )
 
     def settle(self, root_id: str) -> None:
         """Let the offer of an engine stand that counts now: its owner may be another one."""
@@ -143,6 +150,7 @@ class ClusterDirectory:
         self._shown[origin.root_id] = origin, offer
         origin.streaming = offer.streaming
         self.lost.found(offer.directory.component_profiles)
+        self.lost_acting.found(offer.directory.component_profiles)
         self.changes.notify_all(self.tree.replace(origin, offer.directory))
 
     def _unblock(self) -> None:

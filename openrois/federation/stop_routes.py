@@ -11,7 +11,7 @@ from openrois.federation.other_way import OtherWay
 from openrois.federation.routes import Routes, fitting
 from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
 from openrois.jsonrpc.session import Reply
-from openrois.types.codes import ReturnCode
+from openrois.types.codes import ComponentFunction, ReturnCode
 from openrois.types.leases import StopAllParams, StopAllResult
 from openrois.types.references import engine_of
 
@@ -46,13 +46,29 @@ class StopRoutes:
         if asked.engine_id is None and asked.component_ref is None:
             return await self._stop_everything(params)
         engine_id = asked.engine_id or engine_of(asked.component_ref or "")
-        if not routes.engine.sees(asked.component_ref or f"{engine_id}/"):
+        if not self._may_see(engine_id, asked.component_ref):
             return await routes.local[_STOP](params)
         gateway_id = routes.federation.owner_of(engine_id)
         if gateway_id is None or gateway_id == routes.federation.gateway_id:
             return await routes.local[_STOP](params)
         result, reason = await self._stop_at(gateway_id, params, (engine_id,))
         return Reply(result, reason=reason)
+
+    def _may_see(self, engine_id: str, component_ref: str | None) -> bool:
+        """Tell whether the application would see an engine or a component, whether its gateway is reached or not."""
+        engine = self._routes.engine
+        if component_ref is not None:
+            return engine.sees(component_ref)
+        return engine.tree.has_engine(engine_id) or engine.sees(f"{engine_id}/") or self._sees_acting(engine_id)
+
+    def _sees_acting(self, engine_id: str) -> bool:
+        """Tell whether something that acts on an engine is in scope; of a gateway that was lost what it had counts."""
+        engine = self._routes.engine
+        refs = engine.tree.refs_of(engine_id)
+        if any(engine.components[ref].function is ComponentFunction.ACTUATION for ref in refs):
+            return True
+        lost = self._routes.federation.directory.lost_acting
+        return any(engine_of(ref) == engine_id and engine.sees(ref) for ref in lost)
 
     async def _stop_everything(self, params: dict[str, Any]) -> Reply:
         """Stop what the application controls at each gateway; an administrator controls all that it sees."""
@@ -104,11 +120,11 @@ class StopRoutes:
             raise EngineUnreachable(f"gateway {gateway_id} answers STOP with what is no answer") from None
 
     async def _by_store(self, gateway_id: str, engine_ids: Iterable[str]) -> tuple[StopAllResult, str]:
-        """Stop engines by the store; that the application controls them was found out here."""
-        routes, may = self._routes, self._routes.app.principal.is_administrator
-        asked = [each for each in engine_ids if may or any(engine_of(ref) == each for ref in routes.work.held)]
+        """Stop engines by the store; that something which acts there is in scope is found out here."""
+        routes = self._routes
+        asked = [each for each in engine_ids if self._may_stop(each)]
         if not asked:
-            raise OutOfResources("the application holds no actuation component there: bind one first")
+            raise OutOfResources("whether the application may stop them is not known here")
         subject = routes.app.principal.subject
         answers = await asyncio.gather(*(self._other_way.ask(gateway_id, each, subject) for each in asked))
         unanswered = [answer.problem for answer in answers if not answer.is_answered]
@@ -124,6 +140,13 @@ class StopRoutes:
             for answer in answers
         ]
         return _together(results), "; ".join(answer.problem for answer in answers if answer.problem)
+
+    def _may_stop(self, engine_id: str) -> bool:
+        routes = self._routes
+        # This gateway may never have seen what an engine has whose gateway it does not reach.
+        is_entrusted = routes.app.principal.is_administrator and routes.engine.sees(f"{engine_id}/")
+        is_held = any(engine_of(ref) == engine_id for ref in routes.work.held)
+        return is_entrusted or is_held or self._sees_acting(engine_id)
 
 
 _METHODS: Final[Mapping[str, SharedMethod]] = {_STOP: StopRoutes._stop_all}

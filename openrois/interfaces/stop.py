@@ -1,10 +1,10 @@
-"""`openrois.stop_all`: everything that acts on an engine stops, for an application that controls a part of it."""
+"""`openrois.stop_all`: everything that acts on an engine stops, for an application that sees a part of what acts."""
 
 from collections.abc import Iterable, Mapping
 from typing import Final
 
 from openrois.commands.stop import stop_components
-from openrois.errors import BadParameter, OutOfResources, Unsupported
+from openrois.errors import BadParameter, Unsupported
 from openrois.interfaces.operation import shared_operation
 from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
 from openrois.jsonrpc.session import Reply
@@ -46,8 +46,7 @@ def _chosen(app: ApplicationSession, params: StopAllParams) -> list[str]:
 
     Raises:
         BadParameter: two engines are named, or might be.
-        Unsupported: there is no such engine or component.
-        OutOfResources: the application holds nothing that acts there.
+        Unsupported: there is no such engine or component, or nothing in scope acts there.
     """
     if params.engine_id is not None and params.component_ref is not None:
         raise BadParameter("give either an engine_id or a component_ref, not both")
@@ -59,9 +58,8 @@ def _chosen(app: ApplicationSession, params: StopAllParams) -> list[str]:
     if not app.engine.tree.refs_of(engine_id):
         raise Unsupported(f"there is no engine {engine_id[:200]!r}")
     acting = _acting(app, engine_id)
-    held = app.host.leases.model.holding
-    if not app.principal.is_administrator and not any(held.is_held(ref, app) for ref in acting):
-        raise OutOfResources(f"the application holds no actuation component of {engine_id}: bind one first")
+    if not any(app.engine.sees(ref) for ref in acting):
+        raise Unsupported(f"there is no actuation component of {engine_id}")
     return acting
 
 

@@ -164,7 +164,7 @@ class LeaseWithdrawnNotification(Model):
 
 
 class StopAllParams(Model):
-    """Params of `openrois.stop_all`: an engine, or the one of a component; without both all that one may stop."""
+    """Params of `openrois.stop_all`: an engine, or the one of a component; without both all that one controls."""
 
     engine_id: str | None = None
     component_ref: str | None = None

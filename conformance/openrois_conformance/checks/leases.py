@@ -289,7 +289,7 @@ async def _lease_ends(stage: Stage) -> None:
 
 @CHECKS("stop-all", *BOTH)
 async def _stop_all(stage: Stage) -> None:
-    """`openrois.stop_all` stops all that acts on an engine, for any holder, before requests that its session sent."""
+    """`openrois.stop_all` stops all that acts on an engine, for any operator, before requests that its session sent."""
     arm, leg = stage.ref("arm"), stage.ref("leg")
     app, plain = await _leasing(stage), await stage.application()
     await _operating(stage, app, arm, "h")
@@ -305,6 +305,7 @@ async def _stop_all(stage: Stage) -> None:
     expect("how the commands completed", await app.completed("h", "later"), {"h": "ABORT", "later": "ABORT"})
     expect("how the other's command completed", await plain.completed("l"), {"l": "ABORT"})
     await plain.silent("it has used no extension")
+    await (await stage.application()).granted(STOP_ALL, component_ref=arm)
     stage.probe.engine.answers.clear()
     await stage.probe.answer_held()
     for each in flood:

@@ -135,6 +135,16 @@ class TestNats:
         assert await app.why("openrois.stop_all", engine_id="robot") == ("OK", "")
         assert not place.robot.lamp.glowing.is_set()
 
+    async def test_stop_of_who_holds_nothing_goes_by_the_store(self, place: Place, own_nats: NatsServer) -> None:
+        holder, app = await place.app("b"), await place.app("b")
+        await bound(holder)
+        assert await holder.code("rois.command.execute", command_unit_list=[unit("robot/lamp", "start")]) == "OK"
+        await place.robot.lamp.glowing.wait()
+        own_nats.kill()
+        await holder.completed("1")
+        assert await app.why("openrois.stop_all", engine_id="robot") == ("OK", "")
+        assert not place.robot.lamp.glowing.is_set()
+
 
 class TestPostgres:
     async def test_what_is_owned_goes_on_and_nothing_more_is_claimed(

@@ -10,26 +10,41 @@ from openrois.engine.registry import LocalRegistry
 from openrois.gateway.token_expiry import TokenExpiry
 from openrois.session.session import EngineHost
 from tests.support.authorization import Place, principal
-from tests.support.components import Lamp
+from tests.support.components import Bell, Lamp
 
 LAMP = {"component_ref": "robot/lamp"}
 
 
 @pytest.mark.parametrize("params", [{"engine_id": "robot"}, LAMP])
-async def test_without_a_component_of_the_engine_stop_all_is_refused(params: dict[str, Any]) -> None:
+async def test_every_operator_who_sees_a_part_of_what_acts_may_stop_all(params: dict[str, Any]) -> None:
+    engine = Engine("gateway")
+    await engine.attach(LocalRegistry("robot", (Lamp(), Bell())))
+    async with TaskScope() as tasks:
+        here = Place(EngineHost(engine, tasks), {})
+        for role in ("operator", "administrator"):
+            async with here.application(principal(role, "robot/lamp")) as app:
+                assert (await app.result("openrois.stop_all", params))["stopped"] == ["robot/lamp"]
+            # What is out of scope is refused as what does not exist.
+            for scope in ("robot/bell", "rover/*"):
+                async with here.application(principal(role, scope)) as app:
+                    assert await app.code("openrois.stop_all", params) == "UNSUPPORTED"
+        for role in ("viewer", "maintenance"):
+            async with here.application(principal(role, "*")) as app:
+                assert await app.code("openrois.stop_all", params) == "UNSUPPORTED"
+
+
+async def test_without_params_it_is_what_the_application_controls() -> None:
     engine = Engine("gateway")
     await engine.attach(LocalRegistry("robot", (Lamp(),)))
     await engine.attach(LocalRegistry("rover", (Lamp(),)))
     async with TaskScope() as tasks:
         here = Place(EngineHost(engine, tasks), {})
         async with here.application(principal("operator", "*")) as app:
+            assert (await app.result("openrois.stop_all", {}))["stopped"] == []
             assert await app.code("rois.command.bind", {"component_ref": "rover/lamp"}) == "OK"
-            assert await app.code("openrois.stop_all", params) == "OUT_OF_RESOURCES"
             assert (await app.result("openrois.stop_all", {}))["stopped"] == ["rover/lamp"]
-            assert await app.code("rois.command.bind", LAMP) == "OK"
-            assert (await app.result("openrois.stop_all", params))["stopped"] == ["robot/lamp"]
         async with here.application(principal("administrator", "*")) as app:
-            assert (await app.result("openrois.stop_all", params))["stopped"] == ["robot/lamp"]
+            assert sorted((await app.result("openrois.stop_all", {}))["stopped"]) == ["robot/lamp", "rover/lamp"]
 
 
 async def test_a_component_that_left_the_scope_is_not_waited_for() -> None:

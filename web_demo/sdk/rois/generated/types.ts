@@ -579,8 +579,8 @@ export interface SetParameterResult {
 }
 
 /**
- * Params of `openrois.stop_all`: an engine, or the one of a component; without both all that one may
- * stop.
+ * Params of `openrois.stop_all`: an engine, or the one of a component; without both all that one
+ * controls.
  */
 export interface StopAllParams {
   readonly engine_id?: string | null;

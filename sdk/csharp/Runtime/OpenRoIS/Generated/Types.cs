@@ -1128,7 +1128,7 @@ namespace OpenRoIS
 
     /// <summary>
     /// Params of <c>openrois.stop_all</c>: an engine, or the one of a component; without both all that one
-    /// may stop.
+    /// controls.
     /// </summary>
     public sealed class StopAllParams
     {
