@@ -23,6 +23,7 @@ from openrois.jsonrpc.protocol import decode, encode
 from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
+from openrois.types.stops import StoppedNotification
 from openrois.types.streams import HolderNotification
 
 __all__ = [
@@ -34,6 +35,7 @@ __all__ = [
     "Extension",
     "Fault",
     "FaultSource",
+    "LatchKeeper",
     "OnFault",
     "Sink",
     "SubscriptionLost",
@@ -166,6 +168,15 @@ class FaultSource(Protocol):
     """A bus that reports faults: the engine that it is attached to sets `on_fault`."""
 
     on_fault: OnFault
+
+
+@runtime_checkable
+class LatchKeeper(Protocol):
+    """A bus whose engines keep by whom they were stopped, so that the next gateway knows it, too."""
+
+    def keep_stop(self, notice: StoppedNotification) -> None:
+        """Notify an engine that a person has stopped it, or has handed it back; must not block."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)

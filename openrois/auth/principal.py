@@ -70,6 +70,7 @@ ALLOWED: Final[Mapping[str, frozenset[Role]]] = MappingProxyType(
         "openrois.lease.token": _OPERATORS,
         "openrois.lease.resume": _OPERATORS,
         "openrois.stop_all": _OPERATORS,
+        "openrois.lease.release_stop": _OPERATORS,
     }
 )
 """Every method of the gateway and the roles that may call it. A method that is missing here is refused."""

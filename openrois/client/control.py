@@ -11,6 +11,7 @@ from openrois.client.notices import (
     ControlChanged,
     ControlDeclined,
     ControlRequested,
+    ControlStopped,
     ControlWithdrawn,
     Disconnected,
     Notice,
@@ -34,6 +35,7 @@ from openrois.types.leases import (
     StopAllResult,
 )
 from openrois.types.messages import ComponentParams, ReturnResult
+from openrois.types.stops import ReleaseStopParams, StoppedNotification
 
 __all__ = ["Control", "control_notice"]
 
@@ -152,6 +154,8 @@ class Control:
     async def stop_all(self, engine_id: str | None = None, *, component_ref: str | None = None) -> tuple[str, ...]:
         """Stop everything that acts on an engine, and return which components have stopped.
 
+        Where this application is a person's, programs wait then until a person calls `release_stop`.
+
         Args:
             engine_id: the engine.
             component_ref: a component of the engine, in place of its id. Without both it is every engine of which
@@ -163,6 +167,15 @@ class Control:
         """
         params = StopAllParams(engine_id=engine_id, component_ref=component_ref)
         return (await self._connection.act("openrois.stop_all", params, StopAllResult)).stopped
+
+    async def release_stop(self, engine_id: str) -> None:
+        """Hand a body that a person has stopped back to programs, as a person; one that is not stopped stays so.
+
+        Raises:
+            Unsupported: there is no such engine, nothing that acts there is in scope, or this application is a program.
+        """
+        params = ReleaseStopParams(engine_id=engine_id)
+        await self._connection.act("openrois.lease.release_stop", params, ReturnResult)
 
 
 def control_notice(method: str, params: dict[str, Any]) -> Notice | None:
@@ -182,6 +195,9 @@ def control_notice(method: str, params: dict[str, Any]) -> Notice | None:
         case LeaseWithdrawnNotification.method:
             withdrawn = read_message(LeaseWithdrawnNotification, params)
             return ControlWithdrawn(withdrawn.component_ref, withdrawn.request_id)
+        case StoppedNotification.method:
+            stopped = read_message(StoppedNotification, params)
+            return ControlStopped(stopped.engine_id, stopped.by, stopped.reason)
     return None
 
 

@@ -14,6 +14,7 @@ __all__ = [
     "ControlChanged",
     "ControlDeclined",
     "ControlRequested",
+    "ControlStopped",
     "ControlWithdrawn",
     "Disconnected",
     "Fault",
@@ -165,6 +166,21 @@ class ControlDeclined(Notice):
 
     component_ref: str
     request_id: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class ControlStopped(Notice):
+    """A person has stopped a body, so that programs have to wait, or has handed it back to them.
+
+    Attributes:
+        engine_id: the body.
+        by: the person that has stopped it; empty once it is handed back.
+        reason: one sentence.
+    """
+
+    engine_id: str
+    by: str
     reason: str
 
 

@@ -184,6 +184,18 @@ GATEWAY: Final[tuple[Figure[EngineHost], ...]] = (
         lambda h: len(h.leases.model.absent),
     ),
     Figure(
+        "openrois_gateway_stopped_engines",
+        "gauge",
+        "Engines that persons have stopped for programs.",
+        lambda h: len(h.stop_latch),
+    ),
+    Figure(
+        "openrois_gateway_stop_refusals_total",
+        "counter",
+        "Commands of programs that were refused because a person has stopped the engine.",
+        lambda h: h.stops.refused,
+    ),
+    Figure(
         "openrois_gateway_journal_waiting",
         "gauge",
         "Journal records that wait to be written.",

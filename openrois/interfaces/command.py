@@ -46,6 +46,7 @@ from openrois.types.messages import (
     SetParameterParams,
     SetParameterResult,
 )
+from openrois.types.profiles import HRIComponentProfile
 from openrois.types.references import engine_of, new_id
 from openrois.types.streams import STREAM_METHODS
 
@@ -189,6 +190,9 @@ class _Commands:
             raise OutOfResources(f"{unit.component_ref} has to be bound first")
         if unit.command_type != "stop":
             self._app.host.require_staying()
+            if reason := _reason_to_wait(self._app, unit, profile):
+                self._app.host.stops.refused += 1
+                raise OutOfResources(reason)
         command = profile.command(unit.command_type)
         check_arguments(profile.parameter_profiles if command is None else command.arguments, unit.arguments)
 
@@ -307,7 +311,7 @@ def _require_still(app: ApplicationSession, unit: CommandUnit) -> None:
     """Do nothing where a command may run that was accepted a while ago.
 
     Raises:
-        Aborted: its application may have been told that it is lost.
+        Aborted: its application may have been told that it is lost, or a person has stopped the engine for programs.
         Unsupported: the application in whose place this one goes on may not run it.
         OutOfResources: another application has its component by now.
     """
@@ -319,10 +323,20 @@ def _require_still(app: ApplicationSession, unit: CommandUnit) -> None:
         reason = f"the application may not run {unit.command_type} of {unit.component_ref} any more"
     elif app.is_barred_from(unit.component_ref):
         reason, error = f"{unit.component_ref} is bound by another application by now", OutOfResources
+    elif waiting := _reason_to_wait(app, unit, present.engine.components.get(unit.component_ref)):
+        raise Aborted(waiting)
     else:
         return
     app.host.audit.refused(present.principal, unit.command_type, unit.component_ref, reason)
     raise error(reason)
+
+
+def _reason_to_wait(app: ApplicationSession, unit: CommandUnit, profile: HRIComponentProfile | None) -> str:
+    """Return why a command may not run on an engine that a person has stopped; empty text where it may."""
+    is_acting = profile is not None and profile.function is ComponentFunction.ACTUATION
+    if app.trusted or not is_acting or unit.command_type == "stop":
+        return ""
+    return app.host.stops.reason_to_wait(unit.component_ref, app.present().principal)
 
 
 async def _former_command(app: ApplicationSession, command_id: str) -> Reply | None:

@@ -7,8 +7,10 @@ from typing import Final
 
 from openrois.aio.tasks import TaskScope
 from openrois.auth.principal import Principal
+from openrois.auth.ranks import Ranks
 from openrois.commands.pending import PendingCommands
 from openrois.commands.stop import stop_components
+from openrois.commands.stop_latch import StopLatch
 from openrois.engine.engine import Engine
 from openrois.leases.alarm import Alarm
 from openrois.leases.changes import Change, Gained, Lost, Queued, Why
@@ -35,6 +37,8 @@ class LeaseKeeper:
         pending: the commands that end when their component is handed over.
         rules: how long what lasts.
         epochs: gives the numbers of epochs; without it they are counted from 1.
+        latch: which engines persons have stopped for programs; without it none.
+        ranks: tell which holders are programs.
         clock: monotonic seconds.
         sleep: waits for some seconds.
         acted: records components that change hands without their new or former holder asking for it at that moment:
@@ -56,6 +60,8 @@ class LeaseKeeper:
         *,
         rules: Rules | None = None,
         epochs: Epochs | None = None,
+        latch: StopLatch | None = None,
+        ranks: Ranks | None = None,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
         acted: Callable[[Principal, str, str, str], None] = lambda _who, _method, _component_ref, _detail: None,
@@ -69,7 +75,9 @@ class LeaseKeeper:
         self._engine = engine
         self._tasks = tasks
         self._pending = pending
-        self.notifications = LeaseNotifications(self.model, engine, tasks, clock)
+        self.notifications = LeaseNotifications(
+            self.model, engine, tasks, clock, StopLatch() if latch is None else latch, ranks or Ranks()
+        )
         self._clearing: dict[str, asyncio.Task[None]] = {}
         self._alarm = Alarm(self._advance, tasks, clock, sleep)
         self._now = clock

@@ -2,11 +2,13 @@
 
 import asyncio
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Final, Protocol, cast
 
 from openrois.aio.tasks import TaskScope
 from openrois.auth.principal import Principal
+from openrois.auth.ranks import Ranks
+from openrois.commands.stop_latch import StopLatch
 from openrois.contract import Client
 from openrois.engine.engine import Engine
 from openrois.errors import RoISError
@@ -20,6 +22,8 @@ from openrois.types.leases import (
     LeaseStatus,
     LeaseWithdrawnNotification,
 )
+from openrois.types.references import engine_of
+from openrois.types.stops import StoppedNotification
 from openrois.types.streams import HolderNotification
 
 __all__ = [
@@ -72,13 +76,25 @@ class LeaseNotifications:
         engine: its adapters are notified.
         tasks: owns what goes on when a call has been answered.
         now: monotonic seconds.
+        latch: which engines are stopped for programs.
+        ranks: tell which holders are programs.
     """
 
-    def __init__(self, model: LeaseModel, engine: Engine, tasks: TaskScope, now: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        model: LeaseModel,
+        engine: Engine,
+        tasks: TaskScope,
+        now: Callable[[], float],
+        latch: StopLatch,
+        ranks: Ranks,
+    ) -> None:
         self._model = model
         self._engine = engine
         self._tasks = tasks
         self._now = now
+        self._latch = latch
+        self._ranks = ranks
         self._watchers: dict[str, set[Holder]] = {}
 
     def status(self, component_ref: str, viewer: Holder) -> LeaseStatus:
@@ -86,8 +102,9 @@ class LeaseNotifications:
         held = self._model.holding.holder(component_ref)
         queue = self._model.waiting.queue(component_ref)
         position = next((place for place, request in enumerate(queue, 1) if request.asker is viewer), 0)
+        stopped_by = self._latch.by(engine_of(component_ref))
         if held is None:
-            return LeaseStatus(component_ref=component_ref)
+            return LeaseStatus(component_ref=component_ref, stopped_by=stopped_by)
         return LeaseStatus(
             component_ref=component_ref,
             state=self._state(held[0], viewer),
@@ -95,6 +112,7 @@ class LeaseNotifications:
             epoch=held[1],
             waiting=len(queue),
             position=position,
+            stopped_by=stopped_by,
         )
 
     def _state(self, holder: object, viewer: Holder) -> LeaseState:
@@ -107,7 +125,9 @@ class LeaseNotifications:
         self._watchers.setdefault(component_ref, set()).add(viewer)
 
     def adapter(self, component_ref: str, holder: Holder, epoch: int, *, holds: bool) -> None:
-        """Notify the adapter of a component whether a session holds it."""
+        """Notify the adapter of a component whether a session holds it; a program holds nothing that is stopped."""
+        if holds and self._latch.by(engine_of(component_ref)) and self._ranks.is_program(holder.principal):
+            return
         notice = HolderNotification(component_ref=component_ref, holds=holds, epoch=epoch)
         self._tasks.start(notify_holder(self._engine, notice, holder.client))
 
@@ -130,14 +150,21 @@ class LeaseNotifications:
 
     def to_all(self, component_ref: str, former: Holder | None, reason: str, *, but: Holder | None = None) -> None:
         """Notify every session concerned of the lease of a component."""
+        concerned = self._concerned(component_ref) | ({former} if former is not None else set())
+        for viewer in concerned - {but}:
+            self.say(viewer, self.changed(component_ref, viewer, reason))
+
+    def of_stop(self, notice: StoppedNotification, component_refs: Iterable[str]) -> None:
+        """Notify every session that holds, waits for or watches one of an engine's components of a STOP."""
+        concerned = {viewer for ref in component_refs for viewer in self._concerned(ref) if self._hears(viewer, ref)}
+        for viewer in concerned:
+            self._send(viewer, notice)
+
+    def _concerned(self, component_ref: str) -> set[Holder]:
         held = self._model.holding.holder(component_ref)
         concerned = set(self._watchers.get(component_ref, ()))
         concerned |= {session_of(request.asker) for request in self._model.waiting.queue(component_ref)}
-        concerned |= {
-            holder for holder in (former, None if held is None else session_of(held[0])) if holder is not None
-        }
-        for viewer in concerned - {but}:
-            self.say(viewer, self.changed(component_ref, viewer, reason))
+        return concerned if held is None else concerned | {session_of(held[0])}
 
     def changed(self, component_ref: str, viewer: Holder, reason: str) -> LeaseChangedNotification:
         """Return the notification of another holder or another queue for one session."""
@@ -146,10 +173,16 @@ class LeaseNotifications:
 
     def say(self, viewer: Holder, notice: "_Told") -> None:
         """Notify a session, if it wants notifications of extensions, after the answer to its request."""
-        if viewer.leasing and viewer.principal.sees(notice.component_ref):
-            # The reply to the request leaves first.
-            params = notice.model_dump(mode="json")
-            asyncio.get_running_loop().call_soon(viewer.send_notification, notice.method, params)
+        if self._hears(viewer, notice.component_ref):
+            self._send(viewer, notice)
+
+    def _hears(self, viewer: Holder, component_ref: str) -> bool:
+        return viewer.leasing and viewer.principal.sees(component_ref)
+
+    def _send(self, viewer: Holder, notice: "_Told | StoppedNotification") -> None:
+        # The reply to the request leaves first.
+        params = notice.model_dump(mode="json")
+        asyncio.get_running_loop().call_soon(viewer.send_notification, notice.method, params)
 
     def forget_watcher(self, viewer: Holder) -> None:
         """Stop notifying a session of what it only watches."""

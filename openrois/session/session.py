@@ -19,6 +19,7 @@ from openrois.auth.subject_quotas import SubjectQuotas
 from openrois.commands.history import MAX_RUNNING, MAX_RUNNING_TEXT, CommandHistory
 from openrois.commands.pending import PendingCommands
 from openrois.commands.quota import MAX_UNFINISHED, MAX_UNFINISHED_TEXT, CommandQuota
+from openrois.commands.stop_latch import StopLatch
 from openrois.contract import Client, Fault
 from openrois.engine.engine import Engine
 from openrois.errors import OutOfResources
@@ -33,6 +34,7 @@ from openrois.leases.epochs import CountedEpochs, Epochs
 from openrois.leases.keeper import LeaseKeeper
 from openrois.leases.lease_notifications import Holder
 from openrois.leases.model import Rules
+from openrois.leases.stop_keeper import StopKeeper
 from openrois.observability.audit import Audit
 from openrois.scope.revocation import Entitlements, end_streams, lost_uplinks
 from openrois.scope.scoped_engine import ScopedEngine
@@ -84,6 +86,8 @@ class EngineHost:
         heartbeat: to the parent, for what moves.
         epoch_fence: which parent reported the latest holder.
         ranks: of the principals of its applications.
+        stop_latch: which engines persons have stopped for programs.
+        stops: keeps programs from these.
         instance: a random text by which gateways know this engine's process again; no other engine may learn it.
     """
 
@@ -106,8 +110,10 @@ class EngineHost:
     heartbeat: Heartbeat = field(default_factory=Heartbeat)
     epoch_fence: EpochFence = field(default_factory=EpochFence)
     ranks: Ranks = field(default_factory=Ranks)
+    stop_latch: StopLatch = field(default_factory=StopLatch)
     instance: str = field(default_factory=lambda: secrets.token_hex(16), repr=False)
     leases: LeaseKeeper = field(init=False)
+    stops: StopKeeper = field(init=False)
     views: Views = field(init=False)
 
     def __post_init__(self) -> None:
@@ -118,9 +124,12 @@ class EngineHost:
             self.pending,
             rules=self.lease_rules,
             epochs=self.epochs,
+            latch=self.stop_latch,
+            ranks=self.ranks,
             acted=self.audit.acted,
             on_lost=_end_uplinks,
         )
+        self.stops = StopKeeper(self.engine, self.leases, self.stop_latch, self.ranks)
         self.quotas.absent = lambda: self.leases.model.absent
 
     def require_staying(self) -> None:
@@ -231,6 +240,7 @@ class ApplicationSession:
             self.give_back(component_ref)
         for component_ref in entitlements.lost_bindings(self.host.leases.waited_for(self)):
             self.host.leases.withdraw(component_ref, self)
+        self.host.stops.handle_principal(self)
         if streams:
             self.host.tasks.start(end_streams(self.host.engine, streams, self.client))
         self.host.tasks.start(self.events.drop(entitlements.loses_subscription))

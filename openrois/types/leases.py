@@ -75,6 +75,7 @@ class LeaseStatus(Model):
         epoch: grows with each new holder; 0 where it has none.
         waiting: how many wait for it.
         position: of the receiver among them, from 1 on; 0 where it does not wait.
+        stopped_by: the person that has stopped its engine for programs; empty where none has.
     """
 
     component_ref: str = ""
@@ -83,6 +84,7 @@ class LeaseStatus(Model):
     epoch: _Epoch = 0
     waiting: _Count = 0
     position: _Count = 0
+    stopped_by: str = ""
 
 
 class LeaseResult(ReturnResult):

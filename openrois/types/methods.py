@@ -56,6 +56,7 @@ from openrois.types.messages import (
     UnsubscribeParams,
 )
 from openrois.types.reasons import ReasonNotification
+from openrois.types.stops import ReleaseStopParams, StoppedNotification
 from openrois.types.streams import (
     ConnectStreamParams,
     ConnectStreamResult,
@@ -178,6 +179,13 @@ METHODS: Final[tuple[MethodType, ...]] = (
     MethodType("openrois.lease.token", NoParams, LeaseTokenResult, "Ask for a resume token.", "openrois.lease"),
     MethodType("openrois.lease.resume", ResumeParams, ResumeResult, "Go on with a lost session.", "openrois.lease"),
     MethodType("openrois.stop_all", StopAllParams, StopAllResult, "Stop all that acts on an engine.", "openrois.lease"),
+    MethodType(
+        "openrois.lease.release_stop",
+        ReleaseStopParams,
+        ReturnResult,
+        "Hand what a person has stopped back to programs.",
+        "openrois.lease",
+    ),
 )
 """The base in the order of the standard, then the extensions; `signaling.*` stands in `openrois_signaling`."""
 
@@ -235,6 +243,12 @@ NOTIFICATIONS: Final[tuple[NotificationType, ...]] = (
         LeaseWithdrawnNotification.method,
         LeaseWithdrawnNotification,
         "Who has asked for the component does not any more.",
+        "openrois.lease",
+    ),
+    NotificationType(
+        StoppedNotification.method,
+        StoppedNotification,
+        "A person has stopped an engine for programs, or handed it back.",
         "openrois.lease",
     ),
 )

@@ -12,6 +12,7 @@ from pydantic import Field
 from openrois.types.codes import StreamStatus
 from openrois.types.messages import Parameter, ReturnResult
 from openrois.types.model import Model
+from openrois.types.stops import Stopped
 
 __all__ = [
     "EXTENSIONS",
@@ -66,7 +67,7 @@ class HelloResult(ReturnResult):
 
     `engines` are the ids of those in the tree that have the extensions; where it is empty and there are extensions, the
     engine that answers has them. An adapter says who it is: `instance` is a random text of its process, and `epoch` the
-    greatest that any gateway has ever reported to it, 0 for none.
+    greatest that any gateway has ever reported to it, 0 for none; `stopped` are its engines that persons have stopped.
     """
 
     version: str = EXTENSION_VERSION
@@ -75,6 +76,7 @@ class HelloResult(ReturnResult):
     client_id: str = ""
     instance: str = Field(default="", max_length=MAX_INSTANCE)
     epoch: int = Field(default=0, ge=0)
+    stopped: tuple[Stopped, ...] = Field(default=(), strict=False)
 
 
 class ConnectStreamParams(Model):

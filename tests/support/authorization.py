@@ -30,9 +30,9 @@ __all__ = ["Place", "Watched", "Wire", "place", "principal"]
 PATIENCE: Final = 30.0
 
 
-def principal(role: Role | str | None, *scope: str, subject: str = "anna") -> Principal:
+def principal(role: Role | str | None, *scope: str, subject: str = "anna", rank: str = "") -> Principal:
     """Return a principal with one role, or with none, and a scope."""
-    return Principal(subject, frozenset() if role is None else frozenset({Role(role)}), scope)
+    return Principal(subject, frozenset() if role is None else frozenset({Role(role)}), scope, rank=rank)
 
 
 class Watched:

@@ -63,6 +63,7 @@ LEASE = {
     "epoch": int,
     "waiting": int,
     "position": int,
+    "stopped_by": str,
 }
 
 ENGINE_ENTRY = {
@@ -108,6 +109,7 @@ RESULTS: dict[str, dict[str, Any]] = {
         "client_id": str,
         "instance": str,
         "epoch": int,
+        "stopped": [{"engine_id": str, "by": str}],
     },
     "rois.stream.connect_stream": {"stream_id": str},
     "rois.stream.disconnect_stream": {},
@@ -132,6 +134,7 @@ RESULTS: dict[str, dict[str, Any]] = {
         "forgotten": [str],
     },
     "openrois.stop_all": {"stopped": [str], "failed": [str]},
+    "openrois.lease.release_stop": {},
     "signaling.answer": {},
     "signaling.candidate": {},
     "signaling.restart": {},
@@ -163,6 +166,7 @@ NOTIFICATIONS: dict[str, dict[str, Any]] = {
     },
     "openrois.directory.changed": {"changed": [str], "gone": [str], "unnamed": int},
     "openrois.lease.changed": {**LEASE, "reason": str},
+    "openrois.lease.stopped": {"engine_id": str, "by": str, "reason": str},
     "openrois.lease.requested": {"component_ref": str, "request_id": str, "subject": str, "answer_ms": int},
     "openrois.lease.declined": {"component_ref": str, "request_id": str, "reason": str},
     "openrois.lease.withdrawn": {"component_ref": str, "request_id": str},

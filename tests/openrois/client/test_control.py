@@ -20,6 +20,7 @@ from openrois.client import (
     ControlChanged,
     ControlDeclined,
     ControlRequested,
+    ControlStopped,
     ControlWithdrawn,
     resumption,
 )
@@ -492,3 +493,30 @@ async def test_what_does_not_stop_is_named(line: Line, ann: Client) -> None:
     line.lamp.stop = fail  # type: ignore[method-assign]
     with pytest.raises(ComponentFailed, match=r"toys/lamp: .*stuck"):
         await ann.control.stop_all("toys")
+
+
+@asynccontextmanager
+async def client_of(line: Line, subject: str, rank: str) -> AsyncIterator[Client]:
+    """Connect a client with a token of a rank."""
+    who = TokenExpiry(principal("operator", "*", subject=subject, rank=rank))
+    line.speaks = lambda host, stream: serve_application(host, stream, who)
+    async with Client(dial=line.dial) as client:
+        yield client
+
+
+async def test_a_body_that_a_person_has_stopped(line: Line) -> None:
+    async with client_of(line, "ann", "person") as ann, client_of(line, "agent", "agent") as agent:
+        told = agent.notices(ControlStopped)
+        await agent.bind(LAMP)
+        await ann.control.stop_all("toys")
+        waits = "toys was stopped by ann: programs wait until a person hands it back"
+        assert await heard(told) == ControlStopped("toys", "ann", waits)
+        with pytest.raises(OutOfResources, match=waits):
+            await agent.component(LAMP).command("switch", times=1)
+        assert (await agent.control.status(LAMP)).stopped_by == "ann"
+        with pytest.raises(Unsupported, match="only a person hands back"):
+            await agent.control.release_stop("toys")
+        await ann.control.release_stop("toys")
+        assert await heard(told) == ControlStopped("toys", "", "toys was handed back to programs by ann")
+        await agent.component(LAMP).command("switch", times=1)
+    assert line.lamp.total == 1

@@ -58,6 +58,7 @@ ORACLE: Final = """
     openrois.lease.token                . . o a .   -               OK
     openrois.lease.resume               . . o a .   -               -
     openrois.stop_all                   . . o a .   UNSUPPORTED     OK
+    openrois.lease.release_stop         . . o a .   UNSUPPORTED     OK
     rois.stream.connect_stream          v . o a .   UNSUPPORTED     OK
     rois.stream.disconnect_stream       v . o a .   UNSUPPORTED     UNSUPPORTED
     rois.stream.suspend_stream          v . o a .   UNSUPPORTED     UNSUPPORTED
@@ -130,6 +131,7 @@ def messages(profile: HRIComponentProfile) -> Iterator[Shape]:
         for verb in ("query", "request", "leave", "take"):
             yield f"openrois.lease.{verb}", lambda ref: {"component_ref": ref}
         yield "openrois.stop_all", lambda ref: {"component_ref": ref}
+        yield "openrois.lease.release_stop", lambda ref: {"component_ref": ref}
     for command in profile.command_profiles:
         if command.name in ("suspend_stream", "resume_stream", "disconnect_stream"):
             continue
@@ -274,7 +276,7 @@ async def test_every_role(letter: str) -> None:
     verdicts = Verdicts()
     async with place(FLEET, HIDDEN) as where:
         for kind in BASIC_COMPONENTS:
-            async with where.application(principal(ROLES[letter], f"{FLEET}/{kind.name}")) as wire:
+            async with where.application(principal(ROLES[letter], f"{FLEET}/{kind.name}", rank="person")) as wire:
                 await Trial(where, wire, letter, kind, verdicts).run()
     assert (verdicts.allowed[:20], verdicts.denied[:20]) == ([], [])
     assert verdicts.cases > 3_500

@@ -26,6 +26,7 @@ def test_hello() -> None:
         "client_id": "c",
         "instance": "",
         "epoch": 0,
+        "stopped": [],
     }
     with pytest.raises(ValidationError):
         HelloParams.model_validate({"version": "1", "extensions": ["x"] * 65})

@@ -46,6 +46,7 @@ import type {
   QueryParams,
   ReasonNotification,
   ReferenceResult,
+  ReleaseStopParams,
   ReportPlayoutParams,
   Restart,
   ResultsResult,
@@ -57,6 +58,7 @@ import type {
   SetParameterResult,
   StopAllParams,
   StopAllResult,
+  StoppedNotification,
   StreamParams,
   StreamStatusNotification,
   StreamStatusResult,
@@ -139,6 +141,8 @@ export interface Methods {
   readonly "openrois.lease.resume": { params: ResumeParams; result: ResumeResult };
   /** Stop all that acts on an engine. */
   readonly "openrois.stop_all": { params: StopAllParams; result: StopAllResult };
+  /** Hand what a person has stopped back to programs. */
+  readonly "openrois.lease.release_stop": { params: ReleaseStopParams; result: ReturnResult };
   /** Answer an engine's offer. */
   readonly "signaling.answer": { params: Answer; result: ReturnResult };
   /** Tell an engine of a candidate. */
@@ -179,6 +183,8 @@ export interface Notifications {
   readonly "openrois.lease.declined": LeaseDeclinedNotification;
   /** Who has asked for the component does not any more. */
   readonly "openrois.lease.withdrawn": LeaseWithdrawnNotification;
+  /** A person has stopped an engine for programs, or handed it back. */
+  readonly "openrois.lease.stopped": StoppedNotification;
   /** An engine offers a peer connection. */
   readonly "signaling.offer": Offer;
   /** An engine has a candidate. */

@@ -112,6 +112,9 @@ namespace OpenRoIS
         /// <summary>Stop all that acts on an engine.</summary>
         public static readonly Method<StopAllParams, StopAllResult> StopAll =
             new Method<StopAllParams, StopAllResult>("openrois.stop_all");
+        /// <summary>Hand what a person has stopped back to programs.</summary>
+        public static readonly Method<ReleaseStopParams, ReturnResult> LeaseReleaseStop =
+            new Method<ReleaseStopParams, ReturnResult>("openrois.lease.release_stop");
         /// <summary>Answer an engine's offer.</summary>
         public static readonly Method<Answer, ReturnResult> SignalingAnswer =
             new Method<Answer, ReturnResult>("signaling.answer");
@@ -170,6 +173,9 @@ namespace OpenRoIS
         /// <summary>Who has asked for the component does not any more.</summary>
         public static readonly Notification<LeaseWithdrawnNotification> LeaseWithdrawn =
             new Notification<LeaseWithdrawnNotification>("openrois.lease.withdrawn");
+        /// <summary>A person has stopped an engine for programs, or handed it back.</summary>
+        public static readonly Notification<StoppedNotification> LeaseStopped =
+            new Notification<StoppedNotification>("openrois.lease.stopped");
         /// <summary>An engine offers a peer connection.</summary>
         public static readonly Notification<Offer> SignalingOffer =
             new Notification<Offer>("signaling.offer");

@@ -1,0 +1,333 @@
+"""STOP by a person: programs are refused until a person hands back, and learn by whom; persons go on."""
+
+import asyncio
+import json
+from collections.abc import AsyncIterator, Mapping
+from contextlib import AsyncExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from openrois.aio.tasks import TaskScope
+from openrois.auth.principal import LOCAL, Principal
+from openrois.contract import Client
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
+from openrois.errors import Unsupported
+from openrois.gateway.token_expiry import TokenExpiry
+from openrois.observability.audit import Audit
+from openrois.session.session import EngineHost
+from openrois.types.streams import HolderNotification
+from tests.support.authorization import Place, Wire, principal
+from tests.support.components import Bell, Lamp
+
+LAMP = {"component_ref": "robot/lamp"}
+ROBOT = {"engine_id": "robot"}
+WAITS = "robot was stopped by ann: programs wait until a person hands it back"
+
+ANN = principal("operator", "*", subject="ann", rank="person")
+BOB = principal("administrator", "*", subject="bob", rank="person")
+AGENT = principal("operator", "*", subject="agent", rank="agent")
+SCRIPT = principal("administrator", "*", subject="script")
+
+
+class Told:
+    """The extension of an engine, which notes what it is told of holders."""
+
+    def __init__(self) -> None:
+        self.holders: list[tuple[str, bool, int]] = []
+
+    def engines(self) -> frozenset[str]:
+        return frozenset()
+
+    async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
+        raise Unsupported("no streams")
+
+    async def set_holder(self, notification: HolderNotification, client: Client) -> None:
+        self.holders.append((notification.component_ref, notification.holds, notification.epoch))
+
+    async def forget_client(self, client: Client) -> None: ...
+
+
+@dataclass
+class Robot:
+    """A gateway with a lamp, and applications at it."""
+
+    here: Place
+    stack: AsyncExitStack
+    audit: Path
+    lamp: Lamp = field(default_factory=Lamp)
+    told: Told = field(default_factory=Told)
+    numbers: int = 0
+
+    async def app(self, who: Principal | TokenExpiry) -> Wire:
+        app = await self.stack.enter_async_context(self.here.application(who))
+        assert await app.code("openrois.hello", {"version": "1", "extensions": ["openrois.lease"]}) == "OK"
+        return app
+
+    async def execute(self, app: Wire, command_type: str = "switch", **more: Any) -> tuple[str, str]:
+        """Ask for a command of the lamp; return the return_code and the command's id."""
+        self.numbers += 1
+        unit = {**LAMP, "command_type": command_type, "command_id": f"c{self.numbers}", "arguments": [], **more}
+        return str(await app.code("rois.command.execute", {"command_unit_list": [unit]})), unit["command_id"]
+
+    async def run(self, app: Wire, command_type: str = "switch") -> str:
+        """Run a command of the lamp; return how it was refused, or how it ended."""
+        code, command_id = await self.execute(app, command_type)
+        return await app.completed(command_id) if code == "OK" else code
+
+
+@pytest.fixture
+async def robot(tmp_path: Path) -> AsyncIterator[Robot]:
+    engine = Engine("gateway")
+    async with AsyncExitStack() as stack:
+        audit = stack.enter_context(Audit(tmp_path / "audit"))
+        tasks = await stack.enter_async_context(TaskScope())
+        made = Robot(Place(EngineHost(engine, tasks, audit=audit), {}), stack, tmp_path / "audit")
+        await engine.attach(LocalRegistry("robot", (made.lamp, Bell()), extension=made.told))
+        yield made
+
+
+async def turn() -> None:
+    """Let everything else that is ready run once."""
+    await asyncio.sleep(0)
+
+
+async def why(app: Wire) -> str:
+    """Return the reason of the refusal before."""
+    return str((await app.until("openrois.reason"))["reason"])
+
+
+async def test_a_program_that_tries_hundreds_of_times_moves_nothing(robot: Robot) -> None:
+    ann, agent = await robot.app(ANN), await robot.app(AGENT)
+    assert await agent.code("rois.command.bind", LAMP) == "OK"
+    assert await robot.run(agent) == "OK"
+    assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+    before = robot.here.host.stops.refused
+    for _ in range(300):
+        assert await robot.run(agent) == "OUT_OF_RESOURCES"
+        assert await why(agent) == WAITS
+    assert robot.lamp.total == 1
+    assert robot.here.host.stops.refused == before + 300
+    assert await ann.code("openrois.lease.release_stop", ROBOT) == "OK"
+    assert await robot.run(agent) == "OK"
+    assert robot.lamp.total == 2
+
+
+async def test_a_person_goes_on_before_it_hands_back(robot: Robot) -> None:
+    ann, bob, agent = await robot.app(ANN), await robot.app(BOB), await robot.app(AGENT)
+    assert await bob.code("rois.command.bind", LAMP) == "OK"
+    assert await ann.code("openrois.stop_all", LAMP) == "OK"
+    assert await robot.run(bob) == "OK"
+    assert await bob.code("rois.command.release", LAMP) == "OK"
+    # What a program may do: bind, and stop.
+    assert await agent.code("rois.command.bind", LAMP) == "OK"
+    assert await robot.run(agent, "stop") == "OK"
+    assert await robot.run(agent) == "OUT_OF_RESOURCES"
+    assert robot.lamp.total == 1
+
+
+async def test_parameters_are_commands_too_and_what_does_not_act_is_not_concerned(robot: Robot) -> None:
+    ann, agent = await robot.app(ANN), await robot.app(AGENT)
+    assert await agent.code("rois.command.bind", LAMP) == "OK"
+    assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+    level = {"name": "level", "data_type_ref": "Integer", "value": "7"}
+    params = {**LAMP, "parameters": [level]}
+    assert await agent.code("rois.command.set_parameter", params) == "OUT_OF_RESOURCES"
+    assert await why(agent) == WAITS
+    condition = {"query_type": "brightness", "condition": "component_ref = 'robot/lamp'"}
+    assert await agent.code("rois.query.query", condition) == "OK"
+    heard = {"event_type": "rang", "condition": "component_ref = 'robot/bell'"}
+    assert await agent.code("rois.event.subscribe", heard) == "OK"
+    assert robot.lamp.level == 5
+
+
+async def test_what_was_accepted_before_ends_with_abort_and_who_stopped_it(robot: Robot) -> None:
+    ann, agent = await robot.app(ANN), await robot.app(AGENT)
+    assert await agent.code("rois.command.bind", LAMP) == "OK"
+    code, running = await robot.execute(agent, "start")
+    assert code == "OK"
+    await robot.lamp.glowing.wait()
+    code, later = await robot.execute(agent, "switch", delay_time=3_600_000)
+    assert code == "OK"
+    assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+    ends = {}
+    for _ in range(2):
+        reason = await agent.until("openrois.reason")
+        assert reason["reason"] == "everything was stopped by ann"
+        told = await agent.until("rois.command.completed")
+        ends[told["command_id"]] = told["status"]
+    assert ends == {running: "ABORT", later: "ABORT"}
+
+
+async def test_a_command_whose_turn_comes_while_all_is_stopped_does_not_begin(robot: Robot) -> None:
+    ann, agent = await robot.app(ANN), await robot.app(AGENT)
+    may_stop = asyncio.Event()
+
+    async def stop() -> None:
+        await may_stop.wait()
+
+    robot.lamp.stop = stop  # type: ignore[method-assign]
+    assert await agent.code("rois.command.bind", LAMP) == "OK"
+    units: list[dict[str, Any]] = [
+        {**LAMP, "command_type": kind, "command_id": kind, "arguments": []} for kind in ("start", "switch")
+    ]
+    assert await agent.code("rois.command.execute", {"command_unit_list": units}) == "OK"
+    await robot.lamp.glowing.wait()
+    stopping = asyncio.ensure_future(ann.code("openrois.stop_all", ROBOT))
+    async with asyncio.timeout(10):
+        while not robot.here.host.stop_latch.by("robot"):
+            await turn()
+    robot.lamp.may_end.set()
+    assert await agent.completed("start") == "OK"
+    assert await agent.completed("switch") == "ABORT"
+    may_stop.set()
+    assert await stopping == "OK"
+    assert robot.lamp.total == 0
+
+
+async def test_adapters_learn_that_programs_hold_nothing_meanwhile(robot: Robot) -> None:
+    ann, agent = await robot.app(ANN), await robot.app(AGENT)
+    assert await agent.code("rois.command.bind", LAMP) == "OK"
+    assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+    # Bound again, it is told of again, but for what is stopped.
+    assert await agent.code("rois.command.bind", LAMP) == "OK"
+    assert await ann.code("openrois.lease.release_stop", ROBOT) == "OK"
+    assert await agent.code("openrois.lease.query", LAMP) == "OK"
+    (_, _, epoch), *_ = robot.told.holders
+    assert robot.told.holders == [("robot/lamp", holds, epoch) for holds in (True, False, True)]
+
+
+async def test_what_a_person_holds_stays_held(robot: Robot) -> None:
+    ann, bob = await robot.app(ANN), await robot.app(BOB)
+    assert await bob.code("rois.command.bind", LAMP) == "OK"
+    assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+    assert await bob.code("openrois.lease.query", LAMP) == "OK"
+    assert [holds for _, holds, _ in robot.told.holders] == [True]
+
+
+async def test_a_program_that_gets_a_component_meanwhile_operates_it_from_the_hand_back_on(robot: Robot) -> None:
+    ann, bob, agent = await robot.app(ANN), await robot.app(BOB), await robot.app(AGENT)
+    assert await bob.code("rois.command.bind", LAMP) == "OK"
+    assert await agent.code("openrois.lease.request", LAMP) == "OK"
+    assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+    assert await bob.code("rois.command.release", LAMP) == "OK"
+    assert (await agent.until("openrois.lease.changed", lambda told: told["state"] == "MINE"))["stopped_by"] == "ann"
+    assert [holds for _, holds, _ in robot.told.holders] == [True, False]
+    assert await ann.code("openrois.lease.release_stop", LAMP) == "OK"
+    assert await agent.code("openrois.lease.query", LAMP) == "OK"
+    assert [holds for _, holds, _ in robot.told.holders] == [True, False, True]
+    assert await robot.run(agent) == "OK"
+
+
+@pytest.mark.parametrize("who", [AGENT, SCRIPT], ids=["agent", "script"])
+async def test_no_program_hands_back(robot: Robot, who: Principal) -> None:
+    ann, program = await robot.app(ANN), await robot.app(who)
+    assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+    assert await program.code("openrois.lease.release_stop", ROBOT) == "UNSUPPORTED"
+    assert await why(program) == "only a person hands back to programs what a person has stopped"
+    # And none stops in a person's place.
+    assert await program.code("openrois.stop_all", ROBOT) == "OK"
+    assert robot.here.host.stop_latch.by("robot") == "ann"
+
+
+async def test_a_program_that_stops_all_latches_nothing(robot: Robot) -> None:
+    script, agent = await robot.app(SCRIPT), await robot.app(AGENT)
+    assert await agent.code("rois.command.bind", LAMP) == "OK"
+    assert await script.code("openrois.stop_all", ROBOT) == "OK"
+    assert await robot.run(agent) == "OK"
+
+
+@pytest.mark.parametrize(
+    ("scope", "params", "code"),
+    [
+        ("*", {"engine_id": "rover"}, "UNSUPPORTED"),
+        ("*", {"component_ref": "robot/none"}, "UNSUPPORTED"),
+        ("robot/bell", ROBOT, "UNSUPPORTED"),
+        ("rover/*", LAMP, "UNSUPPORTED"),
+        ("*", {**LAMP, **ROBOT}, "BAD_PARAMETER"),
+        ("*", {}, "BAD_PARAMETER"),
+        ("*", LAMP, "OK"),
+        ("robot/lamp", ROBOT, "OK"),
+    ],
+    ids=str,
+)
+async def test_where_a_person_may_hand_back(robot: Robot, scope: str, params: dict[str, Any], code: str) -> None:
+    ann = await robot.app(ANN)
+    cleo = await robot.app(principal("operator", scope, subject="cleo", rank="person"))
+    assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+    assert await cleo.code("openrois.lease.release_stop", params) == code
+    assert robot.here.host.stop_latch.by("robot") == ("" if code == "OK" else "ann")
+
+
+async def test_all_who_are_concerned_are_notified_and_who_comes_later_may_ask(robot: Robot) -> None:
+    ann, agent, bob = await robot.app(ANN), await robot.app(AGENT), await robot.app(BOB)
+    stranger = await robot.app(principal("operator", "robot/bell", subject="eve"))
+    assert await agent.code("rois.command.bind", LAMP) == "OK"
+    assert (await bob.result("openrois.lease.query", LAMP))["lease"]["stopped_by"] == ""
+    assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+    for app in (agent, bob):
+        assert await app.until("openrois.lease.stopped") == {"engine_id": "robot", "by": "ann", "reason": WAITS}
+    # The same person stops it once more, which is no news.
+    assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+    late = await robot.app(SCRIPT)
+    assert (await late.result("openrois.lease.query", LAMP))["lease"]["stopped_by"] == "ann"
+    assert await bob.code("openrois.lease.release_stop", ROBOT) == "OK"
+    back = {"engine_id": "robot", "by": "", "reason": "robot was handed back to programs by bob"}
+    for app in (agent, bob, late):
+        assert await app.until("openrois.lease.stopped") == back
+    # It was handed back already, which changes nothing.
+    assert await bob.code("openrois.lease.release_stop", ROBOT) == "OK"
+    for app in (agent, bob, stranger):
+        frames = await app.ask("openrois.hello", {"version": "1", "extensions": []})
+        assert not any("openrois.lease.stopped" in frame for frame in frames)
+
+
+async def test_without_tokens_stop_is_no_latch(robot: Robot) -> None:
+    one, other = await robot.app(LOCAL), await robot.app(LOCAL)
+    assert await one.code("rois.command.bind", LAMP) == "OK"
+    assert await other.code("openrois.stop_all", ROBOT) == "OK"
+    assert await robot.run(one) == "OK"
+    assert await other.code("openrois.lease.release_stop", ROBOT) == "OK"
+
+
+async def test_a_token_of_another_rank_counts_at_once(robot: Robot) -> None:
+    ann, expiry = await robot.app(ANN), TokenExpiry(principal("operator", "*", subject="dora", rank="person"))
+    dora = await robot.app(expiry)
+    assert await dora.code("rois.command.bind", LAMP) == "OK"
+    assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+    assert await robot.run(dora) == "OK"
+    expiry.replace(principal("operator", "*", subject="dora", rank="agent"))
+    assert await robot.run(dora) == "OUT_OF_RESOURCES"
+    expiry.replace(principal("operator", "*", subject="dora", rank="person"))
+    assert await robot.run(dora) == "OK"
+    assert [holds for _, holds, _ in robot.told.holders] == [True, False, True]
+
+
+async def test_it_is_in_the_audit_trail(robot: Robot) -> None:
+    ann, bob = await robot.app(ANN), await robot.app(BOB)
+    assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+    for _ in range(2):
+        assert await bob.code("openrois.lease.release_stop", ROBOT) == "OK"
+    assert await records(robot) == [
+        ("ann", "openrois.stop_all", "robot", "programs wait"),
+        ("bob", "openrois.lease.release_stop", "robot", "stopped by ann"),
+        ("bob", "openrois.lease.release_stop", "robot", "it was not stopped"),
+    ]
+
+
+async def records(robot: Robot) -> list[tuple[str, str, str, str]]:
+    """Return who did what about STOP."""
+    audit = robot.here.host.audit
+    audit.require()
+    async with asyncio.timeout(10):
+        while audit.waiting:
+            await turn()
+    lines = [json.loads(line) for line in robot.audit.read_text().splitlines()]
+    return [
+        (line["who"], line["method"], line["subject"], line["detail"])
+        for line in lines
+        if "stop" in line.get("method", "")
+    ]
