@@ -79,7 +79,9 @@ async def serve_adapter(
         gone = engine.detach(proxy, lost=lost)
         proxy.lost("the connection to the engine has ended")
         host.leases.end_all(gone)
-        for engine_id in () if offer is None else offer.profile.engine_ids():
+        engine_ids = () if offer is None else offer.profile.engine_ids()
+        host.stops.detach(engine_ids, proxy.identity.instance)
+        for engine_id in engine_ids:
             host.epochs.detach(engine_id)
 
     def evict(reason: str) -> None:
@@ -139,7 +141,7 @@ async def _keep_attached(
 ) -> None:
     try:
         await host.engine.attach(proxy, own=False)
-        _note_epochs(host, proxy)
+        _note_identity(host, proxy)
         session.peer = ", ".join(proxy.engine_ids)
         _log.info("attached %s", session.peer)
         is_notified = False
@@ -165,6 +167,7 @@ async def _keep_attached(
 
 
 async def _refresh(host: EngineHost, proxy: RemoteProxy, changed: asyncio.Event) -> None:
+    before = frozenset(proxy.engine_ids)
     try:
         gone = await host.engine.refresh(proxy)
     except NotOwned as error:
@@ -176,12 +179,15 @@ async def _refresh(host: EngineHost, proxy: RemoteProxy, changed: asyncio.Event)
         changed.set()
         return
     host.leases.end_all(gone)
-    _note_epochs(host, proxy)
+    host.stops.detach(before.difference(proxy.engine_ids), proxy.identity.instance)
+    _note_identity(host, proxy)
 
 
-def _note_epochs(host: EngineHost, proxy: RemoteProxy) -> None:
+def _note_identity(host: EngineHost, proxy: RemoteProxy) -> None:
+    """Note what an adapter says of itself, before an application can command anything behind it."""
     for engine_id in proxy.engine_ids:
         host.epochs.attach(engine_id, proxy.identity.epoch)
+    host.stops.attach(proxy.engine_ids, proxy.identity.stopped, proxy.identity.instance)
 
 
 def _require_scope(principal: Principal, directory: Directory) -> None:

@@ -13,6 +13,7 @@ from openrois.jsonrpc.outbox import Outbox
 from openrois.jsonrpc.session import NotificationHandler
 from openrois.observability.logs import Tally
 from openrois.remote.lease_outbox import LeaseOutbox
+from openrois.types.stops import StoppedNotification
 from openrois.types.streams import STREAM_METHODS, HolderNotification
 
 __all__ = ["CLIENT_GONE", "EXTENSION_METHODS", "EXTENSION_NOTIFICATIONS", "MAY_BIND", "RemoteExtension"]
@@ -130,6 +131,10 @@ class RemoteExtension:
     async def set_holder(self, notification: HolderNotification, client: Client) -> None:
         """Notify the other side, now or when there is room."""
         self._lease_outbox.put_holder(notification, client)
+
+    def put_stop(self, notification: StoppedNotification) -> None:
+        """Notify the other side, now or when there is room, that a person has stopped or handed back an engine."""
+        self._lease_outbox.put_stop(notification)
 
     def catch_up(self) -> None:
         """Notify which clients hold what and which are gone, where that waits and there is room by now."""

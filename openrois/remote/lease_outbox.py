@@ -1,4 +1,4 @@
-"""Notifications of holders to a remote engine; while there is no room, only the latest of each component waits."""
+"""Notifications of holders and STOP to a remote engine; while there is no room, only the latest of each waits."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -6,6 +6,7 @@ from typing import Any
 from openrois.aio.tasks import TaskScope
 from openrois.contract import Client
 from openrois.jsonrpc.outbox import Outbox
+from openrois.types.stops import StoppedNotification
 from openrois.types.streams import HolderNotification
 
 __all__ = ["LeaseOutbox"]
@@ -38,6 +39,7 @@ class LeaseOutbox:
         self._now: dict[str, tuple[Client, HolderNotification]] = {}
         self._notified: dict[str, tuple[str, HolderNotification]] = {}
         self._late: dict[str, bool] = {}
+        self._stops: dict[str, StoppedNotification] = {}
         self._is_waiting = False
 
     def put_holder(self, notification: HolderNotification, client: Client) -> None:
@@ -49,18 +51,33 @@ class LeaseOutbox:
         elif component_ref in self._now and self._now[component_ref][0] is client:
             del self._now[component_ref]
             self._late[component_ref] = True
+        self._send_soon()
+
+    def put_stop(self, notification: StoppedNotification) -> None:
+        """Send a notification of STOP now, or when there is room."""
+        self._stops[notification.engine_id] = notification
+        self._send_soon()
+
+    def _send_soon(self) -> None:
         self.catch_up()
-        if self._late and not self._is_waiting:
+        if self._has_some and not self._is_waiting:
             self._is_waiting = True
             self._tasks.start(self._wait())
 
+    @property
+    def _has_some(self) -> bool:
+        return bool(self._stops or self._late)
+
     async def _wait(self) -> None:
-        while self._late and await self._outbox.room():
+        while self._has_some and await self._outbox.room():
             self.catch_up()
         self._is_waiting = False
 
     def catch_up(self) -> None:
         """Send what waits, as far as there is room."""
+        while self._stops and self._outbox.is_roomy:
+            notification = self._stops.pop(next(iter(self._stops)))
+            self._notify(notification.method, notification.model_dump(mode="json"))
         while self._late and self._outbox.is_roomy:
             component_ref = next(iter(self._late))
             self._send_holder(component_ref, has_ended=self._late.pop(component_ref))
@@ -88,3 +105,4 @@ class LeaseOutbox:
         self._now.clear()
         self._notified.clear()
         self._late.clear()
+        self._stops.clear()

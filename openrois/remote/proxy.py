@@ -44,6 +44,7 @@ from openrois.types.messages import (
     SubscribeResult,
 )
 from openrois.types.reasons import ReasonNotification, sentence
+from openrois.types.stops import StoppedNotification
 
 __all__ = ["RemoteProxy"]
 
@@ -111,6 +112,11 @@ class RemoteProxy:
         """The ids of the other side's engines, as far as they are known."""
         directory = self._remote_profile.directory
         return () if directory is None else directory.profile.engine_ids()
+
+    def keep_stop(self, notice: StoppedNotification) -> None:
+        """Notify the other side that a person has stopped an engine, or has handed it back, if it keeps that."""
+        if self.identity.stopped is not None:
+            self._remote_extension.put_stop(notice)
 
     @property
     def identity(self) -> Identity:

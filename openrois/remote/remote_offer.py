@@ -1,6 +1,6 @@
 """What a remote engine offers: its answer to our hello, and its directory, or its whole profile where it has none."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -18,6 +18,7 @@ from openrois.types.codes import ReturnCode
 from openrois.types.directory import DIRECTORY
 from openrois.types.leases import LEASES
 from openrois.types.messages import ProfileResult
+from openrois.types.stops import STOPPED
 from openrois.types.streams import EXTENSION_VERSION, EXTENSIONS
 
 __all__ = ["Identity", "RemoteOffer"]
@@ -36,10 +37,12 @@ class Identity:
     Attributes:
         instance: the random text of its process; empty where it sends none.
         epoch: the greatest epoch that it has ever seen; 0 for none.
+        stopped: the persons that have stopped its engines for programs, by engine; None where it keeps none in mind.
     """
 
     instance: str = field(default="", repr=False)
     epoch: int = 0
+    stopped: Mapping[str, str] | None = None
 
 
 class RemoteOffer:
@@ -85,7 +88,11 @@ class RemoteOffer:
     def identity(self) -> Identity:
         """Who the other side is, as far as it says so."""
         greeting = self._greeting
-        return Identity() if greeting is None else Identity(greeting.instance, greeting.epoch)
+        if greeting is None:
+            return Identity()
+        keeps_stops = STOPPED in greeting.extensions
+        stopped = {each.engine_id: each.by for each in greeting.stopped} if keeps_stops else None
+        return Identity(greeting.instance, greeting.epoch, stopped)
 
     def _take_changes(self, engine_ids: Collection[str] | None) -> None:
         self._touched(engine_ids)

@@ -26,6 +26,7 @@ from openrois.types.codes import ComponentFunction, StreamStatus
 from openrois.types.directory import DIRECTORY
 from openrois.types.leases import LEASES
 from openrois.types.references import engine_of
+from openrois.types.stops import STOPPED, Stopped, StoppedNotification
 from openrois.types.streams import (
     EXTENSIONS,
     STREAM_METHODS,
@@ -150,15 +151,17 @@ class _ServedExtension:
             if DIRECTORY in params.extensions:
                 # Each entry of the directory says whether its engine has streams.
                 self._parent.change_notice.name_engines()
-                extensions, engines = (*EXTENSIONS, DIRECTORY, LEASES, MAY_BIND), tuple[str, ...]()
+                extensions, engines = (*EXTENSIONS, DIRECTORY, LEASES, MAY_BIND, STOPPED), tuple[str, ...]()
             else:
                 engines = tuple(sorted(self._host.engine.extension.engines()))
-                extensions = (*EXTENSIONS, LEASES, MAY_BIND) if engines else (LEASES,)
+                extensions = (*EXTENSIONS, LEASES, MAY_BIND, STOPPED) if engines else (LEASES, STOPPED)
+            stopped = self._host.stop_latch.of(self._host.engine.tree.engine_ids)
             return HelloResult(
                 extensions=extensions,
                 engines=engines,
                 instance=self._host.instance,
                 epoch=self._host.epoch_fence.greatest,
+                stopped=tuple(Stopped(engine_id=engine_id, by=by) for engine_id, by in stopped.items()),
             )
 
         return {"openrois.hello": method(HelloParams, hello), **{m: self._calling(m) for m in EXTENSION_METHODS}}
@@ -187,7 +190,10 @@ class _ServedExtension:
             # In a task, as requests are: what the application asked just before has to be begun first.
             self._host.tasks.start(forget(str(params.get("client_id"))))
 
-        return {CLIENT_GONE: client_gone, HolderNotification.method: holder}
+        def stopped(params: dict[str, Any]) -> None:
+            self._host.stops.take(StoppedNotification.read_newer(params))
+
+        return {CLIENT_GONE: client_gone, HolderNotification.method: holder, STOPPED: stopped}
 
     async def _handle_holder(self, notification: HolderNotification, client_id: str) -> None:
         if client_id:

@@ -12,6 +12,7 @@ from openrois.federation.assertion import Assertion
 from openrois.federation.shared_quotas import _Told
 from openrois.gateway.applications import ResumeReportParams
 from openrois.types.leases import ResumeResult, StopAllResult
+from openrois.types.stops import Stopped, StoppedNotification
 from openrois.types.streams import HelloParams, HelloResult, HolderNotification
 
 REQUIRED: dict[type[BaseModel], set[str]] = {
@@ -29,6 +30,8 @@ REQUIRED: dict[type[BaseModel], set[str]] = {
     HelloParams: {"version"},
     HelloResult: set(),
     HolderNotification: {"component_ref", "holds", "epoch"},
+    StoppedNotification: {"engine_id"},
+    Stopped: {"engine_id", "by"},
 }
 """What is required of messages between gateways, and between them and adapters, since 0.2."""
 

@@ -10,6 +10,7 @@ from openrois.aio.tasks import TaskScope
 from openrois.contract import Client
 from openrois.jsonrpc.outbox import Outbox
 from openrois.remote.lease_outbox import LeaseOutbox
+from openrois.types.stops import StoppedNotification
 from openrois.types.streams import HolderNotification
 
 ANN, BOB = (Client(name, lambda _method, _params: None) for name in ("ann", "bob"))
@@ -113,6 +114,29 @@ async def test_what_finds_no_room_waits_for_more(other: OtherSide) -> None:
     assert [await other.outbox.get() for _ in range(2)] == ["much"] * 2
     texts = [await asyncio.wait_for(other.outbox.get(), 60) for _ in range(4)]
     assert texts == ["1", "2", "3", "4"]
+
+
+async def test_of_each_engine_that_is_stopped_the_latest_is_told_when_there_is_room(other: OtherSide) -> None:
+    told: list[tuple[str, str]] = []
+    other.lease_outbox._notify = lambda _method, params: told.append((params["engine_id"], params["by"]))
+
+    def stop(engine_id: str, by: str) -> None:
+        other.lease_outbox.put_stop(StoppedNotification(engine_id=engine_id, by=by))
+
+    stop("robot", "ann")
+    assert told == [("robot", "ann")]
+    other.crowd()
+    stop("robot", "")
+    stop("rover", "ann")
+    stop("robot", "bob")
+    assert await other.ease() == []
+    assert told[1:] == [("robot", "bob"), ("rover", "ann")]
+    other.crowd()
+    stop("robot", "")
+    other.outbox.close()
+    other.lease_outbox.clear()
+    assert await other.ease() == []
+    assert len(told) == 3
 
 
 async def test_nothing_is_told_when_the_other_side_is_gone(other: OtherSide) -> None:

@@ -110,17 +110,25 @@ class TestHello:
         assert answer == {
             "return_code": "OK",
             "version": "1",
-            "extensions": ["rois.stream", "signaling", "openrois.lease", "openrois.may_bind"],
+            "extensions": ["rois.stream", "signaling", "openrois.lease", "openrois.may_bind", "openrois.lease.stopped"],
             "engines": ["robot"],
             "client_id": "",
             "instance": "this process",
             "epoch": 0,
+            "stopped": [],
         }
 
     async def test_a_parent_that_reads_the_directory(self, child: Child, parent: Parent) -> None:
         answer = await parent.ask("openrois.hello", version="1", extensions=["openrois.directory"])
         assert (answer["extensions"], answer["engines"]) == (
-            ["rois.stream", "signaling", "openrois.directory", "openrois.lease", "openrois.may_bind"],
+            [
+                "rois.stream",
+                "signaling",
+                "openrois.directory",
+                "openrois.lease",
+                "openrois.may_bind",
+                "openrois.lease.stopped",
+            ],
             [],
         )
         (entry,) = (await parent.ask("openrois.directory.list"))["engines"]
@@ -131,7 +139,10 @@ class TestHello:
 
     async def test_an_engine_without(self, child: Child, parent: Parent) -> None:
         child.registry.extension = None
-        assert (await parent.ask("openrois.hello", version="1"))["extensions"] == ["openrois.lease"]
+        assert (await parent.ask("openrois.hello", version="1"))["extensions"] == [
+            "openrois.lease",
+            "openrois.lease.stopped",
+        ]
 
     @pytest.mark.parametrize("extensions", [[], ["openrois.directory"]])
     async def test_it_says_the_greatest_epoch_that_any_gateway_has_reported(
