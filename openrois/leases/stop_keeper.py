@@ -67,7 +67,7 @@ class StopKeeper:
             self._tell_adapter(engine_id)
         return by
 
-    def take(self, notice: StoppedNotification) -> None:
+    def handle_notice(self, notice: StoppedNotification) -> None:
         """Note what a parent says of an engine of this tree, and tell it on."""
         if notice.engine_id not in self._engine.tree.engine_ids:
             return

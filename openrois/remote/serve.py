@@ -191,7 +191,7 @@ class _ServedExtension:
             self._host.tasks.start(forget(str(params.get("client_id"))))
 
         def stopped(params: dict[str, Any]) -> None:
-            self._host.stops.take(StoppedNotification.read_newer(params))
+            self._host.stops.handle_notice(StoppedNotification.read_newer(params))
 
         return {CLIENT_GONE: client_gone, HolderNotification.method: holder, STOPPED: stopped}
 
