@@ -1,4 +1,7 @@
-"""STOP of an application whose engines are at several gateways: by the link between these, and by the store too."""
+"""STOP of an application whose engines are at several gateways: by the link between these, and by the store too.
+
+A body is handed back by the link alone: that may wait.
+"""
 
 import asyncio
 from collections.abc import Iterable, Mapping
@@ -14,6 +17,7 @@ from openrois.jsonrpc.session import Reply
 from openrois.types.codes import ComponentFunction, ReturnCode
 from openrois.types.leases import StopAllParams, StopAllResult
 from openrois.types.references import engine_of
+from openrois.types.stops import ReleaseStopParams
 
 __all__ = ["StopRoutes"]
 
@@ -21,10 +25,11 @@ HEAD_START: Final = 0.15
 """Seconds that the link between gateways has before a STOP goes by the store as well: it may be lost unnoticed."""
 
 _STOP: Final = "openrois.stop_all"
+_RELEASE: Final = "openrois.lease.release_stop"
 
 
 class StopRoutes:
-    """`openrois.stop_all` of one application.
+    """`openrois.stop_all` and `openrois.lease.release_stop` of one application.
 
     Args:
         routes: of the application.
@@ -36,7 +41,7 @@ class StopRoutes:
         self._other_way = other_way
 
     def methods(self) -> BoundMethods:
-        """Return the method."""
+        """Return the methods."""
         return BoundMethods((_METHODS, self))
 
     async def _stop_all(self, params: dict[str, Any]) -> Any:
@@ -53,6 +58,16 @@ class StopRoutes:
             return await routes.local[_STOP](params)
         result, reason = await self._stop_at(gateway_id, params, (engine_id,))
         return Reply(result, reason=reason)
+
+    async def _release_stop(self, params: dict[str, Any]) -> Any:
+        routes, asked = self._routes, fitting(ReleaseStopParams, params)
+        if asked is None or (asked.engine_id is None) == (asked.component_ref is None):
+            return await routes.local[_RELEASE](params)
+        engine_id = asked.engine_id or engine_of(asked.component_ref or "")
+        gateway_id = None
+        if self._may_see(engine_id, asked.component_ref):
+            gateway_id = routes.gateway(engine_id, asked.component_ref or f"{engine_id}/")
+        return await routes.ask_at(gateway_id, _RELEASE, params)
 
     def _may_see(self, engine_id: str, component_ref: str | None) -> bool:
         """Tell whether the application would see an engine or a component, whether its gateway is reached or not."""
@@ -125,8 +140,8 @@ class StopRoutes:
         asked = [each for each in engine_ids if self._may_stop(each)]
         if not asked:
             raise OutOfResources("whether the application may stop them is not known here")
-        subject = routes.app.principal.subject
-        answers = await asyncio.gather(*(self._other_way.ask(gateway_id, each, subject) for each in asked))
+        subject, rank = routes.app.principal.subject, routes.app.principal.rank
+        answers = await asyncio.gather(*(self._other_way.ask(gateway_id, each, subject, rank=rank) for each in asked))
         unanswered = [answer.problem for answer in answers if not answer.is_answered]
         if unanswered:
             raise EngineUnreachable("; ".join(dict.fromkeys(unanswered)))
@@ -149,7 +164,10 @@ class StopRoutes:
         return is_entrusted or is_held or self._sees_acting(engine_id)
 
 
-_METHODS: Final[Mapping[str, SharedMethod]] = {_STOP: StopRoutes._stop_all}
+_METHODS: Final[Mapping[str, SharedMethod]] = {
+    _STOP: StopRoutes._stop_all,
+    _RELEASE: StopRoutes._release_stop,
+}
 
 
 def _is_answered(asked: "asyncio.Future[tuple[StopAllResult, str]]") -> bool:

@@ -49,8 +49,8 @@ _CUT: Final = 1006
 class ServedStops(OtherWay, Protocol):
     """STOP by the store, both ways."""
 
-    def serve(self, handler: Callable[[str, str], Awaitable[StopAnswer]]) -> Callable[[], None]:
-        """Answer with `handler`, which gets an engine and a subject; return a function that ends that."""
+    def serve(self, handler: Callable[[str, str, str], Awaitable[StopAnswer]]) -> Callable[[], None]:
+        """Answer with `handler`, which gets an engine, a subject and its rank; return a function that ends that."""
         ...
 
 
@@ -158,7 +158,7 @@ class Clustering:
         """Wait, for at most a moment, until the store has all that the next owners of the engines here need."""
         await self._lines.written(SETTLING_TIME)
 
-    async def _stop_engine(self, engine_id: str, subject: str) -> StopAnswer:
+    async def _stop_engine(self, engine_id: str, subject: str, rank: str) -> StopAnswer:
         """Stop everything that acts on an engine, for a subject whose rights another gateway has checked.
 
         Raises:
@@ -167,7 +167,9 @@ class Clustering:
         host = self._host
         if not host.engine.tree.has_engine(engine_id):
             raise Unsupported(f"there is no engine {engine_id[:200]!r}")
-        host.audit.acted(Principal(subject, frozenset(), ()), "openrois.stop_all", engine_id, "by another gateway")
+        principal = Principal(subject, frozenset(), (), rank=rank)
+        waiting = ", programs wait" if host.stops.stop(engine_id, principal) else ""
+        host.audit.acted(principal, "openrois.stop_all", engine_id, f"by another gateway{waiting}")
         reason = f"everything was stopped by {subject}"
         refs = host.engine.acting_of(engine_id)
         failures = await stop_components(host.engine, host.pending, host.tasks, refs, reason)

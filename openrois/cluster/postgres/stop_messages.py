@@ -26,6 +26,7 @@ MAX_PARTS: Final = 8
 """Notifications of one answer; components that do not fit in are counted, and not named."""
 
 _MAX_SUBJECT: Final = 256
+_MAX_RANK: Final = 64
 _MAX_PROBLEM: Final = 200
 _ASKED: Final = "asked "
 _TOLD: Final = "told "
@@ -64,10 +65,11 @@ class _Message(BaseModel):
 
 
 class StopAsked(_Message):
-    """A gateway asks the owner of an engine to stop everything on it, for a subject."""
+    """A gateway asks the owner of an engine to stop everything on it, for a subject of some rank."""
 
     engine_id: _Name
     subject: Annotated[str, Field(max_length=_MAX_SUBJECT)]
+    rank: Annotated[str, Field(max_length=_MAX_RANK)] = ""
 
 
 class StopTold(_Message):
@@ -109,13 +111,20 @@ class AnswerParts:
         )
 
 
-def question_text(question_id: str, asker: str, owner: str, engine_id: str, subject: str) -> str:
+def question_text(question_id: str, asker: str, owner: str, engine_id: str, subject: str, rank: str = "") -> str:
     """Return the text of a question.
 
     Raises:
         ValueError: a name is empty or too long.
     """
-    asked = StopAsked(id=question_id, asker=asker, owner=owner, engine_id=engine_id, subject=subject[:_MAX_SUBJECT])
+    asked = StopAsked(
+        id=question_id,
+        asker=asker,
+        owner=owner,
+        engine_id=engine_id,
+        subject=subject[:_MAX_SUBJECT],
+        rank=rank[:_MAX_RANK],
+    )
     return _ASKED + _written(asked.model_dump())
 
 

@@ -35,10 +35,12 @@ def assembled(texts: list[str]) -> StopAnswer | None:
 
 def test_a_question_is_read_as_it_was_written() -> None:
     assert read_message(question_text(ID, "front", "owner", "robot", "ann")) == ASKED
+    ranked = read_message(question_text(ID, "front", "owner", "robot", "ann", "person"))
+    assert ranked == ASKED.model_copy(update={"rank": "person"})
 
 
 def test_a_long_subject_is_cut_and_the_question_fits() -> None:
-    text = question_text(ID, "\U0001f916" * 128, "\U0001f916" * 128, "\U0001f916" * 128, "\U0001f916" * 5000)
+    text = question_text(ID, "\U0001f916" * 128, "\U0001f916" * 128, "\U0001f916" * 128, *["\U0001f916" * 5000] * 2)
     assert len(text.encode()) <= MAX_PAYLOAD
     asked = read_message(text)
     assert isinstance(asked, StopAsked)
