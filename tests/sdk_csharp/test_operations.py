@@ -103,6 +103,7 @@ async def test_leases_are_asked_for_granted_and_declined(start: Start) -> None:
         said = dict([await app.says_something(), await app.says_something()])
         assert said == {"granted": "Mine", "lost": "robot/reaction"}
         assert "robot/reaction" in await app.says("stopped")
+        assert await app.says("handed back nothing") == "UnsupportedException"
         assert await app.says("gave up") == "TaskCanceledException"
         await app.ends()
 

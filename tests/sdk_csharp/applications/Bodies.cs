@@ -146,6 +146,8 @@ public static class Leaser
         Program.Say("granted", (await other.Control.StatusAsync(reaction)).State.ToString());
         Program.Say("lost", (await lost).ComponentRef);
         Program.Say("stopped", await other.Control.StopAllAsync("robot"));
+        await other.Control.ReleaseStopAsync("robot");
+        Program.Say("handed back nothing", await Program.Thrown(() => other.Control.ReleaseStopAsync("rover")));
         using (var soon = new CancellationTokenSource())
         {
             Task inLine = Program.First<LeaseRequestedNotification>(take => other.ControlRequested += take);

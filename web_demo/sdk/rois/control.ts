@@ -9,6 +9,7 @@ import type {
   LeaseRequestedNotification,
   LeaseStatus,
   LeaseWithdrawnNotification,
+  StoppedNotification,
 } from "./generated/types.ts";
 import type { Link } from "./link.ts";
 import { mayConcern } from "./profile_change.ts";
@@ -19,6 +20,8 @@ export interface ControlEvents {
   "openrois.lease.requested": LeaseRequestedNotification;
   "openrois.lease.declined": LeaseDeclinedNotification;
   "openrois.lease.withdrawn": LeaseWithdrawnNotification;
+  /** A person has stopped a body, so that programs have to wait; or, with an empty `by`, has handed it back. */
+  "openrois.lease.stopped": StoppedNotification;
 }
 
 /** The leases of a client, see `docs/explanation/control.md`. Everything throws as the other operations of a client do. */
@@ -150,14 +153,24 @@ export class Control {
   }
 
   /**
-   * Stops everything that acts on an engine; without one, on every engine of which this application may stop
-   * something. It is no safety-rated emergency stop.
+   * Stops everything that acts on an engine; without one, on every engine of which this application holds something,
+   * or, as an administrator, sees something. Where it is a person's, programs wait then until a person calls
+   * `releaseStop`. It is no safety-rated emergency stop.
    *
    * @returns which components have stopped
-   * @throws RoISError (ERROR: something did not say that it has stopped; OUT_OF_RESOURCES: this application holds nothing there)
+   * @throws RoISError (ERROR: something did not say that it has stopped; UNSUPPORTED: nothing that acts there is in scope)
    */
   async stopAll(engineId?: string): Promise<readonly string[]> {
     const params = engineId === undefined ? {} : { engine_id: engineId };
     return (await this.#client.call("openrois.stop_all", params)).stopped ?? [];
+  }
+
+  /**
+   * Hands a body that a person has stopped back to programs, as a person; one that is not stopped stays so.
+   *
+   * @throws RoISError (UNSUPPORTED: this application is a program, or nothing that acts there is in scope)
+   */
+  async releaseStop(engineId: string): Promise<void> {
+    await this.#client.call("openrois.lease.release_stop", { engine_id: engineId });
   }
 }

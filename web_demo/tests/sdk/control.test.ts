@@ -428,4 +428,15 @@ describe("control", () => {
     await expect(client.control.stopAll()).resolves.toEqual([ARM]);
     expect(gateway.called("openrois.stop_all")).toEqual([{ engine_id: "r" }, {}]);
   });
+
+  it("hands back what a person has stopped", async () => {
+    const told: unknown[] = [];
+    client.control.on("openrois.lease.stopped", (stopped) => told.push(stopped));
+    gateway.on("openrois.lease.release_stop", () => ({}));
+    const stopped = { engine_id: "r", by: "ann", reason: "r was stopped by ann" };
+    gateway.notify("openrois.lease.stopped", stopped);
+    await client.control.releaseStop("r");
+    expect(gateway.called("openrois.lease.release_stop")).toEqual([{ engine_id: "r" }]);
+    expect(told).toEqual([stopped]);
+  });
 });

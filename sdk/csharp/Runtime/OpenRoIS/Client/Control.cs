@@ -73,13 +73,13 @@ namespace OpenRoIS
         }
 
         /// <summary>
-        /// Stops everything that acts on an engine, and returns which components have stopped. It is no safety-rated
-        /// emergency stop.
+        /// Stops everything that acts on an engine, and returns which components have stopped. Where this application
+        /// is a person's, programs wait then until a person hands back. It is no safety-rated emergency stop.
         /// </summary>
-        /// <param name="engineId">the engine; null for every one of which this application may stop something</param>
+        /// <param name="engineId">the engine; null for every one of which this application holds something</param>
         /// <param name="token">ends the wait</param>
         /// <exception cref="ComponentFailedException">something did not say that it has stopped</exception>
-        /// <exception cref="OutOfResourcesException">this application holds nothing that acts there</exception>
+        /// <exception cref="UnsupportedException">nothing that acts there is in scope</exception>
         public Task<IReadOnlyList<string>> StopAllAsync(
             string engineId = null, CancellationToken token = default(CancellationToken))
         {
@@ -88,6 +88,14 @@ namespace OpenRoIS
                 var given = new StopAllParams { EngineId = engineId };
                 return (await Connection.ActAsync(Methods.StopAll, given, token)).Stopped;
             });
+        }
+
+        /// <summary>Hands a body that a person has stopped back to programs, as a person.</summary>
+        /// <exception cref="UnsupportedException">this application is a program, or nothing there is in scope</exception>
+        public Task ReleaseStopAsync(string engineId, CancellationToken token = default(CancellationToken))
+        {
+            var given = new ReleaseStopParams { EngineId = engineId };
+            return _application.Strand.Run(() => Connection.ActAsync(Methods.LeaseReleaseStop, given, token));
         }
 
         private async Task<LeaseStatus> LeaseOf(string componentRef, CancellationToken token)

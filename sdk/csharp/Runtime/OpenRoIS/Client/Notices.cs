@@ -162,6 +162,9 @@ namespace OpenRoIS
         /// <summary>Another application has withdrawn its request: to answer it is too late.</summary>
         public event Action<LeaseWithdrawnNotification> ControlWithdrawn;
 
+        /// <summary>A person has stopped a body, so that programs have to wait; an empty By: it is handed back.</summary>
+        public event Action<StoppedNotification> ControlStopped;
+
         /// <summary>So many events and faults were dropped, because this application reads too slowly.</summary>
         public event Action<long> EventsDropped;
 
@@ -231,6 +234,10 @@ namespace OpenRoIS
             else if (method == Notifications.LeaseWithdrawn.Name)
             {
                 Offer<LeaseWithdrawnNotification>(given, told => ControlWithdrawn?.Invoke(told));
+            }
+            else if (method == Notifications.LeaseStopped.Name)
+            {
+                Offer<StoppedNotification>(given, told => ControlStopped?.Invoke(told));
             }
             else if (method == Notifications.EventsDropped.Name)
             {
