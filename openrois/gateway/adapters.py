@@ -96,6 +96,7 @@ async def serve_adapter(
             await claims.admit(directory)
 
     proxy.admit = admit
+    proxy.on_stopped = host.stops.handle_report
     heartbeat = Heartbeat(session, host.tasks)
     session.notifications = {**proxy.notifications(), **heartbeat.notifications()}
     expiry.on_principal = lambda _principal: None if expiry.is_over else changed.set()

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Final
 
+from openrois.aio.listeners import Listeners
 from openrois.auth.principal import Principal
 from openrois.auth.ranks import Ranks
 from openrois.commands.stop_latch import StopLatch
@@ -35,10 +36,12 @@ class StopKeeper:
 
     Attributes:
         refused: how many commands of programs were refused.
+        changes: called with each change; they must not block.
     """
 
     def __init__(self, engine: Engine, leases: LeaseKeeper, latch: StopLatch, ranks: Ranks) -> None:
         self.refused = 0
+        self.changes: Listeners[StoppedNotification] = Listeners()
         self._engine = engine
         self._leases = leases
         self._latch = latch
@@ -69,13 +72,16 @@ class StopKeeper:
 
     def handle_notice(self, notice: StoppedNotification) -> None:
         """Note what a parent says of an engine of this tree, and tell it on."""
-        if notice.engine_id not in self._engine.tree.engine_ids:
-            return
-        if notice.by:
-            self._latch_by(notice.engine_id, notice.by)
-        elif self._latch.release(notice.engine_id):
+        if self._engine.tree.has_engine(notice.engine_id):
+            self.handle_report(notice)
+            self._tell_adapter(notice.engine_id)
+
+    def handle_report(self, notice: StoppedNotification) -> None:
+        """Note what an engine of this tree says of itself: further below a person has stopped it, or handed it back."""
+        if notice.by and notice.by != self._latch.by(notice.engine_id):
+            self._latch_by(notice.engine_id, notice.by[:_MAX_NAME])
+        elif not notice.by and self._latch.release(notice.engine_id):
             self._tell_programs_back(notice.engine_id, notice.reason)
-        self._tell_adapter(notice.engine_id)
 
     def attach(self, engine_ids: Iterable[str], told: Mapping[str, str] | None, instance: str) -> None:
         """Note engines that have come, and by whom they are stopped, as their adapter says.
@@ -138,6 +144,7 @@ class StopKeeper:
 
     def _notify(self, notice: StoppedNotification) -> None:
         self._leases.notifications.of_stop(notice, self._engine.acting_of(notice.engine_id))
+        self.changes.notify_all(notice)
 
     def _tell_adapter(self, engine_id: str) -> None:
         bus: object = self._engine.tree.bus_of(engine_id)

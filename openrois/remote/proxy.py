@@ -66,6 +66,7 @@ class RemoteProxy:
         tasks: owns the questions that follow from what the other side tells, and stops that several wait for.
 
     Attributes:
+        on_stopped: called when the other side says that a person has stopped one of its engines, or handed it back.
         admit: called with what the other side offers; raises where it may not offer that here, or not now.
         speaks_extensions: whether the other side has accepted a hello.
     """
@@ -84,6 +85,7 @@ class RemoteProxy:
         self._stops = SharedStops(lambda ref, wanted, accepted: self._run(ref, "stop", (), wanted, accepted), tasks)
         self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe, self._drop_subscription)
         self._strays = Tally(_log, "events that do not fit their subscription")
+        self.on_stopped: Callable[[StoppedNotification], object] = lambda _notice: None
         self.admit: Callable[[Directory], Awaitable[None]] = _admit
         self.speaks_extensions = False
 
@@ -94,6 +96,7 @@ class RemoteProxy:
             ReasonNotification.method: self._take_reason,
             "rois.event.notify_event": self._take_event,
             "rois.system.notify_error": self._faults.handle_notification,
+            StoppedNotification.method: self._take_stop,
             **self._offer.notifications(),
             **self._remote_extension.notifications(),
         }
@@ -300,6 +303,11 @@ class RemoteProxy:
         self._session.handle_reason(notice.request_id, line)
         if notice.command_id is not None:
             self._commands.take_reason(notice.command_id, line)
+
+    def _take_stop(self, params: dict[str, Any]) -> None:
+        notice = StoppedNotification.read_newer(params)
+        if notice.engine_id in self.engine_ids:
+            self.on_stopped(notice)
 
     def _take_event(self, params: dict[str, Any]) -> None:
         notice = EventNotification.read_newer(params)

@@ -158,7 +158,7 @@ class RemoteOffer:
         return together(remote.engines.main, remote.engines.roots.values()), remote.engines.streaming()
 
     async def _greet(self) -> None:
-        params = {"version": EXTENSION_VERSION, "extensions": [*EXTENSIONS, DIRECTORY, LEASES, ATTACHED]}
+        params = {"version": EXTENSION_VERSION, "extensions": [*EXTENSIONS, DIRECTORY, LEASES, ATTACHED, STOPPED]}
         timeout = min(HELLO_TIMEOUT, self._call_timeout)
         try:
             self._greeting = await self._calls.ask(

@@ -137,6 +137,8 @@ class _ServedExtension:
         self._clients: dict[str, Client] = {}
         self._streams: dict[str, tuple[str, str]] = {}
         self._holders = _Holders(host.engine)
+        self._tells_stops = self._hears_stop = False
+        self._stop_telling = host.stops.changes.add(self._tell_stop)
         self._stop_listening = host.engine.on_change(self._tree_changed)
 
     def methods(self) -> dict[str, Handler]:
@@ -145,6 +147,8 @@ class _ServedExtension:
         async def hello(params: HelloParams) -> HelloResult:
             self._parent.extended = True
             self._attachment.greet(params.extensions)
+            if STOPPED in params.extensions:
+                self._tells_stops = True
             if LEASES in params.extensions:
                 self._host.heartbeat.attach(lambda wanted: self._notify(WATCH, {"wanted": wanted}))
             extensions: tuple[str, ...]
@@ -191,7 +195,11 @@ class _ServedExtension:
             self._host.tasks.start(forget(str(params.get("client_id"))))
 
         def stopped(params: dict[str, Any]) -> None:
-            self._host.stops.handle_notice(StoppedNotification.read_newer(params))
+            self._hears_stop = True
+            try:
+                self._host.stops.handle_notice(StoppedNotification.read_newer(params))
+            finally:
+                self._hears_stop = False
 
         return {CLIENT_GONE: client_gone, HolderNotification.method: holder, STOPPED: stopped}
 
@@ -260,6 +268,11 @@ class _ServedExtension:
             client_id, _ = self._streams.pop(notice.stream_id)
             self._notify(notice.method, {**notice.model_dump(mode="json"), "client_id": client_id})
 
+    def _tell_stop(self, notice: StoppedNotification) -> None:
+        """Tell the parent of a STOP that it has not said itself, if it wants to know."""
+        if self._tells_stops and not self._hears_stop:
+            self._notify(notice.method, notice.model_dump(mode="json"))
+
     def _forget_client(self, client_id: str) -> Client | None:
         """Drop a client and return it, if it was known."""
         self._streams = {key: owned for key, owned in self._streams.items() if owned[0] != client_id}
@@ -271,6 +284,7 @@ class _ServedExtension:
     async def close(self) -> None:
         """End what applications of the parent hold, at once, and the streams of all of them after the grace."""
         self._stop_listening()
+        self._stop_telling()
         await self._holders.clear()
         await self._host.sleep(STREAM_GRACE)
         clients, self._clients = tuple(self._clients.values()), {}

@@ -18,6 +18,7 @@ from openrois.gateway.adapters import serve_adapter
 from openrois.remote.serve import serve_engine
 from openrois.session.session import EngineHost
 from openrois.transport.memory import MemoryStream, memory_pair
+from openrois.types.stops import StoppedNotification
 from tests.support.authorization import Place, Wire, principal
 from tests.support.components import Lamp, Rover
 from tests.support.wire import no_wait
@@ -188,17 +189,81 @@ async def test_it_goes_over_gateways_that_are_adapters_of_others() -> None:
     assert lamp.total == 0
 
 
-class OlderAdapter:
-    """An adapter that keeps no latch: of the base wire, or of the release before.
+async def test_a_stop_at_the_gateway_below_holds_for_programs_of_the_one_above() -> None:
+    lamp = Lamp()
+    async with hosted("robot", lamp) as adapter, AsyncExitStack() as stack:
+        tasks = await stack.enter_async_context(TaskScope())
+        inner = Place(EngineHost(Engine("inner"), tasks, sleep=no_wait), {})
+        await stack.enter_async_context(attached(inner, adapter))
+        outer = await stack.enter_async_context(gateway())
+        await stack.enter_async_context(attached(outer, inner.host))
+        ann = await stack.enter_async_context(application(inner, ANN))
+        agent = await stack.enter_async_context(application(outer, AGENT))
+        assert await agent.code("rois.command.bind", LAMP) == "OK"
+        assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+        assert (await agent.until("openrois.lease.stopped"))["by"] == "ann"
+        assert await run(agent, "1") == "OUT_OF_RESOURCES"
+        # Handed back above, it is handed back below.
+        async with application(outer, principal("operator", "*", subject="bob", rank="person")) as bob:
+            assert await bob.code("openrois.lease.release_stop", ROBOT) == "OK"
+        assert await run(agent, "2") == "OK"
+        assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+        assert await ann.code("openrois.lease.release_stop", ROBOT) == "OK"
+        for by in ("ann", ""):
+            assert (await agent.until("openrois.lease.stopped"))["by"] == by
+        assert await run(agent, "3") == "OK"
+    assert lamp.total == 2
+
+
+async def test_what_an_adapter_says_of_engines_that_are_not_its_own_is_passed_over() -> None:
+    async with standing(Lamp()) as (here, adapter, _, agent):
+        assert await agent.code("rois.command.bind", LAMP) == "OK"
+        adapter.stops.changes.notify_all(StoppedNotification(engine_id="gateway", by="eve"))
+        adapter.stops.changes.notify_all(StoppedNotification(engine_id="robot", by="ann"))
+        assert (await agent.until("openrois.lease.stopped"))["by"] == "ann"
+        assert here.host.stop_latch.by("gateway") == ""
+
+
+async def test_an_adapter_that_greets_late_is_believed_then(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("openrois.remote.remote_offer.HELLO_TIMEOUT", 0.01)
+    near, far = memory_pair()
+    async with gateway() as here, asyncio.TaskGroup() as tasks, application(here, AGENT) as agent:
+        adapter = OtherAdapter(far, ["openrois.lease", "openrois.lease.stopped"])
+        adapter.stopped, adapter.may_greet = [{"engine_id": "robot", "by": "ann"}], asyncio.Event()
+        serving = tasks.create_task(serve_adapter(here.host, near))
+        answering = tasks.create_task(adapter.run())
+        await agent.until("rois.system.profile_changed")
+        assert await agent.code("rois.command.bind", LAMP) == "OK"
+        assert (await agent.result("openrois.lease.query", LAMP))["lease"]["stopped_by"] == ""
+        adapter.may_greet.set()
+        assert (await agent.until("openrois.lease.stopped"))["by"] == "ann"
+        assert await run(agent, "1") == "OUT_OF_RESOURCES"
+        answering.cancel()
+        await near.close()
+        await serving
+
+
+class OtherAdapter:
+    """An adapter of other code: it speaks the base wire, or extensions of some release.
 
     Attributes:
         heard: the methods of the notifications that it got.
+        stopped: what it says in its hello of its engines.
+        may_greet: when it may answer the hello; None for at once.
     """
 
     def __init__(self, stream: MemoryStream, extensions: list[str] | None) -> None:
         self.heard: list[str] = []
+        self.stopped: list[dict[str, str]] = []
+        self.may_greet: asyncio.Event | None = None
         self._stream = stream
         self._extensions = extensions
+        self._late: list[asyncio.Future[None]] = []
+
+    async def _greet(self, request_id: int, answer: dict[str, Any]) -> None:
+        assert self.may_greet is not None
+        await self.may_greet.wait()
+        await self._stream.send(json.dumps({"jsonrpc": "2.0", "id": request_id, **answer}))
 
     async def run(self) -> None:
         while True:
@@ -214,7 +279,10 @@ class OlderAdapter:
             elif message["method"] == "openrois.hello" and self._extensions is None:
                 answer = {"error": {"code": -32601, "message": "no such method"}}
             elif message["method"] == "openrois.hello":
-                answer["result"] |= {"version": "1", "extensions": self._extensions, "engines": [], "client_id": ""}
+                answer["result"] |= {"version": "1", "extensions": self._extensions, "stopped": self.stopped}
+                if self.may_greet is not None:
+                    self._late.append(asyncio.ensure_future(self._greet(message["id"], answer)))
+                    continue
             await self._stream.send(json.dumps({"jsonrpc": "2.0", "id": message["id"], **answer}))
 
 
@@ -223,7 +291,7 @@ async def test_an_adapter_that_keeps_no_latch_is_left_alone(extensions: list[str
     async with gateway() as here, asyncio.TaskGroup() as tasks:
         for times in range(2):
             near, far = memory_pair()
-            adapter, changed = OlderAdapter(far, extensions), asyncio.Event()
+            adapter, changed = OtherAdapter(far, extensions), asyncio.Event()
             stop_listening = here.host.engine.on_change(changed.set)
             serving = tasks.create_task(serve_adapter(here.host, near))
             answering = tasks.create_task(adapter.run())

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import random
 from collections.abc import AsyncIterator, Mapping
 from contextlib import AsyncExitStack
 from dataclasses import dataclass, field
@@ -331,3 +332,44 @@ async def records(robot: Robot) -> list[tuple[str, str, str, str]]:
         for line in lines
         if "stop" in line.get("method", "")
     ]
+
+
+@pytest.mark.parametrize("seed", range(4))
+async def test_no_command_of_a_program_is_accepted_while_a_person_keeps_the_body_stopped(
+    robot: Robot, seed: int
+) -> None:
+    """Whatever persons, programs and new tokens do: beside the name of the person that has stopped it last."""
+    chance = random.Random(seed)
+    expiry = TokenExpiry(BOB)
+    apps = {"ann": await robot.app(ANN), "agent": await robot.app(AGENT), "bob": await robot.app(expiry)}
+    ranks = {"ann": "person", "agent": "agent", "bob": "person"}
+    holder, by, runs, refused = "", "", 0, 0
+    for _ in range(300):
+        who = chance.choice(list(apps))
+        app, is_person = apps[who], ranks[who] == "person"
+        match chance.choice(("stop", "release_stop", "bind", "release", "run", "run", "run", "rank")):
+            case "stop":
+                assert await app.code("openrois.stop_all", ROBOT) == "OK"
+                by = who if is_person else by
+            case "release_stop":
+                allowed = "OK" if is_person else "UNSUPPORTED"
+                assert await app.code("openrois.lease.release_stop", ROBOT) == allowed
+                by = "" if is_person else by
+            case "bind":
+                allowed = "OK" if holder in ("", who) else "OUT_OF_RESOURCES"
+                assert await app.code("rois.command.bind", LAMP) == allowed
+                holder = holder or who
+            case "release":
+                assert await app.code("rois.command.release", LAMP) == "OK"
+                holder = "" if holder == who else holder
+            case "rank":
+                ranks["bob"] = chance.choice(("person", "agent"))
+                expiry.replace(principal("operator", "*", subject="bob", rank=ranks["bob"]))
+            case _:
+                may = holder == who and (is_person or not by)
+                assert await robot.run(app) == ("OK" if may else "OUT_OF_RESOURCES")
+                runs, refused = runs + may, refused + (holder == who and not may)
+        assert robot.lamp.total == runs
+        assert robot.here.host.stop_latch.by("robot") == by
+    assert refused
+    assert runs
