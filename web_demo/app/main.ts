@@ -29,8 +29,10 @@ import { installShortcuts } from "./panels/shortcuts.ts";
 import { Sound } from "./panels/sound.ts";
 import { Stage } from "./panels/stage.ts";
 import { StopButton } from "./panels/stop_button.ts";
-import type { ActingBody } from "./panels/stop_button.ts";
+import { StoppedNote } from "./panels/stopped_note.ts";
 import { StreamCard } from "./panels/stream_card.ts";
+import { StoppedBodies } from "./model/stopped_bodies.ts";
+import type { ActingBody } from "./model/stopped_bodies.ts";
 import { PageToken, asksForTokens, isTurnedAway } from "./model/token.ts";
 import { findTrouble } from "./model/trouble.ts";
 import type { Unwelcome } from "./model/trouble.ts";
@@ -85,6 +87,8 @@ const map = new MapCard(client, byRole("card-map", HTMLElement), "map");
 const control = new Control(client, receiver, body, stage.video, scene);
 const handover = new Handover(body, (giveBack) => control.drive(giveBack), document);
 const stopButton = new StopButton(client, () => say.stop());
+const stoppedBodies = new StoppedBodies(client, () => stoppedNote.render());
+const stoppedNote = new StoppedNote(stoppedBodies);
 body.onLost = (why) => {
   control.controlLost(why);
   if (token.counts) operator.off(why);
@@ -154,7 +158,9 @@ function bodyChanged(): void {
   body.setComponents(moving);
   const all = client.state.name === "connected" ? (directory.bodies ?? []) : [];
   others.update(all, chosen?.engineId ?? "", token.mayOperate ? "" : WATCHING);
-  stopButton.setBodies([...(present ? [present] : []), ...others.carded].map(actingBody));
+  const acting = [...(present ? [present] : []), ...others.carded].map(actingBody);
+  stopButton.setBodies(acting);
+  stoppedBodies.setBodies(acting);
   controlChanged();
   if (present) {
     void readClock(present);
@@ -186,6 +192,7 @@ function controlChanged(): void {
   map.viewBarred = why(operated);
   map.barred = why(present?.navigation ?? null);
   handover.watching = watching !== "";
+  stoppedNote.watching = watching !== "";
   handover.shown = present !== null;
 }
 

@@ -9,7 +9,7 @@ import {
   RpcError,
 } from "../../sdk/index.ts";
 import type { CompletedStatus } from "../../sdk/index.ts";
-import { plainReason } from "./plain_words.ts";
+import { isStop, plainReason } from "./plain_words.ts";
 
 export interface Outcome {
   readonly state: "done" | "stopped" | "failed" | "refused";
@@ -57,8 +57,9 @@ export async function describeEnd(command: Promise<void>, busy: string): Promise
 /** @param busy the sentence for a component that another session holds */
 export function describeFailure(error: unknown, busy = BUSY): Outcome {
   if (error instanceof RoISError) {
-    if (error.returnCode === "OUT_OF_RESOURCES") return { state: "refused", text: busy };
     const why = plainReason(error.reason);
+    if (error.returnCode === "OUT_OF_RESOURCES")
+      return { state: "refused", text: isStop(error.reason) ? why : busy };
     return { state: "failed", text: `the body refused it${why && `: ${why}`}` };
   }
   if (error instanceof CommandFailed) {

@@ -16,6 +16,14 @@ const CODE = /^[A-Z]+(_[A-Z]+)*$/;
 /** A reference in a sentence; units such as km/h are none. */
 const REFERENCE = /(^|[\s“"'(])[\w.-]+(?:\/[\w.-]+)*\/([A-Za-z]\w{2,})/g;
 
+/** A gateway says so of a body that a person has stopped for programs. */
+const STOPPED = /^\S+ was stopped by .+: programs wait until a person hands it back$/;
+
+/** Whether a reason says that a person has stopped the body for programs. */
+export function isStop(reason: string): boolean {
+  return STOPPED.test(reason);
+}
+
 /** Returns what a reason says in plain words; empty for a return code and nothing else. */
 export function plainReason(reason: string): string {
   const text = reason.trim().replace(/\.$/, "");

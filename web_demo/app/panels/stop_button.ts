@@ -3,23 +3,17 @@
  * emergency stop.
  */
 
-import { RoISError } from "../../sdk/index.ts";
 import type { Client } from "../../sdk/index.ts";
 import { byTestId, setText, takesLetters } from "../dom/elements.ts";
 import { describeFailure } from "../model/outcome.ts";
 import { explain } from "../model/permission.ts";
 import { sentence } from "../model/plain_words.ts";
+import type { ActingBody } from "../model/stopped_bodies.ts";
 
 const KEY = "x";
 const LABEL = "STOP";
 /** Milliseconds for which it says that all has stopped; that something has not is said until it is pressed again. */
 const READABLE = 4000;
-
-/** A body that may act: its engine, and its actuators, of which the page has to hold one to stop the engine. */
-export interface ActingBody {
-  readonly engineId: string;
-  readonly acting: readonly string[];
-}
 
 export class StopButton {
   readonly #client: Client;
@@ -66,30 +60,13 @@ export class StopButton {
     if (this.#bodies.length === 0 || this.#button.disabled) return;
     this.#say(LABEL);
     // Each is told at once: one that cannot be stopped holds up no other.
-    const stopping = this.#bodies.map(async (body) => this.#stop(body));
+    const stopping = this.#bodies.map(({ engineId }) => this.#client.control.stopAll(engineId));
     this.#onPress();
     const ends = await Promise.allSettled(stopping);
     const failed = ends.find((end) => end.status === "rejected");
     if (failed) return this.#say("Not stopped", sentence(describeFailure(failed.reason).text));
     this.#say("Stopped");
     this.#fading = setTimeout(() => this.#say(LABEL), READABLE);
-  }
-
-  async #stop({ engineId, acting }: ActingBody): Promise<void> {
-    const stop = (): Promise<unknown> => this.#client.control.stopAll(engineId);
-    // With a token, STOP needs a binding of an actuator: without any, a free one is bound for that moment.
-    const ways = [stop, ...acting.map((ref) => () => this.#client.bound(ref, stop))];
-    let refused: unknown;
-    for (const way of ways) {
-      try {
-        await way();
-        return;
-      } catch (error) {
-        if (!(error instanceof RoISError && error.returnCode === "OUT_OF_RESOURCES")) throw error;
-        refused = error;
-      }
-    }
-    throw refused;
   }
 
   /** Renders the button, which is always visible at the same place. */

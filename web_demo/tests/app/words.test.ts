@@ -44,6 +44,7 @@ describe("bestColumns", () => {
 });
 
 describe("outcomes in words", () => {
+  const WAITS = "robot was stopped by ann: programs wait until a person hands it back";
   it.each([
     [describeCompleted("OK", 1849), "done", "done after 1.8 s"],
     [describeCompleted("ABORT", 400), "stopped", "stopped after 0.4 s"],
@@ -54,6 +55,11 @@ describe("outcomes in words", () => {
     ],
     [describeCompleted("TIMEOUT", 1), "failed", "it took too long"],
     [describeFailure(new RoISError("OUT_OF_RESOURCES", "m"), "busy"), "refused", "busy"],
+    [
+      describeFailure(new RoISError("OUT_OF_RESOURCES", "m", "", WAITS), "busy"),
+      "refused",
+      "robot was stopped by ann: programs wait until a person hands it back",
+    ],
     [describeFailure(new RoISError("ERROR", "m"), "busy"), "failed", "the body refused it"],
     [describeFailure(new RoISError("ERROR", "m", "", "no"), "busy"), "failed", "the body refused it: no"],
     [describeCompleted("ERROR", 5, "no voice"), "failed", "the body could not do it: no voice"],
