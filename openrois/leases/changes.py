@@ -5,7 +5,7 @@ from enum import StrEnum
 
 from openrois.leases.waiting import Request
 
-__all__ = ["Asked", "Change", "Declined", "Gained", "Lost", "Queued", "Why", "Withdrawn"]
+__all__ = ["Asked", "Change", "Declined", "Gained", "Lost", "NotReturned", "Queued", "Why", "Withdrawn"]
 
 
 class Why(StrEnum):
@@ -23,6 +23,14 @@ class Why(StrEnum):
     """The holder has left the engine, or its connection was lost and nothing says that it comes back."""
     GONE = "gone"
     """The component itself is gone."""
+    LENT = "lent"
+    """It was taken for a time by a session of higher rank."""
+    DUE = "due"
+    """The time for which it was lent is over."""
+    RETURNED = "returned"
+    """It has come back to the session from which it was taken for a time."""
+    LATCHED = "latched"
+    """It would have come back, and may not be operated by that session now: STOP."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,4 +90,13 @@ class Queued:
     component_ref: str
 
 
-Change = Lost | Gained | Asked | Declined | Withdrawn | Queued
+@dataclass(frozen=True, slots=True)
+class NotReturned:
+    """A component that was taken for a time from a session does not come back to it."""
+
+    component_ref: str
+    lender: object
+    why: Why
+
+
+Change = Lost | Gained | NotReturned | Asked | Declined | Withdrawn | Queued

@@ -1,27 +1,33 @@
-"""The rules of leases: bind, release, grace after a lost connection, resume, queue, hand-over. Time is an argument.
+"""The rules of leases: bind, release, queue, hand-over, loans, grace after a lost connection. Time is an argument.
 
 Pure.
 """
 
 import secrets
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from typing import Final
 
 from openrois.errors import OutOfResources, Unsupported
-from openrois.leases.changes import Asked, Change, Declined, Gained, Lost, Queued, Why, Withdrawn
+from openrois.leases.changes import Asked, Change, Declined, Gained, Lost, Queued, Why
 from openrois.leases.epochs import Epochs
 from openrois.leases.holding import Holding
+from openrois.leases.loans import Loan, Loans
+from openrois.leases.moves import Moves, not_returned
+from openrois.leases.parts import LoneComponents, Parts
 from openrois.leases.tokens import ResumeTokens, new_token
 from openrois.leases.waiting import Request, Waiting
 
-__all__ = ["GRACE", "PATIENCE", "LeaseModel", "Replayed", "Rules"]
+__all__ = ["GRACE", "LOAN", "PATIENCE", "LeaseModel", "Replayed", "Rules"]
 
 GRACE: Final = 10.0
 """Seconds for which a lease survives the connection of its holder."""
 
 PATIENCE: Final = 30.0
 """Seconds that a holder has to answer a request for its component."""
+
+LOAN: Final = 30.0
+"""Seconds for which a part is taken from a holder of lower rank, unless it is taken again meanwhile."""
 
 _NOT_VALID: Final = "the resume token is not valid"
 
@@ -47,119 +53,167 @@ class Rules:
     Attributes:
         grace: seconds for which a lease survives a lost connection; 0 for none.
         patience: seconds that a holder has to answer a request.
+        loan: seconds for which a part is taken from a holder of lower rank.
     """
 
     grace: float = GRACE
     patience: float = PATIENCE
+    loan: float = LOAN
 
 
 class LeaseModel:
-    """The leases of one engine. A component has one holder or none; a free component has no queue.
+    """The leases of one engine. A part has one holder or none; a free part has neither queue nor lenders.
 
     Holders are any objects; identity decides. What follows from an operation is returned as changes, to be notified in
-    their order.
+    their order. A component that belongs to no part is one by itself.
 
     Args:
         rules: how long what lasts.
         epochs: gives the numbers of epochs; without it they are counted from 1.
         mint: makes tokens.
+        parts: which components belong together.
+        may_return: tells whether what was taken for a time may come back to a session now.
 
     Attributes:
-        holding: the holder of each component. A free component has no queue, so to bind one needs nothing but this.
-        waiting: the queue of each component.
+        holding: the holder of each component. A free part has no queue, so to bind a component needs nothing but this.
+        waiting: the queue of each part.
+        loans: the lenders of each part.
         absent: whose connection was lost, and until when it may be resumed.
     """
 
     def __init__(
-        self, rules: Rules | None = None, epochs: Epochs | None = None, mint: Callable[[], str] = new_token
+        self,
+        rules: Rules | None = None,
+        epochs: Epochs | None = None,
+        mint: Callable[[], str] = new_token,
+        parts: Parts | None = None,
+        may_return: Callable[[object, str], bool] = lambda _lender, _part: True,
     ) -> None:
         self.rules = rules or Rules()
-        self.holding = Holding(epochs)
+        self._parts = parts or LoneComponents()
+        self.holding = Holding(epochs, self._parts.part_of)
         self.waiting = Waiting()
+        self.loans = Loans()
         self._tokens = ResumeTokens(mint)
         self.absent: dict[object, float] = {}
+        self._moves = Moves(self.holding, self.waiting, self.loans, self._parts, self.rules.patience, may_return)
+
+    def has_any(self, holder: object) -> bool:
+        """Tell whether a session holds anything, or has lent it."""
+        return bool(self.holding.held_by(holder)) or next(self.loans.of_lender(holder), None) is not None
 
     def next_due(self) -> float | None:
         """Return when `advance` has something to do; None for never."""
-        deadlines = [request.deadline for request in self.waiting.unanswered() if request.deadline is not None]
-        return min((*self.absent.values(), *deadlines), default=None)
+        answers = [request.deadline for request in self.waiting.unanswered() if request.deadline is not None]
+        return min((*self.absent.values(), *answers, *self.loans.deadlines()), default=None)
 
     def release(self, component_ref: str, holder: object, now: float, why: Why = Why.RELEASED) -> list[Change]:
-        """Release a component; the first in the queue has it next. Nothing changes if `holder` does not hold it."""
+        """Release a component. With the last of its part that the holder has named, all of the part goes on: to the
+        session it was taken from for a time, or else to the first in the queue. A lender gives up its place.
+
+        Nothing changes if `holder` does not hold it.
+        """
+        part = self.holding.part_of(component_ref)
         epoch = self.holding.release(component_ref, holder)
         if epoch is None:
-            return []
+            return self._give_up(part, holder, (component_ref,))
         changes: list[Change] = [Lost(component_ref, holder, epoch, why)]
-        queue = self.waiting.queue(component_ref)
-        if not queue:
-            return changes
-        try:
-            gained = self.holding.move(component_ref, queue[0].asker)
-        except OutOfResources as error:
-            return [*changes, *self._decline_all(queue, str(error))]
-        self.waiting.remove(queue[0])
-        return [*changes, Gained(component_ref, queue[0].asker, gained, why), *self._ask_again(component_ref, now)]
+        return changes if self.holding.named_of(part) else [*changes, *self._moves.free(part, now, why)]
+
+    def hand_back(self, component_ref: str, holder: object, now: float) -> list[Change]:
+        """Release all of the part of a component. Nothing changes if `holder` does not hold it."""
+        part = self.holding.part_of(component_ref)
+        return [] if self.holding.holder_of(part) is not holder else self._moves.free(part, now, Why.RELEASED)
+
+    def _give_up(self, part: str, lender: object, component_refs: Iterable[str]) -> list[Change]:
+        """Let a lender not have back some of what was taken from it."""
+        place = self.loans.find(part, lender)
+        if place is None:
+            return []
+        self.loans.give_up(place, tuple(component_refs))
+        if not place.component_refs:
+            self.loans.remove(part, place)
+        return self._moves.queued(part)
 
     def leave(self, holder: object, now: float, why: Why = Why.LEFT) -> list[Change]:
-        """Release everything, withdraw every request, and forget the resume tokens."""
+        """Release everything, give up what was lent, withdraw every request, and forget the resume tokens."""
         self.absent.pop(holder, None)
         self._tokens.forget_holder(holder)
+        for part, lender in self.loans.of_lender(holder):
+            self.loans.remove(part, lender)
         changes = self._withdraw_all(holder)
-        for component_ref in self.holding.held_by(holder):
-            changes += self.release(component_ref, holder, now, why)
+        for part in self.holding.parts_of(holder):
+            changes += self._moves.free(part, now, why)
         return changes
 
-    def end_all(self, component_refs: Iterable[str]) -> list[Change]:
+    def end_all(self, component_refs: Iterable[str], now: float = 0.0) -> list[Change]:
         """End the leases of components that are no longer there, and the waiting for them."""
         changes: list[Change] = []
-        for component_ref in sorted(ref for ref in component_refs if self.holding.holder(ref) is not None):
-            held = self._held(component_ref)
-            self.holding.release(component_ref, held[0])
-            changes.append(Lost(component_ref, held[0], held[1], Why.GONE))
-            changes += self._decline_all(self.waiting.queue(component_ref))
+        gone = frozenset(component_refs)
+        for part, lender in self.loans.all():
+            if not gone.isdisjoint(lender.component_refs):
+                changes += self._give_up(part, lender.holder, gone)
+        freed: dict[str, None] = {}
+        for component_ref in sorted(ref for ref in gone if self.holding.holder(ref) is not None):
+            part = self.holding.part_of(component_ref)
+            holder, epoch = self._moves.held(component_ref)
+            self.holding.release(component_ref, holder)
+            changes.append(Lost(component_ref, holder, epoch, Why.GONE))
+            freed[part] = None
+        for part in freed:
+            if not self.holding.named_of(part):
+                changes += self._end_part(part, gone, now)
         return changes
+
+    def _end_part(self, part: str, gone: Collection[str], now: float) -> list[Change]:
+        """Pass on what is left of a part of which the holder has lost all; where nothing is, the waiting ends."""
+        queue = self.waiting.queue(part)
+        is_left = any(ref not in gone for request in queue for ref in self._parts.members(part, request.asker))
+        if self.holding.held_of(part) or self.loans.lenders(part) or is_left:
+            return self._moves.free(part, now, Why.GONE)
+        self.loans.take_back(part)
+        return self._moves.decline_all(queue)
 
     # Hand-over.
 
     def request(self, component_ref: str, asker: object, now: float) -> list[Change]:
-        """Request a component: hold it where it is free, or else wait in the queue while the holder is asked.
+        """Request a component with its part: hold it where it is free, or else wait while the holder is asked.
 
         A session that waits already keeps its place; the holder is asked again if it has answered, or did not in time.
 
         Raises:
             OutOfResources: too many wait for it, or there is no epoch left.
         """
-        held = self.holding.holder(component_ref)
-        if held is None:
-            return [Gained(component_ref, asker, self.holding.move(component_ref, asker), Why.BOUND)]
-        if held[0] is asker:
-            return []
-        request = self.waiting.find(component_ref, asker)
+        part = self.holding.part_of(component_ref)
+        holder = self.holding.holder_of(part)
+        if holder is None or holder is asker:
+            return self._moves.gain(part, asker, Why.BOUND, component_ref)
+        request = self.waiting.find(part, asker)
         if request is None:
-            request = Request(secrets.token_hex(16), component_ref, asker, None)
+            request = Request(secrets.token_hex(16), part, component_ref, asker, None)
             self.waiting.add(request)
         if request.deadline is not None:
             return []
         request.deadline = now + self.rules.patience
-        return [Asked(request, held[0]), Queued(component_ref)]
+        return [Asked(request, holder), *self._moves.queued(part)]
 
     def withdraw(self, component_ref: str, asker: object) -> list[Change]:
         """Withdraw the request for a component."""
-        request = self.waiting.find(component_ref, asker)
-        return [] if request is None else self._withdraw(request)
+        request = self.waiting.find(self.holding.part_of(component_ref), asker)
+        return [] if request is None else self._moves.withdraw(request)
 
     def grant(self, request_id: str, holder: object, now: float) -> list[Change]:
-        """Hand the component over to the session that asked.
+        """Hand the part over to the session that asked, on the terms on which the holder has it.
 
         Raises:
             Unsupported: `holder` was not asked that.
             OutOfResources: there is no epoch left.
         """
         request = self._asked(request_id, holder)
-        return self._hand_over(request.component_ref, request.asker, now, Why.GRANTED)
+        return self._moves.hand_over(request.part, request.asker, now, Why.GRANTED, request.component_ref)
 
     def decline(self, request_id: str, holder: object) -> list[Change]:
-        """Keep the component; the session that asked may go on waiting for it.
+        """Keep the part; the session that asked may go on waiting for it.
 
         Raises:
             Unsupported: `holder` was not asked that.
@@ -169,16 +223,70 @@ class LeaseModel:
         return [Declined(request, in_time=True)]
 
     def take(self, component_ref: str, taker: object, now: float) -> list[Change]:
-        """Take a component from its holder. Whether the caller may do that is not checked here.
+        """Take a component with its part, for good. Whether the caller may do that is not checked here.
 
         Raises:
             OutOfResources: there is no epoch left.
         """
-        if self.holding.holder(component_ref) is None:
+        part = self.holding.part_of(component_ref)
+        if self.holding.holder_of(part) in (None, taker):
             return self.request(component_ref, taker, now)
-        if self.holding.is_held(component_ref, taker):
+        changes = self._moves.hand_over(part, taker, now, Why.TAKEN, component_ref)
+        ended = [change for lender in self.loans.forget(part) for change in not_returned(lender, Why.TAKEN)]
+        return [*changes, *ended]
+
+    # Loans.
+
+    def borrow(
+        self, component_ref: str, borrower: object, now: float, seconds: float | None = None, *, for_one: bool = False
+    ) -> list[Change]:
+        """Take a component with its part for a time: then, or when it is given back, its holder has it again.
+
+        A borrower that asks again has it so long from now on. A part that is free is simply held. Whether the caller
+        may do that is not checked here.
+
+        Args:
+            component_ref: the component.
+            borrower: has its part from now on.
+            now: monotonic seconds.
+            seconds: for which it is taken; those of the rules unless given.
+            for_one: whether it goes back as soon as what the borrower has begun there has ended.
+
+        Raises:
+            OutOfResources: there is no epoch left.
+        """
+        part = self.holding.part_of(component_ref)
+        holder = self.holding.holder_of(part)
+        loan = Loan(now + (self.rules.loan if seconds is None else seconds), for_one)
+        if holder is None:
+            return self.request(component_ref, borrower, now)
+        if holder is not borrower:
+            return self._moves.lend(part, borrower, now, loan, component_ref)
+        changes = self.request(component_ref, borrower, now)
+        if self.loans.of(part) is None:
+            return changes
+        self.loans.extend(part, loan)
+        return [*changes, *self._moves.queued(part)]
+
+    def finish(self, component_ref: str, holder: object, now: float) -> list[Change]:
+        """Note that all has ended that a holder had begun on a part: one that was taken for no more goes back."""
+        part = self.holding.part_of(component_ref)
+        loan = self.loans.of(part)
+        if loan is None or not loan.for_one or self.holding.holder_of(part) is not holder:
             return []
-        return self._hand_over(component_ref, taker, now, Why.TAKEN)
+        return self._moves.free(part, now, Why.DUE)
+
+    def _end_loans(self, now: float) -> list[Change]:
+        changes: list[Change] = []
+        while True:
+            lenders, parts = self.loans.due(now)
+            if not lenders and not parts:
+                return changes
+            for part, lender in lenders:
+                self.loans.remove(part, lender)
+                changes += [*not_returned(lender, Why.DUE), *self._moves.queued(part)]
+            for part in parts:
+                changes += self._moves.free(part, now, Why.DUE)
 
     # A lost connection.
 
@@ -193,11 +301,14 @@ class LeaseModel:
         return self._tokens.issue(holder, subject)
 
     def lose(self, holder: object, now: float) -> list[Change]:
-        """Note that a connection was lost: what a session with a token holds is kept for the grace."""
+        """Note that a connection was lost: what a session with a token holds is kept for the grace, but no loan is."""
         if not self._tokens.has_one(holder):
             return self.leave(holder, now)
         self.absent[holder] = now + self.rules.grace
-        return [*self._withdraw_all(holder), *(Queued(ref) for ref in self.holding.held_by(holder))]
+        changes = self._withdraw_all(holder)
+        for part in self.holding.parts_of(holder):
+            changes += self._moves.queued(part) if self.loans.of(part) is None else self._moves.free(part, now, Why.DUE)
+        return changes
 
     def resume(self, token: str, subject: str, successor: object, now: float) -> tuple[object, list[Change]]:
         """Let a new session hold what another one held; return which that was.
@@ -236,22 +347,29 @@ class LeaseModel:
             OutOfResources: there is no epoch left.
         """
         was_lost, held = former in self.absent, self.holding.held_by(former)
-        begun = {} if was_lost else {component_ref: self.holding.next_epoch(component_ref) for component_ref in held}
+        parts = self.holding.parts_of(former)
+        refs = () if was_lost else [ref for part in parts for ref in self.holding.held_of(part)]
+        begun = {ref: self.holding.next_epoch(ref) for ref in refs}
         self._tokens.succeed(former, successor)
         self.absent.pop(former, None)
         changes = self._withdraw_all(former)
-        for component_ref, epoch in held.items():
-            request = self.waiting.find(component_ref, successor)
+        for part, lender in self.loans.of_lender(former):
+            lender.holder = successor
+            changes += self._moves.queued(part)
+        for part in parts:
+            request = self.waiting.find(part, successor)
             if request is not None:
                 self.waiting.remove(request)
-            if was_lost:
-                self.holding.succeed(component_ref, successor)
-            else:
-                gained = self.holding.move(component_ref, successor, begun[component_ref])
-                changes.append(Lost(component_ref, former, epoch, Why.RESUMED))
-                changes.append(Gained(component_ref, successor, gained, Why.RESUMED))
-            queue = self.waiting.queue(component_ref)
-            changes.append(Queued(component_ref))
+            for component_ref in self.holding.held_of(part):
+                if was_lost:
+                    self.holding.succeed(component_ref, successor)
+                else:
+                    is_implied = self.holding.is_implied(component_ref)
+                    gained = self.holding.move(component_ref, successor, begun[component_ref], is_implied=is_implied)
+                    changes.append(Lost(component_ref, former, held[component_ref], Why.RESUMED))
+                    changes.append(Gained(component_ref, successor, gained, Why.RESUMED))
+            changes += self._moves.queued(part)
+            queue = self.waiting.queue(part)
             changes += [Asked(request, successor) for request in queue if request.deadline is not None]
         return changes
 
@@ -269,7 +387,8 @@ class LeaseModel:
         Raises:
             OutOfResources: there is no epoch for it.
         """
-        if self.rules.grace <= 0 or self.holding.holder(component_ref) is not None:
+        other = self.holding.holder_of(self.holding.part_of(component_ref))
+        if self.rules.grace <= 0 or other not in (None, holder) or self.holding.holder(component_ref) is not None:
             return []
         self.holding.move(component_ref, holder)
         if not self._tokens.has_one(holder):
@@ -278,10 +397,11 @@ class LeaseModel:
         return [Queued(component_ref)]
 
     def advance(self, now: float) -> list[Change]:
-        """Do what is due: graces that are over, and answers that did not come."""
+        """Do what is due: graces and loans that are over, and answers that did not come."""
         changes: list[Change] = []
         for holder in [holder for holder, until in self.absent.items() if until <= now]:
             changes += self.leave(holder, now, Why.EXPIRED)
+        changes += self._end_loans(now)
         for request in self.waiting.unanswered():
             if request.deadline is not None and request.deadline <= now:
                 request.deadline = None
@@ -290,47 +410,11 @@ class LeaseModel:
 
     # How it is done.
 
-    def _held(self, component_ref: str) -> tuple[object, int]:
-        held = self.holding.holder(component_ref)
-        assert held is not None, "a free component has no queue"
-        return held
-
     def _asked(self, request_id: str, holder: object) -> Request:
         request = self.waiting.get(request_id)
-        if request is None or not self.holding.is_held(request.component_ref, holder):
+        if request is None or self.holding.holder_of(request.part) is not holder:
             raise Unsupported(f"there is no request {request_id[:200]!r}")
         return request
 
-    def _hand_over(self, component_ref: str, successor: object, now: float, why: Why) -> list[Change]:
-        held = self._held(component_ref)
-        epoch = self.holding.move(component_ref, successor)
-        request = self.waiting.find(component_ref, successor)
-        if request is not None:
-            self.waiting.remove(request)
-        changes: list[Change] = [Lost(component_ref, held[0], held[1], why)]
-        return [*changes, Gained(component_ref, successor, epoch, why), *self._ask_again(component_ref, now)]
-
-    def _ask_again(self, component_ref: str, now: float) -> list[Change]:
-        """Ask a new holder what the former one was asked."""
-        queue = self.waiting.queue(component_ref)
-        holder, _ = self._held(component_ref)
-        for request in queue:
-            request.deadline = now + self.rules.patience
-        return [*(Asked(request, holder) for request in queue), Queued(component_ref)]
-
-    def _decline_all(self, queue: Iterable[Request], problem: str = "") -> list[Change]:
-        """End the waiting for a component: it is gone, unless there is another problem."""
-        changes: list[Change] = []
-        for request in queue:
-            self.waiting.remove(request)
-            changes.append(Declined(request, in_time=True, gone=not problem, problem=problem))
-        return changes
-
     def _withdraw_all(self, asker: object) -> list[Change]:
-        return [change for request in self.waiting.of(asker) for change in self._withdraw(request)]
-
-    def _withdraw(self, request: Request) -> list[Change]:
-        held = self.holding.holder(request.component_ref)
-        assert held is not None
-        self.waiting.remove(request)
-        return [Withdrawn(request, held[0]), Queued(request.component_ref)]
+        return [change for request in self.waiting.of(asker) for change in self._moves.withdraw(request)]

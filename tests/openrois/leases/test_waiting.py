@@ -6,7 +6,7 @@ from openrois.leases.waiting import Request, Waiting
 def test_first_come_first_in_line() -> None:
     waiting = Waiting()
     assert waiting.count() == 0
-    ann, bob = Request("1", "r/lamp", "ann", None), Request("2", "r/lamp", "bob", 5.0)
+    ann, bob = Request("1", "r/lamp", "r/lamp", "ann", None), Request("2", "r/lamp", "r/lamp", "bob", 5.0)
     waiting.add(ann)
     waiting.add(bob)
     assert waiting.queue("r/lamp") == (ann, bob)

@@ -1,0 +1,30 @@
+"""The parts of a body: components that one session holds at a time, and that change hands together. Pure."""
+
+from collections.abc import Collection
+from typing import Protocol
+
+__all__ = ["LoneComponents", "Parts"]
+
+
+class Parts(Protocol):
+    """Which components belong together. A component that belongs to no part is one by itself."""
+
+    def part_of(self, component_ref: str) -> str:
+        """Return the name of the part of a component: the same text for all of its components, and for no others."""
+        ...
+
+    def members(self, part: str, holder: object) -> Collection[str]:
+        """Return the components of a part that `holder` can hold."""
+        ...
+
+
+class LoneComponents:
+    """Components that belong to no part."""
+
+    def part_of(self, component_ref: str) -> str:
+        """Return the component itself."""
+        return component_ref
+
+    def members(self, part: str, holder: object) -> Collection[str]:
+        """Return the one component that the part is."""
+        return (part,)
