@@ -66,6 +66,8 @@ ALLOWED: Final[Mapping[str, frozenset[Role]]] = MappingProxyType(
         "openrois.lease.leave": _OPERATORS,
         "openrois.lease.grant": _OPERATORS,
         "openrois.lease.decline": _OPERATORS,
+        "openrois.lease.borrow": _OPERATORS,
+        "openrois.lease.give_back": _OPERATORS,
         "openrois.lease.take": frozenset({Role.ADMINISTRATOR}),
         "openrois.lease.token": _OPERATORS,
         "openrois.lease.resume": _OPERATORS,

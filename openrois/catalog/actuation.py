@@ -115,6 +115,7 @@ SPEECH_SYNTHESIS: Final = ComponentType(
     description="Speaks a text; `start` is completed when it has been spoken.",
     source="SpeechSynthesis.xml",
     function=ComponentFunction.ACTUATION,
+    part="voice",
     queries=(
         QueryType("synthesizable_languages", "Ask which languages it speaks.", SynthesizableLanguagesResult),
         QueryType("available_voices", "Ask which voices it has.", AvailableVoicesResult),
@@ -129,6 +130,7 @@ REACTION: Final = ComponentType(
     description="Plays a reaction, such as a nod.",
     source="Reaction.xml",
     function=ComponentFunction.ACTUATION,
+    part="gesture",
     queries=(QueryType("available_reactions", "Ask which reactions it can play.", AvailableReactionsResult),),
     parameters=ReactionParameters,
     includes=(ROIS_COMMON,),
@@ -140,6 +142,7 @@ NAVIGATION: Final = ComponentType(
     description="Goes to a place; `start` is completed at the last position.",
     source="Navigation.xml",
     function=ComponentFunction.ACTUATION,
+    part="legs",
     events=(EventType("reached_target", "A position of the route was reached.", ReachedTarget),),
     parameters=NavigationParameters,
     includes=(ROIS_COMMON,),
@@ -151,6 +154,7 @@ FOLLOW: Final = ComponentType(
     description="Follows a person or thing until it is stopped.",
     source="Follow.xml",
     function=ComponentFunction.ACTUATION,
+    part="legs",
     parameters=FollowParameters,
     includes=(ROIS_COMMON,),
 )
@@ -161,6 +165,7 @@ MOVE: Final = ComponentType(
     description="Makes a motion; `start` is completed at its end.",
     source="Move.xml",
     function=ComponentFunction.ACTUATION,
+    part="legs",
     parameters=MoveParameters,
     includes=(ROIS_COMMON,),
 )

@@ -74,6 +74,7 @@ class ComponentType:
         description: one sentence.
         source: the file that defines it.
         function: its class in the ontology; an actuation has to be bound before it is operated.
+        part: of the body that it is or moves; one application holds all of a part, or nothing of it.
         commands, queries, events: its own messages, without those of the types it includes.
         parameters: of the component.
         includes: the types whose messages it has as well.
@@ -93,6 +94,7 @@ class ComponentType:
     includes: tuple["ComponentType", ...] = ()
     authority: str = "OMG"
     spelled_urn: str = ""
+    part: str = ""
 
     @property
     def urn(self) -> str:
@@ -159,6 +161,7 @@ class ComponentType:
             identifier=RoISIdentifier(code=self.spelled_urn or self.code, authority=self.authority),
             name=name,
             function=self.function,
+            part=self.part or None,
             sub_component_profiles=included,
             command_profiles=tuple(command.profile() for command in commands),
             query_profiles=tuple(query.profile() for query in queries),

@@ -21,6 +21,7 @@ from openrois.client.dialling import Dial
 from openrois.client.errors import ConnectionFailed, ConnectionLost
 from openrois.client.feed import Feed
 from openrois.client.notices import (
+    BindingLent,
     BindingLost,
     BindingRestored,
     BodyLost,
@@ -56,6 +57,7 @@ from openrois.jsonrpc.session import RpcError
 __all__ = [
     "Aborted",
     "BadParameter",
+    "BindingLent",
     "BindingLost",
     "BindingRestored",
     "Body",

@@ -166,9 +166,20 @@ class Application:
         notice = control_notice(method, params)
         if notice is None:
             return
-        if isinstance(notice, ControlChanged) and notice.state is LeaseState.HELD:
-            self.bindings.taken(notice.component_ref, notice.reason)
+        if isinstance(notice, ControlChanged):
+            self._note_holder(notice)
         self.handle_notice(notice)
+
+    def _note_holder(self, now: ControlChanged) -> None:
+        match now.state:
+            case LeaseState.MINE:
+                self.bindings.returned(now.component_ref)
+            case LeaseState.FREE:
+                self.bindings.not_returned(now.component_ref)
+            case LeaseState.HELD if now.return_position:
+                self.bindings.lent(now.component_ref, now.holder, now.return_in)
+            case LeaseState.HELD:
+                self.bindings.taken(now.component_ref, now.reason)
 
     def _handle_reason(self, notification: ReasonNotification) -> None:
         line = sentence(notification.reason)

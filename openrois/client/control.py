@@ -21,6 +21,7 @@ from openrois.client.rpc_call import read_message
 from openrois.errors import OutOfResources, RoISError
 from openrois.jsonrpc.session import RpcError
 from openrois.types.leases import (
+    LeaseBorrowParams,
     LeaseChangedNotification,
     LeaseDeclinedNotification,
     LeaseParams,
@@ -31,6 +32,7 @@ from openrois.types.leases import (
     LeaseState,
     LeaseStatus,
     LeaseWithdrawnNotification,
+    LoanEnd,
     StopAllParams,
     StopAllResult,
 )
@@ -151,6 +153,42 @@ class Control:
         await self._connection.act("openrois.lease.take", _params(component_ref), LeaseResult)
         self._bindings.use(component_ref)
 
+    async def borrow(
+        self, component_ref: str, *, seconds: float | None = None, for_one_command: bool = False
+    ) -> LeaseStatus:
+        """Take a component with its part for a time from an application of lower rank, which has it back afterwards.
+
+        What runs there ends with ABORT. A free component is simply bound. Borrow it again to have it for longer, and
+        give it back (`give_back`) as soon as it is not needed.
+
+        Args:
+            component_ref: the component.
+            seconds: for which it is taken; what the gateway is configured for (30 s) unless given.
+            for_one_command: give it back by itself when the next `start` has ended.
+
+        Returns:
+            The lease now.
+
+        Raises:
+            OutOfResources: its holder is not of lower rank: request it instead.
+            Unsupported: there is no such component, or the gateway knows no loans.
+        """
+        duration = None if seconds is None else round(seconds / _MILLISECOND)
+        ends_with = LoanEnd.COMMAND if for_one_command else LoanEnd.TIME
+        params = LeaseBorrowParams(component_ref=component_ref, duration_ms=duration, ends_with=ends_with)
+        lease = (await self._connection.act("openrois.lease.borrow", params, LeaseResult)).lease
+        self._bindings.use(component_ref)
+        return lease or LeaseStatus()
+
+    async def give_back(self, component_ref: str) -> None:
+        """Release all of the part of a component: an application from which it was taken for a time has it back.
+
+        Raises:
+            Unsupported: there is no such component.
+        """
+        await self._connection.act("openrois.lease.give_back", _params(component_ref), ReturnResult)
+        self._bindings.gave_back(component_ref)
+
     async def stop_all(self, engine_id: str | None = None, *, component_ref: str | None = None) -> tuple[str, ...]:
         """Stop everything that acts on an engine, and return which components have stopped.
 
@@ -183,7 +221,18 @@ def control_notice(method: str, params: dict[str, Any]) -> Notice | None:
     match method:
         case LeaseChangedNotification.method:
             now = read_message(LeaseChangedNotification, params)
-            return ControlChanged(now.component_ref, now.state, now.holder, now.waiting, now.position, now.reason)
+            return ControlChanged(
+                now.component_ref,
+                now.state,
+                now.holder,
+                now.waiting,
+                now.position,
+                now.reason,
+                now.part,
+                now.lender,
+                now.return_ms * _MILLISECOND,
+                now.return_position,
+            )
         case LeaseRequestedNotification.method:
             asked = read_message(LeaseRequestedNotification, params)
             return ControlRequested(

@@ -7,6 +7,7 @@ from openrois.types.codes import ErrorType
 from openrois.types.leases import LeaseState
 
 __all__ = [
+    "BindingLent",
     "BindingLost",
     "BindingRestored",
     "BodyLost",
@@ -89,6 +90,23 @@ class BindingLost(Notice):
 
 
 @dataclass(frozen=True, slots=True)
+class BindingLent(Notice):
+    """An application of higher rank has taken a component that was bound; it comes back: `BindingRestored`.
+
+    What ran there ends with ABORT, and commands are refused meanwhile. If it does not come back `BindingLost` follows.
+
+    Attributes:
+        component_ref: the component.
+        holder: the subject of the application that has it.
+        seconds: after which it comes back at the latest, unless it is taken for longer.
+    """
+
+    component_ref: str
+    holder: str
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
 class BindingRestored(Notice):
     """A component is bound again. This connection started none of the commands that run there.
 
@@ -127,6 +145,10 @@ class ControlChanged(Notice):
         waiting: how many wait for it.
         position: of this application among them, from 1 on; 0 where it does not wait.
         reason: one sentence.
+        part: of the body, with which it changes hands; empty where it is one by itself.
+        lender: the subject from which its holder has it for a time; empty where it has it in its own right.
+        return_in: seconds until it goes back to that; 0 where it does not.
+        return_position: of this application among those that it goes back to, the next one 1; 0 where it is none.
     """
 
     component_ref: str
@@ -135,6 +157,10 @@ class ControlChanged(Notice):
     waiting: int
     position: int
     reason: str
+    part: str = ""
+    lender: str = ""
+    return_in: float = 0.0
+    return_position: int = 0
 
 
 @dataclass(frozen=True, slots=True)

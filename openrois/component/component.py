@@ -62,6 +62,8 @@ class Component:
         code: the code of the type; the class's name unless given. A subclass is of the same type unless it says so.
         authority: defines the type.
         function: actuation, sensing or function: an actuation has to be bound before it is operated.
+        part: of the body that it is or moves, such as `legs` or `voice`: of an engine's components that name the same
+            one application has all, or none. Empty for a component by itself.
         implements: a type of the catalog; messages that have its names have to fit it.
         omit: events and parameters of that type that the class does without.
 
@@ -93,12 +95,13 @@ class Component:
         code: str = "",
         authority: str = "",
         function: ComponentFunction | Literal["actuation", "sensing", "function"] | None = None,
+        part: str | None = None,
         implements: ComponentType | None = None,
         omit: Collection[str] = (),
         **more: Any,
     ) -> None:
         super().__init_subclass__(**more)
-        cls.__kind = own_type(cls, implements or cls.__kind, code, authority, function)
+        cls.__kind = own_type(cls, implements or cls.__kind, code, authority, function, part)
         cls.__omitted = cls.__omitted | set(omit)
         cls.__authored = read_class(cls, cls.__kind, _RESERVED, cls.__omitted)
         cls.component_type = cls.__authored.component_type

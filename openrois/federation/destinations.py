@@ -21,6 +21,8 @@ OF_ENGINE: Final[Mapping[str, str]] = {
             "openrois.lease.request",
             "openrois.lease.leave",
             "openrois.lease.take",
+            "openrois.lease.borrow",
+            "openrois.lease.give_back",
         ),
         "component_ref",
     ),

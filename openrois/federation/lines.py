@@ -8,7 +8,7 @@ from weakref import WeakKeyDictionary, WeakValueDictionary
 
 from openrois.auth.principal import Principal, Role
 from openrois.errors import RoISError, Unsupported
-from openrois.leases.changes import Change, Gained, Lost, Why
+from openrois.leases.changes import Change, Gained, Lost, NotReturned, Why
 from openrois.resumption.holdings_writer import HoldingsWriter
 from openrois.resumption.lines import Freed, Held, Holding
 from openrois.scope.revocation import Entitlements
@@ -91,11 +91,20 @@ class Lines:
     # What is held.
 
     def _note_change(self, change: Change) -> None:
-        """Write a change of holders; that of a component that has gone is kept: it may come to another gateway."""
+        """Write a change of holders; that of a component that has gone is kept: it may come to another gateway.
+
+        What was taken for a time stays its lender's there: no loan outlives its gateway.
+        """
         match change:
+            case Gained(_, _, _, _, True) | Lost(_, _, _, _, True) | Lost(_, _, _, Why.GONE | Why.LENT):
+                pass
             case Gained(component_ref, holder, epoch, _) if (line := self._lines.get(_session(holder))) is not None:
                 self._writer.note(Held(component_ref, engine_of(component_ref), line.line_id, epoch))
-            case Lost(component_ref, holder, epoch, why) if why is not Why.GONE and _session(holder) in self._lines:
+            case Lost(component_ref, holder, epoch, _) if _session(holder) in self._lines:
+                self._writer.note(Freed(component_ref, epoch))
+            case NotReturned(component_ref, lender, epoch, why) if (
+                why is not Why.GONE and _session(lender) in self._lines
+            ):
                 self._writer.note(Freed(component_ref, epoch))
             case _:
                 pass

@@ -107,7 +107,7 @@ class Resumption:
             return await self._routes.local[_RESUME](params)
         routes, app = self._routes, self._routes.app
         app.extended = app.leasing = True
-        if app.host.leases.model.holding.held_by(app) or app.commands.unfinished or routes.work.running:
+        if app.host.leases.model.has_any(app) or app.commands.unfinished or routes.work.running:
             raise BadParameter("resume before binding or executing anything that acts")
         line = await self._redeem(asked.token)
         self._belong_to(line)

@@ -180,6 +180,7 @@ async def _refresh(host: EngineHost, proxy: RemoteProxy, changed: asyncio.Event)
         changed.set()
         return
     host.leases.end_all(gone)
+    host.leases.end_moved(proxy.engine_ids)
     host.stops.detach(before.difference(proxy.engine_ids), proxy.identity.instance)
     _note_identity(host, proxy)
 

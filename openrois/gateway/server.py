@@ -125,7 +125,7 @@ async def run_gateway(
             ice_ttl=ice.ttl,
             audit=audit,
             journal=journal,
-            lease_rules=Rules(settings.lease_grace, settings.lease_answer),
+            lease_rules=Rules(settings.lease_grace, settings.lease_answer, settings.lease_loan),
             # Greater than those of a process before this one, as long as the wall clock is not set back.
             epochs=CountedEpochs(round(time.time() * 1000)) if parts is None else parts.epochs,
             unread=UnreadBudget(settings.unread),

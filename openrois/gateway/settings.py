@@ -14,8 +14,9 @@ from openrois.gateway.stalling import STALL_TIMEOUT
 from openrois.http_limits.header_timeout import MAX_SILENT, MAX_SILENT_PER_ADDRESS
 from openrois.jsonrpc.session import CALL_TIMEOUT
 from openrois.jsonrpc.unread import MAX_UNREAD
-from openrois.leases.model import GRACE, PATIENCE
+from openrois.leases.model import GRACE, LOAN, PATIENCE
 from openrois.metrics.server import metrics_address
+from openrois.types.leases import MAX_LOAN_MS
 from openrois.types.references import flaw_of_name
 
 __all__ = ["GROUPS", "SECRET_LENGTH", "GatewaySettings"]
@@ -113,10 +114,15 @@ class Leases(SettingsGroup):
         PATIENCE, "seconds that a holder has to answer who asks for its component", metavar="SECONDS"
     )
 
+    lease_loan: float = setting(
+        LOAN, "seconds for which a part is taken from a holder of lower rank", metavar="SECONDS"
+    )
+
     @model_validator(mode="after")
     def _check_leases(self) -> Self:
         require_between("--lease-grace", self.lease_grace, 0, 30, "seconds")
         require_between("--lease-answer", self.lease_answer, 1, 3600, "seconds")
+        require_between("--lease-loan", self.lease_loan, 1, MAX_LOAN_MS / 1000, "seconds")
         return self
 
 

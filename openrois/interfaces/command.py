@@ -187,7 +187,7 @@ class _Commands:
         if not known:
             raise Unsupported(f"{unit.component_ref} has no command {unit.command_type[:200]!r}")
         if profile.function is ComponentFunction.ACTUATION and not self._app.may_operate(unit.component_ref):
-            raise OutOfResources(f"{unit.component_ref} has to be bound first")
+            raise OutOfResources(self._app.host.leases.why_not(unit.component_ref, self._app))
         if unit.command_type != "stop":
             self._app.host.require_staying()
             if reason := _reason_to_wait(self._app, unit, profile):
@@ -273,6 +273,8 @@ class _Commands:
         command = self._accepted.pop(unit.command_id, None)
         if command is not None:
             self._app.host.pending.remove(command)
+            if command.starts:
+                self._app.host.leases.finish(unit.component_ref, self._app.present())
             self._sequences.pop(unit.command_id).leave()
         self._app.commands.finish(unit.command_id, results, status, reason)
         self._app.host.journal.ended(self._app.client_id, unit.command_id, status, reason, results)

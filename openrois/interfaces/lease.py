@@ -8,17 +8,20 @@ from openrois.interfaces import command
 from openrois.interfaces.operation import shared_operation
 from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
 from openrois.jsonrpc.session import Reply
+from openrois.leases.lease_notifications import session_of
 from openrois.leases.model import Replayed
 from openrois.scope.revocation import Entitlements
 from openrois.session.session import ApplicationSession
 from openrois.types.codes import ComponentFunction
 from openrois.types.leases import (
     Lease,
+    LeaseBorrowParams,
     LeaseParams,
     LeaseRequestParams,
     LeaseRequestResult,
     LeaseResult,
     LeaseTokenResult,
+    LoanEnd,
     ResumeParams,
     ResumeResult,
 )
@@ -26,13 +29,15 @@ from openrois.types.messages import NoParams, ReturnResult
 
 __all__ = ["held_leases", "methods", "tell_missed"]
 
+_MILLISECOND: Final = 0.001
 _PUT_OUT: Final = "in the place of a connection that was not known to be lost"
 
 
 def held_leases(app: ApplicationSession) -> tuple[Lease, ...]:
-    """Return what a session holds."""
-    held = app.host.leases.model.holding.held_by(app)
-    return tuple(Lease(component_ref=ref, epoch=epoch) for ref, epoch in held.items())
+    """Return what a session holds and has named."""
+    holding = app.host.leases.model.holding
+    held = holding.held_by(app).items()
+    return tuple(Lease(component_ref=ref, epoch=epoch) for ref, epoch in held if not holding.is_implied(ref))
 
 
 def tell_missed(app: ApplicationSession, command_ids: Iterable[str]) -> None:
@@ -99,11 +104,47 @@ class _Leases:
         await self._keeper.take(params.component_ref, self.app)
         return LeaseResult(lease=self._keeper.notifications.status(params.component_ref, self.app))
 
+    async def borrow(self, params: LeaseBorrowParams) -> LeaseResult:
+        component_ref = params.component_ref
+        self._require_leased(component_ref)
+        self._require_room(component_ref)
+        self._require_rank(component_ref)
+        self._keeper.notifications.watch(component_ref, self.app)
+        self.app.host.audit.require()
+        seconds = None if params.duration_ms is None else params.duration_ms * _MILLISECOND
+        self._acted("openrois.lease.borrow", component_ref)
+        for_one = params.ends_with is LoanEnd.COMMAND
+        await self._keeper.borrow(component_ref, self.app, seconds, for_one=for_one)
+        return LeaseResult(lease=self._keeper.notifications.status(component_ref, self.app))
+
+    def _require_rank(self, component_ref: str) -> None:
+        """Do nothing where the component is free, the application's own, or held by one of lower rank.
+
+        Raises:
+            OutOfResources: its holder is not of lower rank.
+        """
+        holding = self._keeper.model.holding
+        holder = holding.holder_of(holding.part_of(component_ref))
+        if holder is None or holder is self.app:
+            return
+        held_by = session_of(holder).principal
+        if not self.app.host.ranks.is_above(self.app.principal, held_by):
+            raise OutOfResources(
+                f"{component_ref} is held by {held_by.subject}, which is not of lower rank than this application:"
+                " request it instead"
+            )
+
+    async def give_back(self, params: LeaseParams) -> ReturnResult:
+        self._require_leased(params.component_ref)
+        self._keeper.hand_back(params.component_ref, self.app)
+        self._acted("openrois.lease.give_back", params.component_ref)
+        return ReturnResult()
+
     async def token(self, _params: NoParams) -> LeaseTokenResult:
         return LeaseTokenResult(token=self._keeper.token(self.app), grace_ms=self._grace_ms)
 
     async def resume(self, params: ResumeParams) -> Reply:
-        if self._keeper.model.holding.held_by(self.app) or self.app.commands.unfinished:
+        if self._keeper.model.has_any(self.app) or self.app.commands.unfinished:
             raise BadParameter("resume before binding or executing anything that acts")
         try:
             former = self._keeper.resume(params.token, self.app)
@@ -151,6 +192,8 @@ _OPERATIONS: Final[Mapping[str, SharedMethod]] = {
     "openrois.lease.grant": shared_operation(LeaseRequestParams, ReturnResult, _Leases.grant),
     "openrois.lease.decline": shared_operation(LeaseRequestParams, ReturnResult, _Leases.decline),
     "openrois.lease.take": shared_operation(LeaseParams, LeaseResult, _Leases.take),
+    "openrois.lease.borrow": shared_operation(LeaseBorrowParams, LeaseResult, _Leases.borrow),
+    "openrois.lease.give_back": shared_operation(LeaseParams, ReturnResult, _Leases.give_back),
     "openrois.lease.token": shared_operation(NoParams, LeaseTokenResult, _Leases.token),
     "openrois.lease.resume": shared_operation(ResumeParams, ResumeResult, _Leases.resume),
 }

@@ -35,22 +35,24 @@ class Why(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """A component is held no more. `epoch` is the one that is over."""
+    """A component is held no more. `epoch` is the one that is over; `on_loan` says whether it was for a time only."""
 
     component_ref: str
     holder: object
     epoch: int
     why: Why
+    on_loan: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Gained:
-    """An application holds a component from now on."""
+    """An application holds a component from now on; `on_loan` says whether for a time only."""
 
     component_ref: str
     holder: object
     epoch: int
     why: Why
+    on_loan: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,10 +94,11 @@ class Queued:
 
 @dataclass(frozen=True, slots=True)
 class NotReturned:
-    """A component that was taken for a time from a session does not come back to it."""
+    """A component that was taken for a time from a session in an epoch does not come back to it."""
 
     component_ref: str
     lender: object
+    epoch: int
     why: Why
 
 

@@ -1,6 +1,6 @@
 """Holders of components: bind is exclusive, per session, and needed for actuation components only. Pure."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from openrois.errors import OutOfResources
 from openrois.leases.epochs import CountedEpochs, Epochs
@@ -60,9 +60,7 @@ class Holding:
         """
         return self._epochs.next(component_ref)
 
-    def move(
-        self, component_ref: str, holder: object, epoch: int | None = None, *, is_implied: bool = False
-    ) -> int:
+    def move(self, component_ref: str, holder: object, epoch: int | None = None, *, is_implied: bool = False) -> int:
         """Make `holder` the only holder of a component; return the epoch that begins.
 
         Args:
@@ -125,6 +123,10 @@ class Holding:
     def holder_of(self, part: str) -> object | None:
         """Return the session that holds a part, or some of it; None where it is free."""
         return next((self._held[ref][0] for ref in self._of_part.get(part, ())), None)
+
+    def moved(self, component_refs: Iterable[str]) -> list[str]:
+        """Return those of some components that are held, and belong to another part by now."""
+        return [ref for ref in component_refs if ref in self._parts and self._parts[ref] != self._part_of(ref)]
 
     def parts_of(self, holder: object) -> tuple[str, ...]:
         """Return the parts of which `holder` holds something."""

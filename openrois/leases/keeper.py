@@ -13,10 +13,12 @@ from openrois.commands.stop import stop_components
 from openrois.commands.stop_latch import StopLatch
 from openrois.engine.engine import Engine
 from openrois.leases.alarm import Alarm
-from openrois.leases.changes import Change, Gained, Lost, Queued, Why
+from openrois.leases.body_parts import BodyParts
+from openrois.leases.changes import Change, Gained, Lost, NotReturned, Queued, Why
 from openrois.leases.epochs import Epochs
 from openrois.leases.lease_notifications import SENTENCES, Holder, LeaseNotifications, session_of
 from openrois.leases.model import LeaseModel, Replayed, Rules
+from openrois.types.references import engine_of
 
 __all__ = ["LeaseKeeper"]
 
@@ -25,7 +27,8 @@ def _ignore(_change: Change) -> None:
     """Stand in where changes are of no interest."""
 
 
-_HANDED: Final = frozenset({Why.GRANTED, Why.TAKEN})
+_HANDED: Final = frozenset({Why.GRANTED, Why.TAKEN, Why.LENT, Why.DUE, Why.RETURNED})
+"""Reasons with which what the former holder has begun is stopped before the new one can operate."""
 
 
 class LeaseKeeper:
@@ -71,13 +74,13 @@ class LeaseKeeper:
         self.on_change: Callable[[Change], None] = _ignore
         self._acted = acted
         self._on_lost = on_lost
-        self.model = LeaseModel(rules, epochs)
+        self._latch = StopLatch() if latch is None else latch
+        self._ranks = ranks or Ranks()
+        self.model = LeaseModel(rules, epochs, parts=BodyParts(engine), may_return=self._may_return)
         self._engine = engine
         self._tasks = tasks
         self._pending = pending
-        self.notifications = LeaseNotifications(
-            self.model, engine, tasks, clock, StopLatch() if latch is None else latch, ranks or Ranks()
-        )
+        self.notifications = LeaseNotifications(self.model, engine, tasks, clock, self._latch, self._ranks)
         self._clearing: dict[str, asyncio.Task[None]] = {}
         self._alarm = Alarm(self._advance, tasks, clock, sleep)
         self._now = clock
@@ -90,6 +93,16 @@ class LeaseKeeper:
         """Tell whether the component has a holder other than `holder`."""
         return self.model.holding.is_held_by_another(component_ref, holder)
 
+    def why_not(self, component_ref: str, holder: Holder) -> str:
+        """Return why `holder` may not operate a component, as a sentence that says what to do."""
+        if self.model.loans.find(self.model.holding.part_of(component_ref), holder) is None:
+            return f"{component_ref} has to be bound first"
+        lease = self.notifications.status(component_ref, holder)
+        seconds = lease.return_ms / 1000
+        return (
+            f"{component_ref} was taken for a time by {lease.holder}, and comes back in {seconds:.0f} s at the latest"
+        )
+
     def bind(self, component_ref: str, holder: Holder) -> int:
         """Reserve a component and return the epoch; its adapter is notified, also when `holder` has it already.
 
@@ -99,14 +112,22 @@ class LeaseKeeper:
         is_new = self.model.holding.holder(component_ref) is None
         epoch = self.model.holding.bind(component_ref, holder)
         if is_new:
-            self._carry([Gained(component_ref, holder, epoch, Why.BOUND)], by=holder)
+            self._carry([Gained(component_ref, holder, epoch, Why.BOUND)], (holder, component_ref))
         else:
             self.notifications.adapter(component_ref, holder, epoch, holds=True)
         return epoch
 
     def release(self, component_ref: str, holder: Holder) -> None:
-        """Release a component, if `holder` has it: the first in the queue has it next."""
-        self._carry(self.model.release(component_ref, holder, self._now()), by=holder)
+        """Release a component, if `holder` has it: its last lender, or else the first in the queue, has it next."""
+        self._carry(self.model.release(component_ref, holder, self._now()), (holder, component_ref))
+
+    def hand_back(self, component_ref: str, holder: Holder) -> None:
+        """Release all of the part of a component, if `holder` has it."""
+        self._carry(self.model.hand_back(component_ref, holder, self._now()), (holder, component_ref))
+
+    def finish(self, component_ref: str, holder: Holder) -> None:
+        """Note that what a holder has started has ended: a part that was taken for no more goes back."""
+        self._carry(self.model.finish(component_ref, holder, self._now()))
 
     def leave(self, holder: Holder) -> None:
         """Release everything, and withdraw every request. The adapters learn that from `forget_client`."""
@@ -120,7 +141,12 @@ class LeaseKeeper:
 
     def end_all(self, component_refs: Iterable[str]) -> None:
         """End the leases of components that are no longer there."""
-        self._carry(self.model.end_all(component_refs))
+        self._carry(self.model.end_all(component_refs, self._now()))
+
+    def end_moved(self, engine_ids: Iterable[str]) -> None:
+        """End the leases of components that belong to another part now than when they were bound."""
+        refs = [ref for engine_id in engine_ids for ref in self._engine.acting_of(engine_id)]
+        self.end_all(self.model.holding.moved(refs))
 
     def request(self, component_ref: str, asker: Holder) -> str:
         """Request a component; return the id of the request, or empty text where no holder has to be asked.
@@ -128,17 +154,21 @@ class LeaseKeeper:
         Raises:
             OutOfResources: too many wait for it.
         """
-        self._carry(self.model.request(component_ref, asker, self._now()), by=asker)
-        request = self.model.waiting.find(component_ref, asker)
+        self._carry(self.model.request(component_ref, asker, self._now()), (asker, component_ref))
+        request = self.model.waiting.find(self.model.holding.part_of(component_ref), asker)
         return "" if request is None else request.request_id
 
     def withdraw(self, component_ref: str, asker: Holder) -> None:
         """Withdraw the request for a component."""
-        self._carry(self.model.withdraw(component_ref, asker), by=asker)
+        self._carry(self.model.withdraw(component_ref, asker), (asker, component_ref))
 
     def waited_for(self, asker: Holder) -> list[str]:
         """Return the components that `asker` waits for."""
         return [request.component_ref for request in self.model.waiting.of(asker)]
+
+    def lent_by(self, lender: Holder) -> list[str]:
+        """Return the components that were taken from `lender` for a time."""
+        return [ref for _, place in self.model.loans.of_lender(lender) for ref in place.epochs]
 
     def grant(self, request_id: str, holder: Holder) -> str:
         """Hand the component over once what runs there has been stopped; return which it is.
@@ -149,6 +179,11 @@ class LeaseKeeper:
         changes = self.model.grant(request_id, holder, self._now())
         self._carry(changes)
         return next((change.component_ref for change in changes if isinstance(change, Gained)), "")
+
+    async def borrow(self, component_ref: str, borrower: Holder, seconds: float | None, *, for_one: bool) -> None:
+        """Take a component with its part for a time from a holder of lower rank, once what runs there was stopped."""
+        self._carry(self.model.borrow(component_ref, borrower, self._now(), seconds, for_one=for_one))
+        await self._cleared(component_ref)
 
     def decline(self, request_id: str, holder: Holder) -> None:
         """Keep the component.
@@ -161,10 +196,15 @@ class LeaseKeeper:
     async def take(self, component_ref: str, taker: Holder) -> None:
         """Take a component from its holder, once what runs there has been stopped."""
         self._carry(self.model.take(component_ref, taker, self._now()))
-        clearing = self._clearing.get(component_ref)
-        if clearing is not None:
+        await self._cleared(component_ref)
+
+    async def _cleared(self, component_ref: str) -> None:
+        """Wait until nothing of a former holder runs on the part of a component any more."""
+        held = self.model.holding.held_of(self.model.holding.part_of(component_ref))
+        clearing = {self._clearing[ref] for ref in held if ref in self._clearing}
+        if clearing:
             # The hand-over goes on when the session that takes it is gone meanwhile.
-            await asyncio.wait({clearing})
+            await asyncio.wait(clearing)
 
     def token(self, holder: Holder) -> str:
         """Return the token that resumes the session when its connection is lost.
@@ -208,32 +248,51 @@ class LeaseKeeper:
             successor.bound.add(component_ref)
             if component_ref not in begun:
                 self.notifications.adapter(component_ref, successor, epoch, holds=True)
-        self._carry(changes, by=successor)
+        self._carry(changes, (successor, ""))
 
     # How it is done.
 
-    def _carry(self, changes: list[Change], by: Holder | None = None) -> None:
-        """Carry out changes, and notify all that they concern but the session whose answer contains them."""
-        changed: dict[str, tuple[Holder | None, str]] = {}
+    def _may_return(self, lender: object, part: str) -> bool:
+        """Tell whether what was lent may come back: a person's STOP keeps it from programs."""
+        is_stopped = bool(self._latch.by(engine_of(part)))
+        return not is_stopped or not self._ranks.is_program(session_of(lender).principal)
+
+    def _carry(self, changes: list[Change], answered: tuple[Holder, str] | None = None) -> None:
+        """Carry out changes, and notify all sessions that they concern.
+
+        Args:
+            changes: in their order.
+            answered: a session whose answer says what has become of one component: of that it is not notified; empty
+                text for of none.
+        """
+        changed: dict[str, tuple[list[Holder], str]] = {}
         for change in changes:
             self.on_change(change)
             match change:
                 case Lost(component_ref, holder, epoch, why):
                     self._lost(component_ref, session_of(holder), epoch, why)
-                    changed[component_ref] = session_of(holder), SENTENCES[why]
+                    changed[component_ref] = [session_of(holder)], SENTENCES[why]
                 case Gained(component_ref, holder, epoch, why):
                     self._gained(component_ref, session_of(holder), epoch, why)
-                    former, _ = changed.get(component_ref, (None, ""))
+                    former, _ = changed.get(component_ref, ([], ""))
                     changed[component_ref] = former, SENTENCES[why]
+                case NotReturned(component_ref, lender, epoch, why):
+                    self._acted(
+                        session_of(lender).principal, "lease.not_returned", component_ref, f"epoch {epoch}: {why}"
+                    )
+                    former, sentence = changed.get(component_ref, ([], SENTENCES[why]))
+                    changed[component_ref] = [*former, session_of(lender)], sentence
                 case Queued(component_ref):
-                    changed.setdefault(component_ref, (None, ""))
+                    changed.setdefault(component_ref, ([], ""))
                 case _:
                     self.notifications.of_request(change)
         for component_ref, (former, sentence) in changed.items():
+            but = answered[0] if answered is not None and answered[1] in ("", component_ref) else None
             if component_ref not in self._clearing:
-                self.notifications.to_all(component_ref, former, sentence, but=by)
-            elif former is not None:
-                self.notifications.say(former, self.notifications.changed(component_ref, former, sentence))
+                self.notifications.to_all(component_ref, former, sentence, but=but)
+            else:
+                for each in former:
+                    self.notifications.say(each, self.notifications.changed(component_ref, each, sentence))
         self._alarm.set(self.model.next_due())
 
     def _lost(self, component_ref: str, holder: Holder, epoch: int, why: Why) -> None:
@@ -269,7 +328,7 @@ class LeaseKeeper:
         if held is not None and component_ref not in self._clearing:
             # It may have resumed meanwhile.
             self.notifications.adapter(component_ref, session_of(held[0]), held[1], holds=True)
-            self.notifications.to_all(component_ref, None, SENTENCES[why])
+            self.notifications.to_all(component_ref, (), SENTENCES[why])
 
     def _advance(self) -> None:
         self._carry(self.model.advance(self._now()))

@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any, Final, Protocol, cast
 
 from openrois.aio.tasks import TaskScope
@@ -14,6 +14,7 @@ from openrois.engine.engine import Engine
 from openrois.errors import RoISError
 from openrois.leases.changes import Asked, Declined, Why, Withdrawn
 from openrois.leases.model import LeaseModel
+from openrois.leases.parts import name_of
 from openrois.types.leases import (
     LeaseChangedNotification,
     LeaseDeclinedNotification,
@@ -45,6 +46,10 @@ SENTENCES: Final[Mapping[Why, str]] = {
     Why.EXPIRED: "its holder's connection was lost and did not come back in time",
     Why.LEFT: "its holder has left",
     Why.GONE: "the component is gone",
+    Why.LENT: "an application of higher rank has taken it for a time",
+    Why.DUE: "the time for which it was taken is over",
+    Why.RETURNED: "it has come back to the application from which it was taken for a time",
+    Why.LATCHED: "it does not come back: STOP holds for this application",
 }
 
 
@@ -100,20 +105,36 @@ class LeaseNotifications:
     def status(self, component_ref: str, viewer: Holder) -> LeaseStatus:
         """Return the lease of a component, as one session sees it."""
         held = self._model.holding.holder(component_ref)
-        queue = self._model.waiting.queue(component_ref)
-        position = next((place for place, request in enumerate(queue, 1) if request.asker is viewer), 0)
-        stopped_by = self._latch.by(engine_of(component_ref))
-        if held is None:
-            return LeaseStatus(component_ref=component_ref, stopped_by=stopped_by)
+        part = self._model.holding.part_of(component_ref)
+        always = {
+            "component_ref": component_ref,
+            "part": name_of(part),
+            "stopped_by": self._latch.by(engine_of(component_ref)),
+        }
+        # To others a component is not free of which the part is held.
+        holder = self._model.holding.holder_of(part)
+        if holder is None or (held is None and holder is viewer):
+            return LeaseStatus(**always)
         return LeaseStatus(
-            component_ref=component_ref,
-            state=self._state(held[0], viewer),
-            holder=session_of(held[0]).principal.subject,
-            epoch=held[1],
-            waiting=len(queue),
-            position=position,
-            stopped_by=stopped_by,
+            **always,
+            state=self._state(holder, viewer),
+            holder=session_of(holder).principal.subject,
+            epoch=0 if held is None else held[1],
+            **self._of_part(part, viewer),
         )
+
+    def _of_part(self, part: str, viewer: Holder) -> dict[str, Any]:
+        """Return what a status says of the queue and of the loan of a part."""
+        askers = [request.asker for request in self._model.waiting.queue(part)]
+        lenders = [lender.holder for lender in reversed(self._model.loans.lenders(part))]
+        loan = self._model.loans.of(part)
+        return {
+            "waiting": len(askers),
+            "position": _place(viewer, askers),
+            "lender": session_of(lenders[0]).principal.subject if lenders else "",
+            "return_position": _place(viewer, lenders),
+            "return_ms": 0 if loan is None else max(0, round((loan.until - self._now()) * 1000)),
+        }
 
     def _state(self, holder: object, viewer: Holder) -> LeaseState:
         if holder is viewer:
@@ -148,9 +169,9 @@ class LeaseNotifications:
             case Withdrawn(_, holder):
                 self.say(session_of(holder), LeaseWithdrawnNotification(**named))
 
-    def to_all(self, component_ref: str, former: Holder | None, reason: str, *, but: Holder | None = None) -> None:
+    def to_all(self, component_ref: str, former: Collection[Holder], reason: str, *, but: Holder | None = None) -> None:
         """Notify every session concerned of the lease of a component."""
-        concerned = self._concerned(component_ref) | ({former} if former is not None else set())
+        concerned = self._concerned(component_ref) | set(former)
         for viewer in concerned - {but}:
             self.say(viewer, self.changed(component_ref, viewer, reason))
 
@@ -162,8 +183,11 @@ class LeaseNotifications:
 
     def _concerned(self, component_ref: str) -> set[Holder]:
         held = self._model.holding.holder(component_ref)
+        part = self._model.holding.part_of(component_ref)
+        queue, lenders = self._model.waiting.queue(part), self._model.loans.lenders(part)
         concerned = set(self._watchers.get(component_ref, ()))
-        concerned |= {session_of(request.asker) for request in self._model.waiting.queue(component_ref)}
+        concerned |= {session_of(request.asker) for request in queue if request.component_ref == component_ref}
+        concerned |= {session_of(lender.holder) for lender in lenders if component_ref in lender.epochs}
         return concerned if held is None else concerned | {session_of(held[0])}
 
     def changed(self, component_ref: str, viewer: Holder, reason: str) -> LeaseChangedNotification:
@@ -190,6 +214,11 @@ class LeaseNotifications:
             self._watchers[component_ref].discard(viewer)
             if not self._watchers[component_ref]:
                 del self._watchers[component_ref]
+
+
+def _place(viewer: object, line: Sequence[object]) -> int:
+    """Return the place of a session in a line, the first one 1; 0 where it is not there."""
+    return next((place for place, each in enumerate(line, 1) if each is viewer), 0)
 
 
 _Told = LeaseChangedNotification | LeaseRequestedNotification | LeaseDeclinedNotification | LeaseWithdrawnNotification

@@ -25,19 +25,19 @@ class Lender:
 
     Attributes:
         holder: the session.
-        component_refs: what comes back to it.
+        epochs: what comes back to it, and in which epoch each component was taken from it.
         named: those of them that it has named; without one the others do not come back either.
         loan: the terms on which it had the part itself; None where it was its own.
     """
 
     holder: object
-    component_refs: tuple[str, ...]
+    epochs: dict[str, int]
     named: tuple[str, ...]
     loan: Loan | None
 
 
 class Loans:
-    """The lenders of each part, the first one first, and the loan of its holder. A part that is not lent has neither."""
+    """The lenders of each part, in their order, and the loan of its holder. A part that is not lent has neither."""
 
     def __init__(self) -> None:
         self._lenders: dict[str, list[Lender]] = {}
@@ -84,7 +84,7 @@ class Loans:
             del self._lenders[part]
 
     def take_back(self, part: str) -> Lender | None:
-        """End the loan of a part's holder, and return the lender that has it next; it holds it on its own terms again."""
+        """End the loan of a part's holder, and return the lender that has it next, on its own terms."""
         self._loans.pop(part, None)
         lenders = self._lenders.get(part)
         if not lenders:
@@ -103,8 +103,8 @@ class Loans:
     def give_up(self, lender: Lender, component_refs: Collection[str]) -> None:
         """Take components out of what comes back to a lender."""
         lender.named = tuple(ref for ref in lender.named if ref not in component_refs)
-        left = lender.component_refs if lender.named else ()
-        lender.component_refs = tuple(ref for ref in left if ref not in component_refs)
+        left = lender.epochs if lender.named else {}
+        lender.epochs = {ref: epoch for ref, epoch in left.items() if ref not in component_refs}
 
     def due(self, now: float) -> tuple[list[tuple[str, Lender]], list[str]]:
         """Return the lenders whose own loans are over, and the parts whose holders' are."""

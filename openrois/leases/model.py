@@ -8,8 +8,8 @@ from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from typing import Final
 
-from openrois.errors import OutOfResources, Unsupported
-from openrois.leases.changes import Asked, Change, Declined, Gained, Lost, Queued, Why
+from openrois.errors import Unsupported
+from openrois.leases.changes import Asked, Change, Declined, Gained, Lost, NotReturned, Queued, Why
 from openrois.leases.epochs import Epochs
 from openrois.leases.holding import Holding
 from openrois.leases.loans import Loan, Loans
@@ -108,16 +108,16 @@ class LeaseModel:
         return min((*self.absent.values(), *answers, *self.loans.deadlines()), default=None)
 
     def release(self, component_ref: str, holder: object, now: float, why: Why = Why.RELEASED) -> list[Change]:
-        """Release a component. With the last of its part that the holder has named, all of the part goes on: to the
-        session it was taken from for a time, or else to the first in the queue. A lender gives up its place.
+        """Release a component. Nothing changes if `holder` neither holds nor has lent it.
 
-        Nothing changes if `holder` does not hold it.
+        With the last of its part that the holder has named, all of the part goes on: to its last lender, or else to the
+        first in the queue. A lender gives up its place.
         """
         part = self.holding.part_of(component_ref)
         epoch = self.holding.release(component_ref, holder)
         if epoch is None:
-            return self._give_up(part, holder, (component_ref,))
-        changes: list[Change] = [Lost(component_ref, holder, epoch, why)]
+            return self._give_up(part, holder, (component_ref,), why)
+        changes: list[Change] = [Lost(component_ref, holder, epoch, why, self.loans.of(part) is not None)]
         return changes if self.holding.named_of(part) else [*changes, *self._moves.free(part, now, why)]
 
     def hand_back(self, component_ref: str, holder: object, now: float) -> list[Change]:
@@ -125,15 +125,17 @@ class LeaseModel:
         part = self.holding.part_of(component_ref)
         return [] if self.holding.holder_of(part) is not holder else self._moves.free(part, now, Why.RELEASED)
 
-    def _give_up(self, part: str, lender: object, component_refs: Iterable[str]) -> list[Change]:
+    def _give_up(self, part: str, lender: object, component_refs: Iterable[str], why: Why) -> list[Change]:
         """Let a lender not have back some of what was taken from it."""
         place = self.loans.find(part, lender)
         if place is None:
             return []
+        before = dict(place.epochs)
         self.loans.give_up(place, tuple(component_refs))
-        if not place.component_refs:
+        if not place.epochs:
             self.loans.remove(part, place)
-        return self._moves.queued(part)
+        ended = [NotReturned(ref, lender, epoch, why) for ref, epoch in before.items() if ref not in place.epochs]
+        return [*ended, *self._moves.queued(part)] if ended else []
 
     def leave(self, holder: object, now: float, why: Why = Why.LEFT) -> list[Change]:
         """Release everything, give up what was lent, withdraw every request, and forget the resume tokens."""
@@ -151,14 +153,14 @@ class LeaseModel:
         changes: list[Change] = []
         gone = frozenset(component_refs)
         for part, lender in self.loans.all():
-            if not gone.isdisjoint(lender.component_refs):
-                changes += self._give_up(part, lender.holder, gone)
+            if not gone.isdisjoint(lender.epochs):
+                changes += self._give_up(part, lender.holder, gone, Why.GONE)
         freed: dict[str, None] = {}
         for component_ref in sorted(ref for ref in gone if self.holding.holder(ref) is not None):
             part = self.holding.part_of(component_ref)
             holder, epoch = self._moves.held(component_ref)
             self.holding.release(component_ref, holder)
-            changes.append(Lost(component_ref, holder, epoch, Why.GONE))
+            changes.append(Lost(component_ref, holder, epoch, Why.GONE, self.loans.of(part) is not None))
             freed[part] = None
         for part in freed:
             if not self.holding.named_of(part):
@@ -360,14 +362,15 @@ class LeaseModel:
             request = self.waiting.find(part, successor)
             if request is not None:
                 self.waiting.remove(request)
+            on_loan = self.loans.of(part) is not None
             for component_ref in self.holding.held_of(part):
                 if was_lost:
                     self.holding.succeed(component_ref, successor)
                 else:
                     is_implied = self.holding.is_implied(component_ref)
                     gained = self.holding.move(component_ref, successor, begun[component_ref], is_implied=is_implied)
-                    changes.append(Lost(component_ref, former, held[component_ref], Why.RESUMED))
-                    changes.append(Gained(component_ref, successor, gained, Why.RESUMED))
+                    changes.append(Lost(component_ref, former, held[component_ref], Why.RESUMED, on_loan))
+                    changes.append(Gained(component_ref, successor, gained, Why.RESUMED, on_loan))
             changes += self._moves.queued(part)
             queue = self.waiting.queue(part)
             changes += [Asked(request, successor) for request in queue if request.deadline is not None]

@@ -11,6 +11,7 @@ from openrois.leases.waiting import Request, Waiting
 
 __all__ = ["Moves", "not_returned"]
 
+
 class Moves:
     """Moves the parts of one engine between sessions. What follows from a move is returned as changes.
 
@@ -71,7 +72,10 @@ class Moves:
     ) -> list[Change]:
         for ref, epoch in begun:
             self._holding.move(ref, holder, epoch, is_implied=ref not in named)
-        return [Gained(ref, holder, epoch, why) for ref, epoch in begun]
+        return [Gained(ref, holder, epoch, why, self._is_on_loan(ref)) for ref, epoch in begun]
+
+    def _is_on_loan(self, component_ref: str) -> bool:
+        return self._loans.of(self._holding.part_of(component_ref)) is not None
 
     def free(self, part: str, now: float, why: Why) -> list[Change]:
         """Take all of a part from its holder, and pass it on."""
@@ -82,7 +86,7 @@ class Moves:
         for ref in self._holding.held_of(part):
             holder, epoch = self.held(ref)
             self._holding.release(ref, holder)
-            changes.append(Lost(ref, holder, epoch, why))
+            changes.append(Lost(ref, holder, epoch, why, self._loans.of(part) is not None))
         return changes
 
     def pass_on(self, part: str, now: float, why: Why) -> list[Change]:
@@ -108,7 +112,7 @@ class Moves:
         if not self._may_return(lender.holder, part):
             return not_returned(lender, Why.LATCHED)
         try:
-            begun = self._with_epochs(lender.component_refs)
+            begun = self._with_epochs(lender.epochs)
         except OutOfResources:
             return not_returned(lender, Why.DUE)
         return self._gain_each(begun, lender.holder, Why.RETURNED, lender.named)
@@ -143,10 +147,11 @@ class Moves:
         own = self._loans.find(part, borrower)
         if own is not None:
             self._loans.remove(part, own)
-        refs, of_lender = self._holding.held_of(part), self._holding.named_of(part)
-        lender = Lender(self._holding.holder_of(part), refs, of_lender, self._loans.of(part))
+        epochs = {ref: self.held(ref)[1] for ref in self._holding.held_of(part)}
+        lender = Lender(self._holding.holder_of(part), epochs, self._holding.named_of(part), self._loans.of(part))
+        changes = self._lose_each(part, Why.LENT)
         self._loans.lend(part, lender, loan)
-        changes = [*self._lose_each(part, Why.LENT), *self._gain_each(begun, borrower, Why.LENT, (named,))]
+        changes += self._gain_each(begun, borrower, Why.LENT, (named,))
         self._forget_request(part, borrower)
         return [*changes, *self.ask_again(part, now)]
 
@@ -195,4 +200,4 @@ class Moves:
 
 def not_returned(lender: Lender, why: Why) -> list[Change]:
     """Return that nothing of what was taken from a lender comes back to it."""
-    return [NotReturned(ref, lender.holder, why) for ref in lender.component_refs]
+    return [NotReturned(ref, lender.holder, epoch, why) for ref, epoch in lender.epochs.items()]

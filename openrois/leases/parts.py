@@ -1,9 +1,12 @@
 """The parts of a body: components that one session holds at a time, and that change hands together. Pure."""
 
 from collections.abc import Collection
-from typing import Protocol
+from typing import Final, Protocol
 
-__all__ = ["LoneComponents", "Parts"]
+__all__ = ["PART_MARK", "LoneComponents", "Parts", "name_of"]
+
+PART_MARK: Final = "//"
+"""Stands between the id of an engine and the name of a part; a reference has one slash."""
 
 
 class Parts(Protocol):
@@ -28,3 +31,8 @@ class LoneComponents:
     def members(self, part: str, holder: object) -> Collection[str]:
         """Return the one component that the part is."""
         return (part,)
+
+
+def name_of(part: str) -> str:
+    """Return the name of a part, or empty text for a component that is one by itself."""
+    return part.partition(PART_MARK)[2]

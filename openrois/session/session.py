@@ -236,7 +236,7 @@ class ApplicationSession:
         # Narrow the scope first, so that the next notifications are filtered.
         self.engine.principal = principal
         self.bound.difference_update(bound)
-        for component_ref in bound:
+        for component_ref in (*bound, *entitlements.lost_bindings(self.host.leases.lent_by(self))):
             self.give_back(component_ref)
         for component_ref in entitlements.lost_bindings(self.host.leases.waited_for(self)):
             self.host.leases.withdraw(component_ref, self)

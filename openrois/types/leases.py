@@ -10,8 +10,10 @@ from openrois.types.model import Model
 
 __all__ = [
     "LEASES",
+    "MAX_LOAN_MS",
     "MAX_RESUMED",
     "Lease",
+    "LeaseBorrowParams",
     "LeaseChangedNotification",
     "LeaseDeclinedNotification",
     "LeaseParams",
@@ -23,6 +25,7 @@ __all__ = [
     "LeaseStatus",
     "LeaseTokenResult",
     "LeaseWithdrawnNotification",
+    "LoanEnd",
     "ResumeParams",
     "ResumeResult",
     "StopAllParams",
@@ -35,15 +38,41 @@ LEASES: Final = "openrois.lease"
 MAX_RESUMED: Final = 1024
 """Commands that one session can ask about when it resumes another."""
 
+MAX_LOAN_MS: Final = 600_000
+"""Milliseconds for which a part can be taken at a time."""
+
 _Token = Annotated[str, Field(max_length=256)]
 _Epoch = Annotated[int, Field(ge=0)]
 _Count = Annotated[int, Field(ge=0)]
 
 
 class LeaseParams(Model):
-    """Params of `openrois.lease.query`, `.request`, `.leave` and `.take`."""
+    """Params of `openrois.lease.query`, `.request`, `.leave`, `.take` and `.give_back`."""
 
     component_ref: str
+
+
+class LoanEnd(StrEnum):
+    """What ends a loan, unless it is given back."""
+
+    TIME = "TIME"
+    """Its time."""
+    COMMAND = "COMMAND"
+    """The end of the first command `start` that the borrower has executed there; its time, if that comes first."""
+
+
+class LeaseBorrowParams(Model):
+    """Params of `openrois.lease.borrow`.
+
+    Attributes:
+        component_ref: the component; it is taken with its part.
+        duration_ms: for which it is taken; what the gateway is configured for unless given.
+        ends_with: what ends it.
+    """
+
+    component_ref: str
+    duration_ms: Annotated[int, Field(ge=1, le=MAX_LOAN_MS)] | None = None
+    ends_with: Annotated[LoanEnd, Field(strict=False)] = LoanEnd.TIME
 
 
 class LeaseRequestParams(Model):
@@ -76,6 +105,10 @@ class LeaseStatus(Model):
         waiting: how many wait for it.
         position: of the receiver among them, from 1 on; 0 where it does not wait.
         stopped_by: the person that has stopped its engine for programs; empty where none has.
+        part: of the body, with which it changes hands; empty where it is one by itself.
+        lender: the subject from which its holder has it for a time; empty where it has it in its own right.
+        return_ms: until it goes back to that; 0 where it does not.
+        return_position: of the receiver among those that it goes back to, the next one 1; 0 where it is none.
     """
 
     component_ref: str = ""
@@ -85,10 +118,14 @@ class LeaseStatus(Model):
     waiting: _Count = 0
     position: _Count = 0
     stopped_by: str = ""
+    part: str = ""
+    lender: str = ""
+    return_ms: _Count = 0
+    return_position: _Count = 0
 
 
 class LeaseResult(ReturnResult):
-    """Result of `openrois.lease.query`, `.request` and `.take`: the lease now."""
+    """Result of `openrois.lease.query`, `.request`, `.borrow` and `.take`: the lease now."""
 
     lease: LeaseStatus | None = None
 

@@ -17,6 +17,7 @@ from openrois.types.directory import (
     DirectoryReadResult,
 )
 from openrois.types.leases import (
+    LeaseBorrowParams,
     LeaseChangedNotification,
     LeaseDeclinedNotification,
     LeaseParams,
@@ -176,6 +177,8 @@ METHODS: Final[tuple[MethodType, ...]] = (
         "Take it from its holder.",
         "openrois.lease",
     ),
+    MethodType("openrois.lease.borrow", LeaseBorrowParams, LeaseResult, "Take it for a time.", "openrois.lease"),
+    MethodType("openrois.lease.give_back", LeaseParams, ReturnResult, "Give its part back.", "openrois.lease"),
     MethodType("openrois.lease.token", NoParams, LeaseTokenResult, "Ask for a resume token.", "openrois.lease"),
     MethodType("openrois.lease.resume", ResumeParams, ResumeResult, "Go on with a lost session.", "openrois.lease"),
     MethodType("openrois.stop_all", StopAllParams, StopAllResult, "Stop all that acts on an engine.", "openrois.lease"),

@@ -66,11 +66,16 @@ class EventMessageProfile(Model):
 
 
 class HRIComponentProfile(Model):
-    """What one component understands. `name` is the instance's name; `function` is an extension of the wire."""
+    """What one component understands. `name` is the instance's name; `function` and `part` are extensions of the wire.
+
+    Attributes:
+        part: of the body, such as `legs` or `voice`: its components have one holder, and change hands together.
+    """
 
     identifier: RoISIdentifier
     name: str
     function: ComponentFunction | None = Field(default=None, strict=False)
+    part: str | None = None
     sub_component_profiles: tuple[str, ...] = Field(default=(), strict=False)
     command_profiles: tuple[CommandMessageProfile, ...] = Field(default=(), strict=False)
     query_profiles: tuple[QueryMessageProfile, ...] = Field(default=(), strict=False)

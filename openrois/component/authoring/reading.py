@@ -307,7 +307,9 @@ def _codes(payload: type[Payload] | None) -> dict[str, str]:
     return {name: type_code(field.annotation) for name, field in fields.items()}
 
 
-def own_type(cls: type, base: ComponentType | None, code: str, authority: str, function: str | None) -> ComponentType:
+def own_type(
+    cls: type, base: ComponentType | None, code: str, authority: str, function: str | None, part: str | None
+) -> ComponentType:
     """Return the type that a class is of before its messages are known.
 
     Args:
@@ -316,17 +318,24 @@ def own_type(cls: type, base: ComponentType | None, code: str, authority: str, f
         code: of the type; empty for the base's, or the name of the class.
         authority: defines the type; empty for the base's.
         function: its class in the ontology; None for the base's.
+        part: of the body; empty for none, None for the base's.
     """
-    chosen = ComponentFunction(function) if function is not None else None
+    chosen = ComponentFunction(function) if function is not None else base.function if base is not None else None
+    inherited = base.part if base is not None and chosen is base.function else ""
+    moved = inherited if part is None else part
+    if moved and chosen is not ComponentFunction.ACTUATION:
+        raise TypeError(f"{cls.__name__} is of the part {moved!r} of a body, and so it has to be an actuation")
     if base is not None and not code and not authority:
-        return base if chosen is None else replace(base, function=chosen)
+        own = replace(base, function=chosen, part=moved)
+        return base if own == base else own
     name = code or cls.__name__
     return ComponentType(
         code=name,
         name=re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower(),
         description=first_sentence(cls.__doc__),
         source=cls.__module__,
-        function=chosen or (base.function if base is not None else None),
+        function=chosen,
+        part=moved,
         includes=(ROIS_COMMON,),
         authority=authority or (base.authority if base is not None else "local"),
     )

@@ -107,7 +107,7 @@ _ENGINE: Final = (*_OBJECT, _rois("SubProfile"), _rois("HRIComponent"), _rois("P
 _COMPONENT: Final = (*_OBJECT, _rois("SubComponentProfile"), _rois("MessageProfile"), _rois("ParameterProfile"))
 _MESSAGE: Final = (_rois("Results"), _rois("Arguments"))
 _PARAMETER: Final = (_rois("data_type_ref", 1, 1),)
-_FIELDS: Final = ("function", "authority", "codebook_ref", "version")
+_FIELDS: Final = ("function", "part", "authority", "codebook_ref", "version")
 _XML_ID: Final = re.compile(r"[^\W\d][\w.\-\u00B7]*")
 _INTEGER: Final = re.compile(r"[+-]?[0-9]{1,20}", re.ASCII)
 
@@ -125,8 +125,9 @@ class _Engines:
         children = _children(element, _ENGINE)
         identifier, _, extra = _identity(children, self._remarks)
         self._require_new(element, "engine id", identifier.code)
-        if "function" in extra:
-            raise element.wrong("is an engine, which has no function")
+        for field in ("function", "part"):
+            if field in extra:
+                raise element.wrong(f"is an engine, which has no {field}")
         if not children["HRIComponent"]:
             self._remarks.append(f"line {element.line}: {element.name} has no rois:HRIComponent: the schema wants one")
         return HRIEngineProfile(
@@ -162,6 +163,7 @@ def _component(element: Element, remarks: list[str]) -> HRIComponentProfile:
         identifier=identifier,
         name=name,
         function=ComponentFunction(extra["function"]) if "function" in extra else None,
+        part=extra.get("part"),
         sub_component_profiles=tuple(_text(child) for child in children["SubComponentProfile"]),
         command_profiles=tuple(each for each in messages if isinstance(each, CommandMessageProfile)),
         query_profiles=tuple(each for each in messages if isinstance(each, QueryMessageProfile)),

@@ -73,6 +73,8 @@ def component_xml(profile: HRIComponentProfile, component_ref: str = "") -> str:
             to be read.
     """
     extra = {} if profile.function is None else {"function": profile.function.value}
+    if profile.part is not None:
+        extra["part"] = profile.part
     return _document(
         _Node(
             "rois:HRIComponentProfile",

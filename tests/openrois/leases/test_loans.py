@@ -107,15 +107,15 @@ class TestLoans:
         assert model.borrow(WALK, BOB, 1) == [
             Lost(WALK, ANN, 1, Why.LENT),
             Lost(DRIVE, ANN, 2, Why.LENT),
-            Gained(WALK, BOB, 3, Why.LENT),
-            Gained(DRIVE, BOB, 4, Why.LENT),
+            Gained(WALK, BOB, 3, Why.LENT, on_loan=True),
+            Gained(DRIVE, BOB, 4, Why.LENT, on_loan=True),
             Queued(WALK),
             Queued(DRIVE),
         ]
         assert model.next_due() == 1 + LOAN
         assert model.hand_back(DRIVE, BOB, 2) == [
-            Lost(WALK, BOB, 3, Why.RELEASED),
-            Lost(DRIVE, BOB, 4, Why.RELEASED),
+            Lost(WALK, BOB, 3, Why.RELEASED, on_loan=True),
+            Lost(DRIVE, BOB, 4, Why.RELEASED, on_loan=True),
             Gained(WALK, ANN, 5, Why.RETURNED),
             Gained(DRIVE, ANN, 6, Why.RETURNED),
             Queued(WALK),
@@ -126,7 +126,7 @@ class TestLoans:
     def test_it_comes_back_at_its_time(self, model: LeaseModel) -> None:
         model.borrow(WALK, BOB, 1, 5)
         assert model.advance(5.9) == []
-        assert Lost(WALK, BOB, 3, Why.DUE) in model.advance(6)
+        assert Lost(WALK, BOB, 3, Why.DUE, on_loan=True) in model.advance(6)
         assert holders(model) == {WALK: ANN, DRIVE: ANN}
 
     def test_to_take_it_again_makes_it_last_longer(self, model: LeaseModel) -> None:
@@ -169,17 +169,23 @@ class TestLoans:
         model.borrow(WALK, BOB, 1)
         stopped.add(ANN)
         assert model.release(WALK, BOB, 2)[-2:] == [
-            NotReturned(WALK, ANN, Why.LATCHED),
-            NotReturned(DRIVE, ANN, Why.LATCHED),
+            NotReturned(WALK, ANN, 1, Why.LATCHED),
+            NotReturned(DRIVE, ANN, 2, Why.LATCHED),
         ]
         assert holders(model) == {}
 
     def test_a_lender_may_give_up_what_it_lent(self, model: LeaseModel) -> None:
         model.borrow(WALK, BOB, 1)
-        assert model.release(WALK, ANN, 2) == [Queued(WALK), Queued(DRIVE)]
+        assert model.release(WALK, ANN, 2)[:2] == [
+            NotReturned(WALK, ANN, 1, Why.RELEASED),
+            NotReturned(DRIVE, ANN, 2, Why.RELEASED),
+        ]
         assert model.loans.lenders(LEGS) == ()
         # The loan ends all the same.
-        assert model.advance(1 + LOAN) == [Lost(WALK, BOB, 3, Why.DUE), Lost(DRIVE, BOB, 4, Why.DUE)]
+        assert model.advance(1 + LOAN) == [
+            Lost(WALK, BOB, 3, Why.DUE, on_loan=True),
+            Lost(DRIVE, BOB, 4, Why.DUE, on_loan=True),
+        ]
 
     def test_it_is_lent_on_and_comes_back_step_by_step(self, model: LeaseModel) -> None:
         model.borrow(WALK, BOB, 1)
@@ -193,7 +199,7 @@ class TestLoans:
     def test_a_loan_that_is_over_meanwhile_is_passed_over(self, model: LeaseModel) -> None:
         model.borrow(WALK, BOB, 1, 5)
         model.borrow(WALK, EVE, 2, 60)
-        assert model.advance(6)[:2] == [NotReturned(WALK, BOB, Why.DUE), NotReturned(DRIVE, BOB, Why.DUE)]
+        assert model.advance(6)[:2] == [NotReturned(WALK, BOB, 3, Why.DUE), NotReturned(DRIVE, BOB, 4, Why.DUE)]
         assert holders(model) == {WALK: EVE, DRIVE: EVE}
         model.release(WALK, EVE, 7)
         assert holders(model) == {WALK: ANN, DRIVE: ANN}
@@ -221,7 +227,10 @@ class TestLoans:
 
     def test_an_administrator_takes_it_from_lenders_too(self, model: LeaseModel) -> None:
         model.borrow(WALK, BOB, 1)
-        assert model.take(WALK, EVE, 2)[-2:] == [NotReturned(WALK, ANN, Why.TAKEN), NotReturned(DRIVE, ANN, Why.TAKEN)]
+        assert model.take(WALK, EVE, 2)[-2:] == [
+            NotReturned(WALK, ANN, 1, Why.TAKEN),
+            NotReturned(DRIVE, ANN, 2, Why.TAKEN),
+        ]
         model.release(WALK, EVE, 3)
         assert holders(model) == {}
 

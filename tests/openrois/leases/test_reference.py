@@ -54,15 +54,15 @@ class LeaseMachine(RuleBasedStateMachine):
     def take(self, changes: list[Change]) -> None:
         for change in changes:
             match change:
-                case Lost(ref, holder, epoch):
+                case Lost(ref, holder, epoch, _, _):
                     assert self.told.pop(ref) == (holder, epoch)
-                case Gained(ref, holder, epoch, why):
+                case Gained(ref, holder, epoch, why, _):
                     assert ref not in self.told
                     assert holder not in self.left
                     assert why is not Why.RETURNED or not (isinstance(holder, Session) and holder.is_latched)
                     self.begun(ref, holder, epoch)
                     self.drop_asked(ref, holder)
-                case NotReturned(_, lender):
+                case NotReturned(_, lender, _, _):
                     assert lender not in self.left
                 case Asked(request, holder):
                     assert self.model.holding.holder_of(request.part) is holder
@@ -294,7 +294,7 @@ class LeaseMachine(RuleBasedStateMachine):
             assert holders == ({part.holder()} if part.stack else set()), "never two holders of a part"
             assert [request.asker for request in self.model.waiting.queue(name)] == part.waiting()
             places = self.model.loans.lenders(name)
-            lenders = [(each.holder, set(each.component_refs), set(each.named)) for each in places]
+            lenders = [(each.holder, set(each.epochs), set(each.named)) for each in places]
             assert lenders == [(each.session, each.refs, each.named) for each in part.stack[:-1]]
             named = part.stack[-1].named if part.stack else set()
             assert set(self.model.holding.named_of(name)) == named

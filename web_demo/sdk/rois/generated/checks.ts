@@ -55,6 +55,7 @@ const isHRIComponentProfile: Check = object({
   identifier: isRoISIdentifier,
   name: text,
   function: optional(orNull(isComponentFunction)),
+  part: optional(orNull(text)),
   sub_component_profiles: optional(list(text)),
   command_profiles: optional(list(isCommandMessageProfile)),
   query_profiles: optional(list(isQueryMessageProfile)),
@@ -110,11 +111,6 @@ const isSubscribeResult: Check = object({
   subscribe_id: optional(text),
 });
 
-const isStopped: Check = object({
-  engine_id: text,
-  by: text,
-});
-
 const isHelloResult: Check = object({
   return_code: isReturnCode,
   version: optional(text),
@@ -123,7 +119,6 @@ const isHelloResult: Check = object({
   client_id: optional(text),
   instance: optional(text),
   epoch: optional(integer),
-  stopped: optional(list(isStopped)),
 });
 
 const isAuthRefreshResult: Check = object({
@@ -188,7 +183,10 @@ const isLeaseStatus: Check = object({
   epoch: optional(integer),
   waiting: optional(integer),
   position: optional(integer),
-  stopped_by: optional(text),
+  part: optional(text),
+  lender: optional(text),
+  return_ms: optional(integer),
+  return_position: optional(integer),
 });
 
 const isLeaseResult: Check = object({
@@ -297,7 +295,10 @@ const isLeaseChangedNotification: Check = object({
   epoch: optional(integer),
   waiting: optional(integer),
   position: optional(integer),
-  stopped_by: optional(text),
+  part: optional(text),
+  lender: optional(text),
+  return_ms: optional(integer),
+  return_position: optional(integer),
   reason: optional(text),
 });
 
@@ -317,12 +318,6 @@ const isLeaseDeclinedNotification: Check = object({
 const isLeaseWithdrawnNotification: Check = object({
   component_ref: text,
   request_id: text,
-});
-
-const isStoppedNotification: Check = object({
-  engine_id: text,
-  by: optional(text),
-  reason: optional(text),
 });
 
 const isMediaKind: Check = oneOf(MediaKind);
@@ -406,10 +401,11 @@ export const RESULTS: { readonly [Name in MethodName]: Check } = {
   "openrois.lease.grant": isReturnResult,
   "openrois.lease.decline": isReturnResult,
   "openrois.lease.take": isLeaseResult,
+  "openrois.lease.borrow": isLeaseResult,
+  "openrois.lease.give_back": isReturnResult,
   "openrois.lease.token": isLeaseTokenResult,
   "openrois.lease.resume": isResumeResult,
   "openrois.stop_all": isStopAllResult,
-  "openrois.lease.release_stop": isReturnResult,
   "signaling.answer": isReturnResult,
   "signaling.candidate": isReturnResult,
   "signaling.restart": isReturnResult,
@@ -431,7 +427,6 @@ export const NOTIFICATIONS: { readonly [Name in NotificationName]: Check } = {
   "openrois.lease.requested": isLeaseRequestedNotification,
   "openrois.lease.declined": isLeaseDeclinedNotification,
   "openrois.lease.withdrawn": isLeaseWithdrawnNotification,
-  "openrois.lease.stopped": isStoppedNotification,
   "signaling.offer": isOffer,
   "signaling.candidate": isCandidate,
   "signaling.capture_clocks": isCaptureClocks,

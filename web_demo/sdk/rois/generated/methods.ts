@@ -30,6 +30,7 @@ import type {
   HelloParams,
   HelloResult,
   IceServersResult,
+  LeaseBorrowParams,
   LeaseChangedNotification,
   LeaseDeclinedNotification,
   LeaseParams,
@@ -135,6 +136,10 @@ export interface Methods {
   readonly "openrois.lease.decline": { params: LeaseRequestParams; result: ReturnResult };
   /** Take it from its holder. */
   readonly "openrois.lease.take": { params: LeaseParams; result: LeaseResult };
+  /** Take it for a time. */
+  readonly "openrois.lease.borrow": { params: LeaseBorrowParams; result: LeaseResult };
+  /** Give its part back. */
+  readonly "openrois.lease.give_back": { params: LeaseParams; result: ReturnResult };
   /** Ask for a resume token. */
   readonly "openrois.lease.token": { params: NoParams; result: LeaseTokenResult };
   /** Go on with a lost session. */

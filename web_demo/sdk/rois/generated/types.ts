@@ -265,11 +265,15 @@ export interface ExecuteParams {
   readonly command_unit_list: readonly SequenceItem[];
 }
 
-/** What one component understands. `name` is the instance's name; `function` is an extension of the wire. */
+/**
+ * What one component understands. `name` is the instance's name; `function` and `part` are extensions
+ * of the wire.
+ */
 export interface HRIComponentProfile {
   readonly identifier: RoISIdentifier;
   readonly name: string;
   readonly function?: ComponentFunction | null;
+  readonly part?: string | null;
   readonly sub_component_profiles?: readonly string[];
   readonly command_profiles?: readonly CommandMessageProfile[];
   readonly query_profiles?: readonly QueryMessageProfile[];
@@ -303,7 +307,6 @@ export interface HelloResult {
   readonly client_id?: string;
   readonly instance?: string;
   readonly epoch?: number;
-  readonly stopped?: readonly Stopped[];
 }
 
 /** A STUN or TURN server in the form of the W3C dictionary RTCIceServer, with password credentials only. */
@@ -326,6 +329,13 @@ export interface Lease {
   readonly epoch: number;
 }
 
+/** Params of `openrois.lease.borrow`. */
+export interface LeaseBorrowParams {
+  readonly component_ref: string;
+  readonly duration_ms?: number | null;
+  readonly ends_with?: LoanEnd;
+}
+
 /** Params of the notification `openrois.lease.changed`; `reason` is one sentence for a person. */
 export interface LeaseChangedNotification {
   readonly component_ref?: string;
@@ -334,7 +344,10 @@ export interface LeaseChangedNotification {
   readonly epoch?: number;
   readonly waiting?: number;
   readonly position?: number;
-  readonly stopped_by?: string;
+  readonly part?: string;
+  readonly lender?: string;
+  readonly return_ms?: number;
+  readonly return_position?: number;
   readonly reason?: string;
 }
 
@@ -348,7 +361,7 @@ export interface LeaseDeclinedNotification {
   readonly reason: string;
 }
 
-/** Params of `openrois.lease.query`, `.request`, `.leave` and `.take`. */
+/** Params of `openrois.lease.query`, `.request`, `.leave`, `.take` and `.give_back`. */
 export interface LeaseParams {
   readonly component_ref: string;
 }
@@ -376,7 +389,7 @@ export interface LeaseRequestedNotification {
   readonly answer_ms: number;
 }
 
-/** Result of `openrois.lease.query`, `.request` and `.take`: the lease now. */
+/** Result of `openrois.lease.query`, `.request`, `.borrow` and `.take`: the lease now. */
 export interface LeaseResult {
   readonly return_code: ReturnCode;
   readonly lease?: LeaseStatus | null;
@@ -394,7 +407,10 @@ export interface LeaseStatus {
   readonly epoch?: number;
   readonly waiting?: number;
   readonly position?: number;
-  readonly stopped_by?: string;
+  readonly part?: string;
+  readonly lender?: string;
+  readonly return_ms?: number;
+  readonly return_position?: number;
 }
 
 /** Result of `openrois.lease.token`: good once, for this subject, so long after a lost connection. */
@@ -409,6 +425,10 @@ export interface LeaseWithdrawnNotification {
   readonly component_ref: string;
   readonly request_id: string;
 }
+
+/** What ends a loan, unless it is given back. */
+export const LoanEnd = ["TIME", "COMMAND"] as const;
+export type LoanEnd = (typeof LoanEnd)[number];
 
 /** What a section of a peer connection carries. */
 export const MediaKind = ["audio", "video"] as const;
@@ -483,12 +503,6 @@ export interface ReasonNotification {
 export interface ReferenceResult {
   readonly return_code: ReturnCode;
   readonly component_ref?: string;
-}
-
-/** Params of `openrois.lease.release_stop`: an engine, or the one of a component. */
-export interface ReleaseStopParams {
-  readonly engine_id?: string | null;
-  readonly component_ref?: string | null;
 }
 
 /**
@@ -601,19 +615,6 @@ export interface StopAllResult {
   readonly return_code: ReturnCode;
   readonly stopped?: readonly string[];
   readonly failed?: readonly string[];
-}
-
-/** An engine, and the person that has stopped it for programs. */
-export interface Stopped {
-  readonly engine_id: string;
-  readonly by: string;
-}
-
-/** Params of the notification `openrois.lease.stopped`, to applications and to the adapter of the engine. */
-export interface StoppedNotification {
-  readonly engine_id: string;
-  readonly by?: string;
-  readonly reason?: string;
 }
 
 /** Params of every method that acts on a connected stream. */

@@ -103,6 +103,12 @@ namespace OpenRoIS
         /// <summary>Take it from its holder.</summary>
         public static readonly Method<LeaseParams, LeaseResult> LeaseTake =
             new Method<LeaseParams, LeaseResult>("openrois.lease.take");
+        /// <summary>Take it for a time.</summary>
+        public static readonly Method<LeaseBorrowParams, LeaseResult> LeaseBorrow =
+            new Method<LeaseBorrowParams, LeaseResult>("openrois.lease.borrow");
+        /// <summary>Give its part back.</summary>
+        public static readonly Method<LeaseParams, ReturnResult> LeaseGiveBack =
+            new Method<LeaseParams, ReturnResult>("openrois.lease.give_back");
         /// <summary>Ask for a resume token.</summary>
         public static readonly Method<NoParams, LeaseTokenResult> LeaseToken =
             new Method<NoParams, LeaseTokenResult>("openrois.lease.token");

@@ -499,8 +499,8 @@ namespace OpenRoIS
     }
 
     /// <summary>
-    /// What one component understands. <c>name</c> is the instance's name; <c>function</c> is an extension
-    /// of the wire.
+    /// What one component understands. <c>name</c> is the instance's name; <c>function</c> and <c>part</c>
+    /// are extensions of the wire.
     /// </summary>
     public sealed class HRIComponentProfile
     {
@@ -512,6 +512,9 @@ namespace OpenRoIS
 
         [JsonProperty("function", NullValueHandling = NullValueHandling.Ignore)]
         public ComponentFunction? Function { get; set; }
+
+        [JsonProperty("part", NullValueHandling = NullValueHandling.Ignore)]
+        public string Part { get; set; }
 
         [JsonProperty("sub_component_profiles")]
         public List<string> SubComponentProfiles { get; set; } = new List<string>();
@@ -581,9 +584,6 @@ namespace OpenRoIS
 
         [JsonProperty("epoch")]
         public long Epoch { get; set; } = 0;
-
-        [JsonProperty("stopped")]
-        public List<Stopped> Stopped { get; set; } = new List<Stopped>();
     }
 
     /// <summary>
@@ -628,6 +628,19 @@ namespace OpenRoIS
         public long Epoch { get; set; }
     }
 
+    /// <summary>Params of <c>openrois.lease.borrow</c>.</summary>
+    public sealed class LeaseBorrowParams
+    {
+        [JsonProperty("component_ref", Required = Required.Always)]
+        public string ComponentRef { get; set; }
+
+        [JsonProperty("duration_ms", NullValueHandling = NullValueHandling.Ignore)]
+        public int? DurationMs { get; set; }
+
+        [JsonProperty("ends_with")]
+        public LoanEnd EndsWith { get; set; } = LoanEnd.Time;
+    }
+
     /// <summary>
     /// Params of the notification <c>openrois.lease.changed</c>; <c>reason</c> is one sentence for a
     /// person.
@@ -652,8 +665,17 @@ namespace OpenRoIS
         [JsonProperty("position")]
         public long Position { get; set; } = 0;
 
-        [JsonProperty("stopped_by")]
-        public string StoppedBy { get; set; } = "";
+        [JsonProperty("part")]
+        public string Part { get; set; } = "";
+
+        [JsonProperty("lender")]
+        public string Lender { get; set; } = "";
+
+        [JsonProperty("return_ms")]
+        public long ReturnMs { get; set; } = 0;
+
+        [JsonProperty("return_position")]
+        public long ReturnPosition { get; set; } = 0;
 
         [JsonProperty("reason")]
         public string Reason { get; set; } = "";
@@ -675,7 +697,10 @@ namespace OpenRoIS
         public string Reason { get; set; }
     }
 
-    /// <summary>Params of <c>openrois.lease.query</c>, <c>.request</c>, <c>.leave</c> and <c>.take</c>.</summary>
+    /// <summary>
+    /// Params of <c>openrois.lease.query</c>, <c>.request</c>, <c>.leave</c>, <c>.take</c> and
+    /// <c>.give_back</c>.
+    /// </summary>
     public sealed class LeaseParams
     {
         [JsonProperty("component_ref", Required = Required.Always)]
@@ -726,7 +751,10 @@ namespace OpenRoIS
         public long AnswerMs { get; set; }
     }
 
-    /// <summary>Result of <c>openrois.lease.query</c>, <c>.request</c> and <c>.take</c>: the lease now.</summary>
+    /// <summary>
+    /// Result of <c>openrois.lease.query</c>, <c>.request</c>, <c>.borrow</c> and <c>.take</c>: the lease
+    /// now.
+    /// </summary>
     public sealed class LeaseResult : IOutcome
     {
         [JsonProperty("return_code", Required = Required.Always)]
@@ -770,8 +798,17 @@ namespace OpenRoIS
         [JsonProperty("position")]
         public long Position { get; set; } = 0;
 
-        [JsonProperty("stopped_by")]
-        public string StoppedBy { get; set; } = "";
+        [JsonProperty("part")]
+        public string Part { get; set; } = "";
+
+        [JsonProperty("lender")]
+        public string Lender { get; set; } = "";
+
+        [JsonProperty("return_ms")]
+        public long ReturnMs { get; set; } = 0;
+
+        [JsonProperty("return_position")]
+        public long ReturnPosition { get; set; } = 0;
     }
 
     /// <summary>
@@ -800,6 +837,15 @@ namespace OpenRoIS
 
         [JsonProperty("request_id", Required = Required.Always)]
         public string RequestId { get; set; }
+    }
+
+    /// <summary>What ends a loan, unless it is given back.</summary>
+    public enum LoanEnd
+    {
+        [EnumMember(Value = "TIME")]
+        Time,
+        [EnumMember(Value = "COMMAND")]
+        Command,
     }
 
     /// <summary>What a section of a peer connection carries.</summary>
@@ -935,16 +981,6 @@ namespace OpenRoIS
 
         [JsonProperty("component_ref")]
         public string ComponentRef { get; set; } = "";
-    }
-
-    /// <summary>Params of <c>openrois.lease.release_stop</c>: an engine, or the one of a component.</summary>
-    public sealed class ReleaseStopParams
-    {
-        [JsonProperty("engine_id", NullValueHandling = NullValueHandling.Ignore)]
-        public string EngineId { get; set; }
-
-        [JsonProperty("component_ref", NullValueHandling = NullValueHandling.Ignore)]
-        public string ComponentRef { get; set; }
     }
 
     /// <summary>
@@ -1172,32 +1208,6 @@ namespace OpenRoIS
 
         [JsonProperty("failed")]
         public List<string> Failed { get; set; } = new List<string>();
-    }
-
-    /// <summary>An engine, and the person that has stopped it for programs.</summary>
-    public sealed class Stopped
-    {
-        [JsonProperty("engine_id", Required = Required.Always)]
-        public string EngineId { get; set; }
-
-        [JsonProperty("by", Required = Required.Always)]
-        public string By { get; set; }
-    }
-
-    /// <summary>
-    /// Params of the notification <c>openrois.lease.stopped</c>, to applications and to the adapter of the
-    /// engine.
-    /// </summary>
-    public sealed class StoppedNotification
-    {
-        [JsonProperty("engine_id", Required = Required.Always)]
-        public string EngineId { get; set; }
-
-        [JsonProperty("by")]
-        public string By { get; set; } = "";
-
-        [JsonProperty("reason")]
-        public string Reason { get; set; } = "";
     }
 
     /// <summary>Params of every method that acts on a connected stream.</summary>
