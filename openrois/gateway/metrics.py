@@ -178,6 +178,12 @@ GATEWAY: Final[tuple[Figure[EngineHost], ...]] = (
         lambda h: h.leases.model.waiting.count(),
     ),
     Figure(
+        "openrois_gateway_loans",
+        "gauge",
+        "Parts that were taken for a time from a holder of lower rank.",
+        lambda h: h.leases.model.loans.count(),
+    ),
+    Figure(
         "openrois_gateway_absent_holders",
         "gauge",
         "Holders whose connection was lost and may be resumed.",

@@ -64,6 +64,10 @@ LEASE = {
     "waiting": int,
     "position": int,
     "stopped_by": str,
+    "part": str,
+    "lender": str,
+    "return_ms": int,
+    "return_position": int,
 }
 
 ENGINE_ENTRY = {
@@ -125,6 +129,8 @@ RESULTS: dict[str, dict[str, Any]] = {
     "openrois.lease.leave": {},
     "openrois.lease.grant": {},
     "openrois.lease.decline": {},
+    "openrois.lease.borrow": {"lease": Optional(LEASE)},
+    "openrois.lease.give_back": {},
     "openrois.lease.take": {"lease": Optional(LEASE)},
     "openrois.lease.token": {"token": str, "grace_ms": int},
     "openrois.lease.resume": {

@@ -20,8 +20,8 @@ class Eyes(Protocol):
         ...
 
 
-class Gaze(Component, authority="OpenRoIS", function="function"):
-    """Turns the eyes, and the head a little after them. Of class function: a glance needs no reservation.
+class Gaze(Component, authority="OpenRoIS", function="actuation", part="gaze"):
+    """Turns the eyes, and the head a little after them.
 
     Args:
         eyes: look.

@@ -24,7 +24,7 @@ class Attention(Protocol):
         ...
 
 
-class SpeechProgress(Component, authority="OpenRoIS", function="actuation"):
+class SpeechProgress(Component, authority="OpenRoIS", function="actuation", part="voice"):
     """Announces the progress of SpeechSynthesis. A component of OpenRoIS: the standard's has no events.
 
     An actuation, so that only the application that has bound it sets `barge_in`; every application gets its events.

@@ -35,7 +35,7 @@ class OperationResult(Payload):
     dropped: int
 
 
-class Teleoperation(Component, authority="OpenRoIS", function="actuation"):
+class Teleoperation(Component, authority="OpenRoIS", function="actuation", part="legs"):
     """Lets the application that has bound it drive the body and turn its eyes, over the data channels of its streams.
 
     Args:

@@ -54,6 +54,8 @@ ORACLE: Final = """
     openrois.lease.leave                . . o a .   UNSUPPORTED     OK
     openrois.lease.grant                . . o a .   UNSUPPORTED     UNSUPPORTED
     openrois.lease.decline              . . o a .   UNSUPPORTED     UNSUPPORTED
+    openrois.lease.borrow               . . o a .   UNSUPPORTED     OK
+    openrois.lease.give_back            . . o a .   UNSUPPORTED     OK
     openrois.lease.take                 . . . a .   UNSUPPORTED     OK
     openrois.lease.token                . . o a .   -               OK
     openrois.lease.resume               . . o a .   -               -

@@ -11,7 +11,7 @@ from openrois_robots.kachaka.robot import Kachaka
 __all__ = ["Dock"]
 
 
-class Dock(Acting, Component, authority="OpenRoIS", function="actuation"):
+class Dock(Acting, Component, authority="OpenRoIS", function="actuation", part="legs"):
     """Sends the robot to its charger, whatever the battery has left.
 
     Args:

@@ -19,7 +19,7 @@ class ShelvesResult(Payload):
     home: tuple[str, ...]
 
 
-class Shelves(Acting, Component, authority="OpenRoIS", function="actuation"):
+class Shelves(Acting, Component, authority="OpenRoIS", function="actuation", part="legs"):
     """Lets the robot carry shelves. Shelves and locations are named, or given by the robot's ids.
 
     Args:

@@ -7,7 +7,7 @@ from openrois_robots.simulated.simulation import Simulation
 __all__ = ["Dock"]
 
 
-class Dock(Component, authority="OpenRoIS", function="actuation"):
+class Dock(Component, authority="OpenRoIS", function="actuation", part="legs"):
     """Tells how the battery gets on, and has the robot pushed to its charging mat where it cannot drive any more.
 
     Args:
