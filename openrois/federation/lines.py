@@ -76,7 +76,7 @@ class Lines:
         self._sessions[line.line_id] = app
         if former is not None and former is not app:
             self._succeed(former, app)
-        for component_ref, epoch in self._host.leases.model.holding.held_by(app).items():
+        for component_ref, epoch in self._host.leases.model.owned_by(app).items():
             self._writer.note(Held(component_ref, engine_of(component_ref), line.line_id, epoch))
 
     def _succeed(self, former: ApplicationSession, app: ApplicationSession) -> None:

@@ -102,6 +102,16 @@ class LeaseModel:
         """Tell whether a session holds anything, or has lent it."""
         return bool(self.holding.held_by(holder)) or next(self.loans.of_lender(holder), None) is not None
 
+    def owned_by(self, holder: object) -> dict[str, int]:
+        """Return the epochs of what a session has in its own right: what it holds and has not borrowed, or has lent."""
+        held = {
+            ref: epoch
+            for ref, epoch in self.holding.held_by(holder).items()
+            if self.loans.of(self.holding.part_of(ref)) is None
+        }
+        lent = (lender.epochs for _, lender in self.loans.of_lender(holder) if lender.loan is None)
+        return dict(item for epochs in (held, *lent) for item in epochs.items())
+
     def next_due(self) -> float | None:
         """Return when `advance` has something to do; None for never."""
         answers = [request.deadline for request in self.waiting.unanswered() if request.deadline is not None]

@@ -66,6 +66,27 @@ async def test_what_a_line_holds_is_written_and_freed(place: Place) -> None:
     assert await place.held() == {LAMP: "one"}
 
 
+async def test_what_is_lent_stays_its_lenders_in_the_store(place: Place) -> None:
+    app, borrower = place.session(), place.session()
+    place.lines.adopt(app, SessionLine("one"))
+    place.lines.adopt(borrower, SessionLine("two"))
+    place.host.leases.bind(LAMP, app)
+    await place.host.leases.borrow(LAMP, borrower, 60, for_one=False)
+    assert await place.held() == {LAMP: "one"}
+    # Another connection of each changes nothing of it.
+    again, after = place.session(), place.session()
+    place.lines.adopt(after, SessionLine("two", 1))
+    place.lines.adopt(again, SessionLine("one", 1))
+    assert place.host.leases.is_held(LAMP, after)
+    assert await place.held() == {LAMP: "one"}
+    place.host.leases.release(LAMP, after)
+    assert place.host.leases.model.holding.is_held(LAMP, again)
+    assert await place.held() == {LAMP: "one"}
+    await place.host.leases.borrow(LAMP, after, 60, for_one=False)
+    place.host.leases.release(LAMP, again)
+    assert await place.held() == {}, "the lender has given it up"
+
+
 async def test_the_holder_of_a_component_that_has_gone_is_kept(place: Place) -> None:
     app = place.session()
     place.lines.adopt(app, SessionLine("one"))
