@@ -138,9 +138,10 @@ class Holding:
         return held is not None and held[0] is holder
 
     def is_held_by_another(self, component_ref: str, holder: object) -> bool:
-        """Tell whether the component has a holder other than `holder`."""
+        """Tell whether the component, or its part, has a holder other than `holder`."""
         held = self._held.get(component_ref)
-        return held is not None and held[0] is not holder
+        other = self.holder_of(self._part_of(component_ref)) if held is None else held[0]
+        return other is not None and other is not holder
 
     def held_by(self, holder: object) -> dict[str, int]:
         """Return the epochs of what `holder` holds, by component_ref."""

@@ -51,6 +51,14 @@ class TestParts:
         model.release(DRIVE, ANN, 0)
         model.holding.bind(WALK, BOB)
 
+    def test_what_was_accepted_before_does_not_begin_beside_another_holder(self, model: LeaseModel) -> None:
+        model.holding.bind(WALK, ANN)
+        model.release(WALK, ANN, 0)
+        assert not model.holding.is_held_by_another(WALK, ANN)
+        model.holding.bind(DRIVE, BOB)
+        assert model.holding.is_held_by_another(WALK, ANN)
+        assert not model.holding.is_held_by_another(WALK, BOB)
+
     def test_what_was_had_by_one_name_goes_with_it(self, model: LeaseModel) -> None:
         model.request(WALK, ANN, 0)
         assert [type(change) for change in model.release(WALK, ANN, 1)] == [Lost, Lost]
