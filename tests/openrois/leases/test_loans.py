@@ -253,3 +253,53 @@ class TestLoans:
         model.borrow(WALK, BOB, 1)
         model.request(WALK, EVE, 2)
         assert [change.holder for change in model.release(WALK, BOB, 3) if isinstance(change, Asked)] == [ANN]
+
+    def test_a_lender_may_have_it_back_past_another_one(self, model: LeaseModel) -> None:
+        model.borrow(WALK, BOB, 1)
+        model.borrow(WALK, EVE, 2)
+        request = asked(model.request(WALK, ANN, 3))
+        assert NotReturned(WALK, BOB, 3, Why.GRANTED) in model.grant(request.request_id, EVE, 4)
+        assert (holders(model), model.loans.count()) == ({WALK: ANN, DRIVE: ANN}, 0)
+
+    def test_what_has_gone_does_not_come_back(self, model: LeaseModel) -> None:
+        model.borrow(WALK, BOB, 1)
+        assert model.end_all({LAMP}, 2) == []
+        changes = model.end_all({DRIVE}, 2)
+        assert NotReturned(DRIVE, ANN, 2, Why.GONE) in changes
+        assert Lost(DRIVE, BOB, 4, Why.GONE, on_loan=True) in changes
+        model.release(WALK, BOB, 3)
+        assert holders(model) == {WALK: ANN}
+        model.borrow(WALK, BOB, 4)
+        # Without what it has named the lender has nothing back.
+        assert NotReturned(WALK, ANN, 5, Why.GONE) in model.end_all({WALK}, 5)
+        assert (holders(model), model.loans.lenders(LEGS)) == ({}, ())
+
+    def test_what_is_lent_is_its_lenders_in_its_own_right(self, model: LeaseModel) -> None:
+        model.borrow(WALK, BOB, 1)
+        model.holding.bind(LAMP, BOB)
+        assert (model.owned_by(ANN), model.owned_by(BOB)) == ({WALK: 1, DRIVE: 2}, {LAMP: 5})
+        model.borrow(WALK, EVE, 2)
+        assert (model.owned_by(BOB), model.owned_by(EVE)) == ({LAMP: 5}, {})
+
+
+class TestNoEpochLeft:
+    """A lender for which there is no epoch has nothing back, and the part is free: nothing of it is held by half."""
+
+    def test_it_is_said(self) -> None:
+        epochs = ClaimedEpochs(lambda: "the store is away")
+        epochs.grant("r", 1, 4)
+        model = LeaseModel(Rules(), epochs, parts=BodyParts())
+        model.request(WALK, ANN, 0)
+        model.borrow(WALK, BOB, 1)
+        assert NotReturned(WALK, ANN, 1, Why.DUE) in model.release(WALK, BOB, 2)
+        assert (holders(model), model.loans.count()) == ({}, 0)
+
+
+def test_a_part_is_reserved_for_one_holder() -> None:
+    model = LeaseModel(Rules(10, 30), parts=BodyParts())
+    assert model.reserve(WALK, ANN, "ann", 0) == [Queued(WALK)]
+    assert model.reserve(DRIVE, ANN, "ann", 0) == [Queued(DRIVE)]
+    assert model.reserve(DRIVE, BOB, "bob", 0) == []
+    assert (holders(model), model.may_go_on(ANN), model.may_go_on(BOB)) == ({WALK: ANN, DRIVE: ANN}, True, False)
+    model.advance(10)
+    assert holders(model) == {}
