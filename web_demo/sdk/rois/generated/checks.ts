@@ -111,6 +111,11 @@ const isSubscribeResult: Check = object({
   subscribe_id: optional(text),
 });
 
+const isStopped: Check = object({
+  engine_id: text,
+  by: text,
+});
+
 const isHelloResult: Check = object({
   return_code: isReturnCode,
   version: optional(text),
@@ -119,6 +124,7 @@ const isHelloResult: Check = object({
   client_id: optional(text),
   instance: optional(text),
   epoch: optional(integer),
+  stopped: optional(list(isStopped)),
 });
 
 const isAuthRefreshResult: Check = object({
@@ -183,6 +189,7 @@ const isLeaseStatus: Check = object({
   epoch: optional(integer),
   waiting: optional(integer),
   position: optional(integer),
+  stopped_by: optional(text),
   part: optional(text),
   lender: optional(text),
   return_ms: optional(integer),
@@ -295,6 +302,7 @@ const isLeaseChangedNotification: Check = object({
   epoch: optional(integer),
   waiting: optional(integer),
   position: optional(integer),
+  stopped_by: optional(text),
   part: optional(text),
   lender: optional(text),
   return_ms: optional(integer),
@@ -318,6 +326,12 @@ const isLeaseDeclinedNotification: Check = object({
 const isLeaseWithdrawnNotification: Check = object({
   component_ref: text,
   request_id: text,
+});
+
+const isStoppedNotification: Check = object({
+  engine_id: text,
+  by: optional(text),
+  reason: optional(text),
 });
 
 const isMediaKind: Check = oneOf(MediaKind);
@@ -406,6 +420,7 @@ export const RESULTS: { readonly [Name in MethodName]: Check } = {
   "openrois.lease.token": isLeaseTokenResult,
   "openrois.lease.resume": isResumeResult,
   "openrois.stop_all": isStopAllResult,
+  "openrois.lease.release_stop": isReturnResult,
   "signaling.answer": isReturnResult,
   "signaling.candidate": isReturnResult,
   "signaling.restart": isReturnResult,
@@ -427,6 +442,7 @@ export const NOTIFICATIONS: { readonly [Name in NotificationName]: Check } = {
   "openrois.lease.requested": isLeaseRequestedNotification,
   "openrois.lease.declined": isLeaseDeclinedNotification,
   "openrois.lease.withdrawn": isLeaseWithdrawnNotification,
+  "openrois.lease.stopped": isStoppedNotification,
   "signaling.offer": isOffer,
   "signaling.candidate": isCandidate,
   "signaling.capture_clocks": isCaptureClocks,

@@ -307,6 +307,7 @@ export interface HelloResult {
   readonly client_id?: string;
   readonly instance?: string;
   readonly epoch?: number;
+  readonly stopped?: readonly Stopped[];
 }
 
 /** A STUN or TURN server in the form of the W3C dictionary RTCIceServer, with password credentials only. */
@@ -344,6 +345,7 @@ export interface LeaseChangedNotification {
   readonly epoch?: number;
   readonly waiting?: number;
   readonly position?: number;
+  readonly stopped_by?: string;
   readonly part?: string;
   readonly lender?: string;
   readonly return_ms?: number;
@@ -407,6 +409,7 @@ export interface LeaseStatus {
   readonly epoch?: number;
   readonly waiting?: number;
   readonly position?: number;
+  readonly stopped_by?: string;
   readonly part?: string;
   readonly lender?: string;
   readonly return_ms?: number;
@@ -503,6 +506,12 @@ export interface ReasonNotification {
 export interface ReferenceResult {
   readonly return_code: ReturnCode;
   readonly component_ref?: string;
+}
+
+/** Params of `openrois.lease.release_stop`: an engine, or the one of a component. */
+export interface ReleaseStopParams {
+  readonly engine_id?: string | null;
+  readonly component_ref?: string | null;
 }
 
 /**
@@ -615,6 +624,19 @@ export interface StopAllResult {
   readonly return_code: ReturnCode;
   readonly stopped?: readonly string[];
   readonly failed?: readonly string[];
+}
+
+/** An engine, and the person that has stopped it for programs. */
+export interface Stopped {
+  readonly engine_id: string;
+  readonly by: string;
+}
+
+/** Params of the notification `openrois.lease.stopped`, to applications and to the adapter of the engine. */
+export interface StoppedNotification {
+  readonly engine_id: string;
+  readonly by?: string;
+  readonly reason?: string;
 }
 
 /** Params of every method that acts on a connected stream. */

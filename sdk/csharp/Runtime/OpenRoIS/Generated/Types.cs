@@ -584,6 +584,9 @@ namespace OpenRoIS
 
         [JsonProperty("epoch")]
         public long Epoch { get; set; } = 0;
+
+        [JsonProperty("stopped")]
+        public List<Stopped> Stopped { get; set; } = new List<Stopped>();
     }
 
     /// <summary>
@@ -664,6 +667,9 @@ namespace OpenRoIS
 
         [JsonProperty("position")]
         public long Position { get; set; } = 0;
+
+        [JsonProperty("stopped_by")]
+        public string StoppedBy { get; set; } = "";
 
         [JsonProperty("part")]
         public string Part { get; set; } = "";
@@ -797,6 +803,9 @@ namespace OpenRoIS
 
         [JsonProperty("position")]
         public long Position { get; set; } = 0;
+
+        [JsonProperty("stopped_by")]
+        public string StoppedBy { get; set; } = "";
 
         [JsonProperty("part")]
         public string Part { get; set; } = "";
@@ -981,6 +990,16 @@ namespace OpenRoIS
 
         [JsonProperty("component_ref")]
         public string ComponentRef { get; set; } = "";
+    }
+
+    /// <summary>Params of <c>openrois.lease.release_stop</c>: an engine, or the one of a component.</summary>
+    public sealed class ReleaseStopParams
+    {
+        [JsonProperty("engine_id", NullValueHandling = NullValueHandling.Ignore)]
+        public string EngineId { get; set; }
+
+        [JsonProperty("component_ref", NullValueHandling = NullValueHandling.Ignore)]
+        public string ComponentRef { get; set; }
     }
 
     /// <summary>
@@ -1208,6 +1227,32 @@ namespace OpenRoIS
 
         [JsonProperty("failed")]
         public List<string> Failed { get; set; } = new List<string>();
+    }
+
+    /// <summary>An engine, and the person that has stopped it for programs.</summary>
+    public sealed class Stopped
+    {
+        [JsonProperty("engine_id", Required = Required.Always)]
+        public string EngineId { get; set; }
+
+        [JsonProperty("by", Required = Required.Always)]
+        public string By { get; set; }
+    }
+
+    /// <summary>
+    /// Params of the notification <c>openrois.lease.stopped</c>, to applications and to the adapter of the
+    /// engine.
+    /// </summary>
+    public sealed class StoppedNotification
+    {
+        [JsonProperty("engine_id", Required = Required.Always)]
+        public string EngineId { get; set; }
+
+        [JsonProperty("by")]
+        public string By { get; set; } = "";
+
+        [JsonProperty("reason")]
+        public string Reason { get; set; } = "";
     }
 
     /// <summary>Params of every method that acts on a connected stream.</summary>
