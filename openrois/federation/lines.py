@@ -52,7 +52,7 @@ class Lines:
         self._sessions: WeakValueDictionary[str, ApplicationSession] = WeakValueDictionary()
         self._lines: WeakKeyDictionary[ApplicationSession, SessionLine] = WeakKeyDictionary()
         self._awaited: dict[str, tuple[Holding, ...]] = {}
-        host.leases.on_change = self._note_change
+        host.leases.carrier.on_change = self._note_change
 
     async def written(self, seconds: float) -> bool:
         """Wait until the store has what is held here, or for so long; tell whether it has."""

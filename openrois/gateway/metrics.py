@@ -422,7 +422,9 @@ def _families(sources: Sources) -> Iterator[Metric]:
         TURNED_AWAY, ("reason",), [((why,), count) for why, count in connection_stats.turned_away.items()]
     )
     yield from families(CUT, ("reason",), [((why,), count) for why, count in connection_stats.cut.items()])
-    yield from families(LEASES_ENDED, ("reason",), [((why,), count) for why, count in host.leases.ended.items()])
+    yield from families(
+        LEASES_ENDED, ("reason",), [((why,), count) for why, count in host.leases.carrier.ended.items()]
+    )
     yield from families(CLOSED, ("code",), [((code,), count) for code, count in _codes(connection_stats.closed)])
     yield from families(ADAPTER, ("engine",), [((engine_id,), 1) for engine_id in _engines(host)])
     for name, latencies in zip(HISTOGRAMS, (connection_stats.latencies, connection_stats.call_latencies), strict=True):

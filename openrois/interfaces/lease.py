@@ -67,7 +67,7 @@ class _Leases:
 
     def _require_room(self, component_ref: str) -> None:
         """Raise `OutOfResources` where the application would have, or wait for, more components than it may bind."""
-        chosen = self.app.bound.union(self._keeper.waited_for(self.app))
+        chosen = self.app.bound.union(self._keeper.model.waited_for(self.app))
         if len(chosen) >= command.MAX_BOUND and component_ref not in chosen:
             raise OutOfResources(f"one application has at most {command.MAX_BOUND} components bound")
 

@@ -1,34 +1,25 @@
-"""Leases at work: the rules with a clock, the notifications, and the end of a former holder's commands."""
+"""Leases at work: the operations of sessions, by the rules and a clock."""
 
 import asyncio
 import time
 from collections.abc import Awaitable, Callable, Iterable
-from typing import Final
 
 from openrois.aio.tasks import TaskScope
 from openrois.auth.principal import Principal
 from openrois.auth.ranks import Ranks
 from openrois.commands.pending import PendingCommands
-from openrois.commands.stop import stop_components
 from openrois.commands.stop_latch import StopLatch
 from openrois.engine.engine import Engine
 from openrois.leases.alarm import Alarm
 from openrois.leases.body_parts import BodyParts
-from openrois.leases.changes import Change, Gained, Lost, NotReturned, Queued, Why
+from openrois.leases.carrying import LeaseCarrier
+from openrois.leases.changes import Change, Gained, Why
 from openrois.leases.epochs import Epochs
-from openrois.leases.lease_notifications import SENTENCES, Holder, LeaseNotifications, session_of
+from openrois.leases.lease_notifications import Holder, LeaseNotifications, session_of
 from openrois.leases.model import LeaseModel, Replayed, Rules
 from openrois.types.references import engine_of
 
 __all__ = ["LeaseKeeper"]
-
-
-def _ignore(_change: Change) -> None:
-    """Stand in where changes are of no interest."""
-
-
-_HANDED: Final = frozenset({Why.GRANTED, Why.TAKEN, Why.LENT, Why.DUE, Why.RETURNED})
-"""Reasons with which what the former holder has begun is stopped before the new one can operate."""
 
 
 class LeaseKeeper:
@@ -51,8 +42,7 @@ class LeaseKeeper:
     Attributes:
         model: the rules, and how things stand.
         notifications: sends them.
-        ended: how many leases ended, by the reason.
-        on_change: called with each change, in their order.
+        carrier: carries out what changes.
     """
 
     def __init__(
@@ -70,24 +60,17 @@ class LeaseKeeper:
         acted: Callable[[Principal, str, str, str], None] = lambda _who, _method, _component_ref, _detail: None,
         on_lost: Callable[[str, Holder], None] = lambda _component_ref, _holder: None,
     ) -> None:
-        self.ended: dict[Why, int] = {}
-        self.on_change: Callable[[Change], None] = _ignore
-        self._acted = acted
-        self._on_lost = on_lost
-        self._latch = StopLatch() if latch is None else latch
-        self._ranks = ranks or Ranks()
-        self.model = LeaseModel(rules, epochs, parts=BodyParts(engine), may_return=self._may_return)
+        latch, ranks = StopLatch() if latch is None else latch, ranks or Ranks()
+        self.model = LeaseModel(rules, epochs, parts=BodyParts(engine), may_return=_returning(latch, ranks))
         self._engine = engine
-        self._tasks = tasks
-        self._pending = pending
-        self.notifications = LeaseNotifications(self.model, engine, tasks, clock, self._latch, self._ranks)
-        self._clearing: dict[str, asyncio.Task[None]] = {}
+        self.notifications = LeaseNotifications(self.model, engine, tasks, clock, latch, ranks)
+        self.carrier = LeaseCarrier(self.model, engine, tasks, pending, self.notifications, acted, on_lost)
         self._alarm = Alarm(self._advance, tasks, clock, sleep)
         self._now = clock
 
     def is_held(self, component_ref: str, holder: Holder) -> bool:
         """Tell whether `holder` holds the component, and nothing of a former holder runs there any more."""
-        return self.model.holding.is_held(component_ref, holder) and component_ref not in self._clearing
+        return self.model.holding.is_held(component_ref, holder) and not self.carrier.is_clearing(component_ref)
 
     def is_held_by_another(self, component_ref: str, holder: Holder) -> bool:
         """Tell whether the component has a holder other than `holder`."""
@@ -162,14 +145,6 @@ class LeaseKeeper:
         """Withdraw the request for a component."""
         self._carry(self.model.withdraw(component_ref, asker), (asker, component_ref))
 
-    def waited_for(self, asker: Holder) -> list[str]:
-        """Return the components that `asker` waits for."""
-        return [request.component_ref for request in self.model.waiting.of(asker)]
-
-    def lent_by(self, lender: Holder) -> list[str]:
-        """Return the components that were taken from `lender` for a time."""
-        return [ref for _, place in self.model.loans.of_lender(lender) for ref in place.epochs]
-
     def grant(self, request_id: str, holder: Holder) -> str:
         """Hand the component over once what runs there has been stopped; return which it is.
 
@@ -183,7 +158,7 @@ class LeaseKeeper:
     async def borrow(self, component_ref: str, borrower: Holder, seconds: float | None, *, for_one: bool) -> None:
         """Take a component with its part for a time from a holder of lower rank, once what runs there was stopped."""
         self._carry(self.model.borrow(component_ref, borrower, self._now(), seconds, for_one=for_one))
-        await self._cleared(component_ref)
+        await self.carrier.cleared(component_ref)
 
     def decline(self, request_id: str, holder: Holder) -> None:
         """Keep the component.
@@ -196,15 +171,7 @@ class LeaseKeeper:
     async def take(self, component_ref: str, taker: Holder) -> None:
         """Take a component from its holder, once what runs there has been stopped."""
         self._carry(self.model.take(component_ref, taker, self._now()))
-        await self._cleared(component_ref)
-
-    async def _cleared(self, component_ref: str) -> None:
-        """Wait until nothing of a former holder runs on the part of a component any more."""
-        held = self.model.holding.held_of(self.model.holding.part_of(component_ref))
-        clearing = {self._clearing[ref] for ref in held if ref in self._clearing}
-        if clearing:
-            # The hand-over goes on when the session that takes it is gone meanwhile.
-            await asyncio.wait(clearing)
+        await self.carrier.cleared(component_ref)
 
     def token(self, holder: Holder) -> str:
         """Return the token that resumes the session when its connection is lost.
@@ -252,83 +219,18 @@ class LeaseKeeper:
 
     # How it is done.
 
-    def _may_return(self, lender: object, part: str) -> bool:
-        """Tell whether what was lent may come back: a person's STOP keeps it from programs."""
-        is_stopped = bool(self._latch.by(engine_of(part)))
-        return not is_stopped or not self._ranks.is_program(session_of(lender).principal)
-
     def _carry(self, changes: list[Change], answered: tuple[Holder, str] | None = None) -> None:
-        """Carry out changes, and notify all sessions that they concern.
-
-        Args:
-            changes: in their order.
-            answered: a session whose answer says what has become of one component: of that it is not notified; empty
-                text for of none.
-        """
-        changed: dict[str, tuple[list[Holder], str]] = {}
-        for change in changes:
-            self.on_change(change)
-            match change:
-                case Lost(component_ref, holder, epoch, why):
-                    self._lost(component_ref, session_of(holder), epoch, why)
-                    changed[component_ref] = [session_of(holder)], SENTENCES[why]
-                case Gained(component_ref, holder, epoch, why):
-                    self._gained(component_ref, session_of(holder), epoch, why)
-                    former, _ = changed.get(component_ref, ([], ""))
-                    changed[component_ref] = former, SENTENCES[why]
-                case NotReturned(component_ref, lender, epoch, why):
-                    self._acted(
-                        session_of(lender).principal, "lease.not_returned", component_ref, f"epoch {epoch}: {why}"
-                    )
-                    former, sentence = changed.get(component_ref, ([], SENTENCES[why]))
-                    changed[component_ref] = [*former, session_of(lender)], sentence
-                case Queued(component_ref):
-                    changed.setdefault(component_ref, ([], ""))
-                case _:
-                    self.notifications.of_request(change)
-        for component_ref, (former, sentence) in changed.items():
-            but = answered[0] if answered is not None and answered[1] in ("", component_ref) else None
-            if component_ref not in self._clearing:
-                self.notifications.to_all(component_ref, former, sentence, but=but)
-            else:
-                for each in former:
-                    self.notifications.say(each, self.notifications.changed(component_ref, each, sentence))
+        self.carrier.carry(changes, answered)
         self._alarm.set(self.model.next_due())
-
-    def _lost(self, component_ref: str, holder: Holder, epoch: int, why: Why) -> None:
-        holder.bound.discard(component_ref)
-        self.ended[why] = self.ended.get(why, 0) + 1
-        if why is not Why.RELEASED:
-            self._acted(holder.principal, "lease.lost", component_ref, f"epoch {epoch}: {why}")
-        self._on_lost(component_ref, holder)
-        if why is Why.RELEASED or why in _HANDED:
-            self.notifications.adapter(component_ref, holder, epoch, holds=False)
-
-    def _gained(self, component_ref: str, holder: Holder, epoch: int, why: Why) -> None:
-        holder.bound.add(component_ref)
-        if why is not Why.BOUND:
-            self._acted(holder.principal, "lease.gained", component_ref, f"epoch {epoch}: {why}")
-        if why not in _HANDED:
-            self.notifications.adapter(component_ref, holder, epoch, holds=True)
-            return
-        before = self._clearing.get(component_ref)
-        self._clearing[component_ref] = self._tasks.start(self._clear(component_ref, holder, why, before))
-
-    async def _clear(self, component_ref: str, holder: Holder, why: Why, before: asyncio.Task[None] | None) -> None:
-        """End what the former holder left running; then, and not before, the new one can operate."""
-        try:
-            if before is not None:
-                await asyncio.wait({before})
-            reason = f"{component_ref} is now held by {holder.principal.subject}: {SENTENCES[why]}"
-            await stop_components(self._engine, self._pending, self._tasks, (component_ref,), reason)
-        finally:
-            if self._clearing.get(component_ref) is asyncio.current_task():
-                del self._clearing[component_ref]
-        held = self.model.holding.holder(component_ref)
-        if held is not None and component_ref not in self._clearing:
-            # It may have resumed meanwhile.
-            self.notifications.adapter(component_ref, session_of(held[0]), held[1], holds=True)
-            self.notifications.to_all(component_ref, (), SENTENCES[why])
 
     def _advance(self) -> None:
         self._carry(self.model.advance(self._now()))
+
+
+def _returning(latch: StopLatch, ranks: Ranks) -> Callable[[object, str], bool]:
+    """Return what tells whether a part that was lent may come back: a person's STOP keeps it from programs."""
+
+    def may_return(lender: object, part: str) -> bool:
+        return not latch.by(engine_of(part)) or not ranks.is_program(session_of(lender).principal)
+
+    return may_return

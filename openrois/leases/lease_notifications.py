@@ -106,7 +106,7 @@ class LeaseNotifications:
         """Return the lease of a component, as one session sees it."""
         held = self._model.holding.holder(component_ref)
         part = self._model.holding.part_of(component_ref)
-        always = {
+        always: dict[str, Any] = {
             "component_ref": component_ref,
             "part": name_of(part),
             "stopped_by": self._latch.by(engine_of(component_ref)),

@@ -95,7 +95,7 @@ class Loans:
             self._loans[part] = lender.loan
         return lender
 
-    def forget(self, part: str) -> tuple[Lender, ...]:
+    def end_all_of(self, part: str) -> tuple[Lender, ...]:
         """End all that there is of loans of a part, and return those that had places."""
         self._loans.pop(part, None)
         return tuple(self._lenders.pop(part, ()))

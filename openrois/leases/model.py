@@ -4,12 +4,12 @@ Pure.
 """
 
 import secrets
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Final
 
 from openrois.errors import Unsupported
-from openrois.leases.changes import Asked, Change, Declined, Gained, Lost, NotReturned, Queued, Why
+from openrois.leases.changes import Asked, Change, Declined, Gained, Lost, Queued, Why
 from openrois.leases.epochs import Epochs
 from openrois.leases.holding import Holding
 from openrois.leases.loans import Loan, Loans
@@ -112,6 +112,14 @@ class LeaseModel:
         lent = (lender.epochs for _, lender in self.loans.of_lender(holder) if lender.loan is None)
         return dict(item for epochs in (held, *lent) for item in epochs.items())
 
+    def lent_by(self, holder: object) -> list[str]:
+        """Return the components that were taken from a session for a time."""
+        return [ref for _, place in self.loans.of_lender(holder) for ref in place.epochs]
+
+    def waited_for(self, asker: object) -> list[str]:
+        """Return the components that a session waits for."""
+        return [request.component_ref for request in self.waiting.of(asker)]
+
     def next_due(self) -> float | None:
         """Return when `advance` has something to do; None for never."""
         answers = [request.deadline for request in self.waiting.unanswered() if request.deadline is not None]
@@ -126,7 +134,7 @@ class LeaseModel:
         part = self.holding.part_of(component_ref)
         epoch = self.holding.release(component_ref, holder)
         if epoch is None:
-            return self._give_up(part, holder, (component_ref,), why)
+            return self._moves.give_up(part, holder, (component_ref,), why)
         changes: list[Change] = [Lost(component_ref, holder, epoch, why, self.loans.of(part) is not None)]
         return changes if self.holding.named_of(part) else [*changes, *self._moves.free(part, now, why)]
 
@@ -135,25 +143,13 @@ class LeaseModel:
         part = self.holding.part_of(component_ref)
         return [] if self.holding.holder_of(part) is not holder else self._moves.free(part, now, Why.RELEASED)
 
-    def _give_up(self, part: str, lender: object, component_refs: Iterable[str], why: Why) -> list[Change]:
-        """Let a lender not have back some of what was taken from it."""
-        place = self.loans.find(part, lender)
-        if place is None:
-            return []
-        before = dict(place.epochs)
-        self.loans.give_up(place, tuple(component_refs))
-        if not place.epochs:
-            self.loans.remove(part, place)
-        ended = [NotReturned(ref, lender, epoch, why) for ref, epoch in before.items() if ref not in place.epochs]
-        return [*ended, *self._moves.queued(part)] if ended else []
-
     def leave(self, holder: object, now: float, why: Why = Why.LEFT) -> list[Change]:
         """Release everything, give up what was lent, withdraw every request, and forget the resume tokens."""
         self.absent.pop(holder, None)
         self._tokens.forget_holder(holder)
         for part, lender in self.loans.of_lender(holder):
             self.loans.remove(part, lender)
-        changes = self._withdraw_all(holder)
+        changes = self._moves.withdraw_all(holder)
         for part in self.holding.parts_of(holder):
             changes += self._moves.free(part, now, why)
         return changes
@@ -164,7 +160,7 @@ class LeaseModel:
         gone = frozenset(component_refs)
         for part, lender in self.loans.all():
             if not gone.isdisjoint(lender.epochs):
-                changes += self._give_up(part, lender.holder, gone, Why.GONE)
+                changes += self._moves.give_up(part, lender.holder, gone, Why.GONE)
         freed: dict[str, None] = {}
         for component_ref in sorted(ref for ref in gone if self.holding.holder(ref) is not None):
             part = self.holding.part_of(component_ref)
@@ -174,17 +170,8 @@ class LeaseModel:
             freed[part] = None
         for part in freed:
             if not self.holding.named_of(part):
-                changes += self._end_part(part, gone, now)
+                changes += self._moves.end_part(part, gone, now)
         return changes
-
-    def _end_part(self, part: str, gone: Collection[str], now: float) -> list[Change]:
-        """Pass on what is left of a part of which the holder has lost all; where nothing is, the waiting ends."""
-        queue = self.waiting.queue(part)
-        is_left = any(ref not in gone for request in queue for ref in self._parts.members(part, request.asker))
-        if self.holding.held_of(part) or self.loans.lenders(part) or is_left:
-            return self._moves.free(part, now, Why.GONE)
-        self.loans.take_back(part)
-        return self._moves.decline_all(queue)
 
     # Hand-over.
 
@@ -244,7 +231,7 @@ class LeaseModel:
         if self.holding.holder_of(part) in (None, taker):
             return self.request(component_ref, taker, now)
         changes = self._moves.hand_over(part, taker, now, Why.TAKEN, component_ref)
-        ended = [change for lender in self.loans.forget(part) for change in not_returned(lender, Why.TAKEN)]
+        ended = [change for lender in self.loans.end_all_of(part) for change in not_returned(lender, Why.TAKEN)]
         return [*changes, *ended]
 
     # Loans.
@@ -288,18 +275,6 @@ class LeaseModel:
             return []
         return self._moves.free(part, now, Why.DUE)
 
-    def _end_loans(self, now: float) -> list[Change]:
-        changes: list[Change] = []
-        while True:
-            lenders, parts = self.loans.due(now)
-            if not lenders and not parts:
-                return changes
-            for part, lender in lenders:
-                self.loans.remove(part, lender)
-                changes += [*not_returned(lender, Why.DUE), *self._moves.queued(part)]
-            for part in parts:
-                changes += self._moves.free(part, now, Why.DUE)
-
     # A lost connection.
 
     def token(self, holder: object, subject: str) -> str:
@@ -317,7 +292,7 @@ class LeaseModel:
         if not self._tokens.has_one(holder):
             return self.leave(holder, now)
         self.absent[holder] = now + self.rules.grace
-        changes = self._withdraw_all(holder)
+        changes = self._moves.withdraw_all(holder)
         for part in self.holding.parts_of(holder):
             changes += self._moves.queued(part) if self.loans.of(part) is None else self._moves.free(part, now, Why.DUE)
         return changes
@@ -364,7 +339,7 @@ class LeaseModel:
         begun = {ref: self.holding.next_epoch(ref) for ref in refs}
         self._tokens.succeed(former, successor)
         self.absent.pop(former, None)
-        changes = self._withdraw_all(former)
+        changes = self._moves.withdraw_all(former)
         for part, lender in self.loans.of_lender(former):
             lender.holder = successor
             changes += self._moves.queued(part)
@@ -414,7 +389,7 @@ class LeaseModel:
         changes: list[Change] = []
         for holder in [holder for holder, until in self.absent.items() if until <= now]:
             changes += self.leave(holder, now, Why.EXPIRED)
-        changes += self._end_loans(now)
+        changes += self._moves.end_loans(now)
         for request in self.waiting.unanswered():
             if request.deadline is not None and request.deadline <= now:
                 request.deadline = None
@@ -428,6 +403,3 @@ class LeaseModel:
         if request is None or self.holding.holder_of(request.part) is not holder:
             raise Unsupported(f"there is no request {request_id[:200]!r}")
         return request
-
-    def _withdraw_all(self, asker: object) -> list[Change]:
-        return [change for request in self.waiting.of(asker) for change in self._moves.withdraw(request)]

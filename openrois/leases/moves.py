@@ -161,6 +161,40 @@ class Moves:
         assert held is not None, "a free part has neither queue nor lenders"
         return held
 
+    def give_up(self, part: str, lender: object, component_refs: Iterable[str], why: Why) -> list[Change]:
+        """Let a lender not have back some of what was taken from it."""
+        place = self._loans.find(part, lender)
+        if place is None:
+            return []
+        before = dict(place.epochs)
+        self._loans.give_up(place, tuple(component_refs))
+        if not place.epochs:
+            self._loans.remove(part, place)
+        ended = [NotReturned(ref, lender, epoch, why) for ref, epoch in before.items() if ref not in place.epochs]
+        return [*ended, *self.queued(part)] if ended else []
+
+    def end_part(self, part: str, gone: Collection[str], now: float) -> list[Change]:
+        """Pass on what is left of a part of which the holder has lost all; where nothing is, the waiting ends."""
+        queue = self._waiting.queue(part)
+        is_left = any(ref not in gone for request in queue for ref in self._parts.members(part, request.asker))
+        if self._holding.held_of(part) or self._loans.lenders(part) or is_left:
+            return self.free(part, now, Why.GONE)
+        self._loans.take_back(part)
+        return self.decline_all(queue)
+
+    def end_loans(self, now: float) -> list[Change]:
+        """End the loans that are over."""
+        changes: list[Change] = []
+        while True:
+            lenders, parts = self._loans.due(now)
+            if not lenders and not parts:
+                return changes
+            for part, lender in lenders:
+                self._loans.remove(part, lender)
+                changes += [*not_returned(lender, Why.DUE), *self.queued(part)]
+            for part in parts:
+                changes += self.free(part, now, Why.DUE)
+
     # The queue.
 
     def ask_again(self, part: str, now: float) -> list[Change]:
@@ -191,6 +225,10 @@ class Moves:
         self._waiting.remove(request)
         queued = dict.fromkeys((*self.queued(request.part), Queued(request.component_ref)))
         return [Withdrawn(request, holder), *queued]
+
+    def withdraw_all(self, asker: object) -> list[Change]:
+        """Withdraw every request of a session."""
+        return [change for request in self._waiting.of(asker) for change in self.withdraw(request)]
 
     def _forget_request(self, part: str, asker: object) -> None:
         request = self._waiting.find(part, asker)

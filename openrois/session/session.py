@@ -236,9 +236,9 @@ class ApplicationSession:
         # Narrow the scope first, so that the next notifications are filtered.
         self.engine.principal = principal
         self.bound.difference_update(bound)
-        for component_ref in (*bound, *entitlements.lost_bindings(self.host.leases.lent_by(self))):
+        for component_ref in (*bound, *entitlements.lost_bindings(self.host.leases.model.lent_by(self))):
             self.give_back(component_ref)
-        for component_ref in entitlements.lost_bindings(self.host.leases.waited_for(self)):
+        for component_ref in entitlements.lost_bindings(self.host.leases.model.waited_for(self)):
             self.host.leases.withdraw(component_ref, self)
         self.host.stops.handle_principal(self)
         if streams:

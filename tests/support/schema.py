@@ -43,6 +43,7 @@ COMPONENT_PROFILE = {
     "identifier": IDENTIFIER,
     "name": str,
     "function": Optional(FUNCTIONS),
+    "part": Optional(str),
     "sub_component_profiles": [str],
     "command_profiles": [{**MESSAGE_PROFILE, "arguments": [PARAMETER_PROFILE], "timeout": Optional(int)}],
     "query_profiles": [MESSAGE_PROFILE],

@@ -31,12 +31,15 @@ async def line() -> AsyncIterator[Line]:
 
 @pytest.fixture
 def login(line: Line) -> Login:
+    async def serve(far: MessageStream, who: TokenExpiry) -> None:
+        await serve_application(line.host, far, who)
+
     def client(subject: str, rank: str) -> AbstractAsyncContextManager[Client]:
         @asynccontextmanager
         async def dial() -> AsyncIterator[MessageStream]:
             near, far = memory_pair()
             who = TokenExpiry(principal("operator", "*", subject=subject, rank=rank))
-            line.tasks.start(serve_application(line.host, far, who))
+            line.tasks.start(serve(far, who))
             try:
                 yield near
             finally:

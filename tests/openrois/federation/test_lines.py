@@ -92,7 +92,7 @@ async def test_the_holder_of_a_component_that_has_gone_is_kept(place: Place) -> 
     place.lines.adopt(app, SessionLine("one"))
     place.host.leases.bind(LAMP, app)
     place.host.leases.end_all([LAMP])
-    assert place.host.leases.ended == {Why.GONE: 1}
+    assert place.host.leases.carrier.ended == {Why.GONE: 1}
     assert await place.held() == {LAMP: "one"}
 
 

@@ -283,7 +283,7 @@ class TestMoving:
                     assert (closed.code, closed.reason) == (1012, "robot: gateway b owns it now")
                     assert a.engines == ()
                     assert a.host.leases.model.holding.held() == frozenset()
-                    assert a.host.leases.ended == {Why.GONE: 1}
+                    assert a.host.leases.carrier.ended == {Why.GONE: 1}
                     seen = robot.host.epoch_fence.greatest
                     assert await bound(b) > seen > 0
                     assert b.directorate.claims.keys() == {"robot"}

@@ -41,6 +41,7 @@ def test_a_type_looks_as_in_the_standards_files() -> None:
         '  <gml:identifier codeSpace="urn:ietf:rfc:2141">urn:x-rois:def:component:OMG::Follow</gml:identifier>\n'
         "  <gml:name>follower</gml:name>\n"
         '  <gml:name codeSpace="urn:x-openrois:profile:function">actuation</gml:name>\n'
+        '  <gml:name codeSpace="urn:x-openrois:profile:part">legs</gml:name>\n'
         "  <rois:SubComponentProfile>urn:x-rois:def:Component:OMG::RoISCommon</rois:SubComponentProfile>\n"
         '  <rois:ParameterProfile rois:name="target_object_ref" rois:description="whom or what to follow">\n'
         '    <rois:data_type_ref rois:code="RoISIdentifier"/>\n'
