@@ -21,7 +21,7 @@ REFUSALS_PER_SECOND: Final = 10
 _REFUSALS: Final = {ReturnCode.BAD_PARAMETER, ReturnCode.UNSUPPORTED, ReturnCode.OUT_OF_RESOURCES}
 _SUBJECTS: Final = (
     *("component_ref", "stream_id", "peer_id", "command_id", "subscribe_id", "event_id", "error_id"),
-    *("condition", "event_type", "query_type"),
+    *("condition", "event_type", "query_type", "engine_id"),
 )
 
 _NAMED: Final = re.compile(r"component_ref\s*+=\s*+'((?:[^']|'')*+)'")

@@ -326,7 +326,7 @@ def _require_still(app: ApplicationSession, unit: CommandUnit) -> None:
     elif app.is_barred_from(unit.component_ref):
         reason, error = f"{unit.component_ref} is bound by another application by now", OutOfResources
     elif waiting := _reason_to_wait(app, unit, present.engine.components.get(unit.component_ref)):
-        raise Aborted(waiting)
+        reason, error = waiting, Aborted
     else:
         return
     app.host.audit.refused(present.principal, unit.command_type, unit.component_ref, reason)

@@ -187,6 +187,7 @@ async def test_a_command_whose_turn_comes_while_all_is_stopped_does_not_begin(ro
     may_stop.set()
     assert await stopping == "OK"
     assert robot.lamp.total == 0
+    assert robot.here.host.audit.refusals == 1
 
 
 async def test_adapters_learn_that_programs_hold_nothing_meanwhile(robot: Robot) -> None:
