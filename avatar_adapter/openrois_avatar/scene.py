@@ -256,7 +256,11 @@ async def _engine_scene(
             return engine.hello.viewpoints if engine.hello is not None else ()
 
         voice = Voice(synthesizer, sound, body)
-        operator_control = OperatorControl(reference(engine_id, Teleoperation.component_type.name), clock)
+        operator_control = OperatorControl(
+            reference(engine_id, Teleoperation.component_type.name),
+            clock,
+            reference(engine_id, Gaze.component_type.name),
+        )
         figure = Figure(legs, world, Ways(world), status)
         components = (
             SpeechSynthesis(voice),

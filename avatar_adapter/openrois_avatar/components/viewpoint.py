@@ -10,7 +10,7 @@ __all__ = ["Viewpoint"]
 
 
 class Viewpoint(Component, authority="OpenRoIS", function="function"):
-    """Chooses the game engine's camera for all viewers, which share its pictures. Of class function, as Gaze.
+    """Chooses the game engine's camera for all viewers, which share its pictures; it needs no reservation.
 
     Args:
         body: the figure whose engine has the cameras.

@@ -38,6 +38,8 @@ class OperationResult(Payload):
 class Teleoperation(Component, authority="OpenRoIS", function="actuation", part="legs"):
     """Lets the application that has bound it drive the body and turn its eyes, over the data channels of its streams.
 
+    Where another application holds the body's gaze, the eyes are that one's.
+
     Args:
         operator_control: knows which application operates.
         controls: of the figure.
@@ -67,7 +69,14 @@ class Teleoperation(Component, authority="OpenRoIS", function="actuation", part=
 
     def pilot(self, stopped: Callable[[str], None]) -> Pilot:
         """Return a pilot with the component's parameters; `stopped` gets the reason when it stops by itself."""
-        return Pilot(self._controls, self._steering, self._clock, stopped, self._tell_paced)
+        return Pilot(
+            self._controls,
+            self._steering,
+            self._clock,
+            stopped,
+            self._tell_paced,
+            lambda: self.operator_control.may_turn_eyes,
+        )
 
     def condition(self) -> ComponentStatus:
         """Return the status of the game engine."""

@@ -44,10 +44,14 @@ class OperatorControl:
     Args:
         component_ref: of the component that has to be bound.
         clock: for the pace of messages.
+        gaze_ref: of the component that turns the body's eyes; empty where there is none.
     """
 
-    def __init__(self, component_ref: str, clock: MediaClock) -> None:
+    def __init__(self, component_ref: str, clock: MediaClock, gaze_ref: str = "") -> None:
         self.component_ref = component_ref
+        self._gaze_ref = gaze_ref
+        self._gaze_holder: Client | None = None
+        self._gaze_epoch = 0
         self.figures = OperatorFigures()
         self.held_changed = Listeners[bool]()
         """Called with whether an application holds the component now, when that changes."""
@@ -63,8 +67,15 @@ class OperatorControl:
         """Whether an application holds the component, operating or not."""
         return self._holder is not None
 
+    @property
+    def may_turn_eyes(self) -> bool:
+        """Whether input turns the eyes: not where an application that does not operate holds the body's gaze."""
+        return self._gaze_holder is None or self._gaze_holder is self._holder
+
     def apply_holder(self, notification: HolderNotification, client: Client) -> None:
         """Follow the gateway's notification of the application that holds a component."""
+        if notification.component_ref == self._gaze_ref:
+            self._apply_gaze_holder(notification, client)
         if notification.component_ref != self.component_ref:
             return
         if notification.holds and (self._holder is None or notification.epoch >= self._epoch):
@@ -75,8 +86,16 @@ class OperatorControl:
         elif not notification.holds and self._holder is client:
             self._vacate("the component was released")
 
+    def _apply_gaze_holder(self, notification: HolderNotification, client: Client) -> None:
+        if notification.holds and (self._gaze_holder is None or notification.epoch >= self._gaze_epoch):
+            self._gaze_holder, self._gaze_epoch = client, notification.epoch
+        elif not notification.holds and self._gaze_holder is client:
+            self._gaze_holder = None
+
     def forget_client(self, client: Client) -> None:
         """End the operation by an application that has disconnected."""
+        if self._gaze_holder is client:
+            self._gaze_holder = None
         if self._holder is client:
             self._vacate("the application that operated is gone")
 

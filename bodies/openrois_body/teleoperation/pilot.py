@@ -66,6 +66,7 @@ class Pilot:
         clock: for the dead man's switch.
         stopped: called with the reason when the figure stops, or held keys count no more, without a release.
         paced: called with a sentence when the figure begins to go slower, and when it goes at full speed again.
+        may_turn_eyes: returns whether input turns the eyes now.
     """
 
     def __init__(
@@ -75,6 +76,7 @@ class Pilot:
         clock: MediaClock,
         stopped: Callable[[str], None],
         paced: Callable[[str], None] = lambda _sentence: None,
+        may_turn_eyes: Callable[[], bool] = lambda: True,
     ) -> None:
         self.velocity = STANDING
         self.pace = 1.0
@@ -86,6 +88,7 @@ class Pilot:
         self._clock = clock
         self._stopped = stopped
         self._paced = paced
+        self._may_turn_eyes = may_turn_eyes
         self._is_slow = False
         self._gaze: tuple[float, float] | None = None
         self._fed_at = clock.now()
@@ -176,7 +179,10 @@ class Pilot:
             self._controls.halt("the operator released the controls")
 
     def _turn_eyes(self, gaze: tuple[float, float] | None) -> None:
-        if gaze is not None and gaze != self._gaze:
+        if not self._may_turn_eyes():
+            # They look elsewhere meanwhile: the next gaze that counts turns them, be it the same as before.
+            self._gaze = None
+        elif gaze is not None and gaze != self._gaze:
             self._gaze = gaze
             self._controls.turn_eyes(*gaze)
 

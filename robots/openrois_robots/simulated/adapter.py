@@ -137,7 +137,11 @@ async def simulated_robot(
         senses = camera_senses(engine_id, eye, clock, locate=locate)
         # What else can be sensed with a camera is for the face of an operator before it.
         sensing = tuple(each for each in senses.components if isinstance(each, PersonDetection | PersonLocalization))
-        operator_control = OperatorControl(reference(engine_id, Teleoperation.component_type.name), clock)
+        operator_control = OperatorControl(
+            reference(engine_id, Teleoperation.component_type.name),
+            clock,
+            reference(engine_id, Gaze.component_type.name),
+        )
         figure = Figure(legs, world, Ways(world), status)
         controls = FigureControls(legs, body, simulation.send, lambda: False)
         moving = (

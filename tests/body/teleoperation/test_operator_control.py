@@ -10,6 +10,7 @@ import pytest
 from openrois_body.teleoperation.operator_control import OperatorControl
 from openrois_body.teleoperation.pilot import PATIENCE, Pilot
 from openrois_body.teleoperation.steering import STANDING, Steering
+from openrois_streaming.input.messages import Held, Pointer
 from openrois_streaming.input.reader import AT_ONCE, MALFORMED_LIMIT
 from openrois_streaming.peer.input_channels import InputSink
 
@@ -20,6 +21,7 @@ from tests.support.streaming import VirtualClock
 from tests.support.teleoperation import Hand, LoggedControls, text
 
 REF = "avatar/teleoperation"
+GAZE = "avatar/gaze"
 
 
 class Room:
@@ -28,13 +30,19 @@ class Room:
     def __init__(self) -> None:
         self.clock = VirtualClock()
         self.controls = LoggedControls(self.clock)
-        self.seat = OperatorControl(REF, self.clock)
+        self.seat = OperatorControl(REF, self.clock, GAZE)
         self.told: dict[str, list[Any]] = {"ann": [], "bob": []}
         self.clients = {name: Client(name, lambda _method, _params: None) for name in self.told}
         self.hands: dict[str, InputSink] = {name: self.sit(name) for name in self.told}
         self.hand = Hand()
         self.reasons: list[str] = []
-        self.pilot = Pilot(self.controls, Steering, self.clock, self.reasons.append)
+        self.pilot = Pilot(
+            self.controls,
+            Steering,
+            self.clock,
+            self.reasons.append,
+            may_turn_eyes=lambda: self.seat.may_turn_eyes,
+        )
 
     def sit(self, name: str) -> InputSink:
         return self.seat.input_sink(self.clients[name], lambda said: self.told[name].append(json.loads(said)))
@@ -45,6 +53,10 @@ class Room:
 
     def press(self, name: str) -> None:
         self.hands[name].input_came("input", text(self.hand.state()))
+
+    def point(self, name: str) -> None:
+        """Point to the upper left corner of the picture."""
+        self.hands[name].input_came("input", text(self.hand.state(Held(pointer=Pointer(0, 0)))))
 
     @asynccontextmanager
     async def operated(self) -> AsyncIterator["asyncio.Future[str]"]:
@@ -124,6 +136,35 @@ async def test_what_is_said_again_or_too_late_changes_nothing(room: Room) -> Non
         room.press("ann")
         assert not vacated.done()
         assert room.controls.words == ["drive", "drive"]
+
+
+async def test_the_eyes_are_those_of_the_application_that_holds_the_gaze(room: Room) -> None:
+    room.tell("ann")
+    async with room.operated():
+        room.point("ann")
+        assert room.controls.done[-1][1:] == ("look", (-1, 1))
+        room.tell("bob", component_ref=GAZE, epoch=3)
+        room.tell("ann", component_ref=GAZE, epoch=2)
+        room.point("ann")
+        assert room.controls.words == ["look"]
+        room.press("ann")
+        assert room.controls.words == ["look", "drive"], "its input drives all the same"
+        room.tell("bob", component_ref=GAZE, holds=False, epoch=3)
+        room.point("ann")
+        assert room.controls.words[2:] == ["look", "halt"], "the eyes may have been turned away meanwhile"
+
+
+@pytest.mark.parametrize("how", ["it is its own", "its holder is gone"])
+async def test_an_operator_turns_the_eyes_where_no_other_application_holds_the_gaze(room: Room, how: str) -> None:
+    room.tell("ann")
+    async with room.operated():
+        room.tell("bob", component_ref=GAZE)
+        if how == "it is its own":
+            room.tell("ann", component_ref=GAZE, epoch=2)
+        else:
+            room.seat.forget_client(room.clients["bob"])
+        room.point("ann")
+        assert room.controls.words == ["look"]
 
 
 async def test_a_lost_link_lets_go(room: Room) -> None:

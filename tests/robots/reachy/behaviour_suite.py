@@ -48,6 +48,13 @@ async def turn(client: Client, degrees: int, millimetres: int = 0) -> None:
         await client.run(move.start())
 
 
+async def look(client: Client, x: float) -> None:
+    """Turn the head."""
+    gaze = client.component("robot/gaze")
+    async with gaze.bound():
+        await client.run(gaze.command("look", x=x, y=0.0))
+
+
 class BehaviourSuite:
     """What is promised. A subclass has the fixture `daemon`."""
 
@@ -84,18 +91,21 @@ class BehaviourSuite:
         gaze = stage.client.component("robot/gaze")
         errors: list[float] = []
         begun, targets = time.monotonic(), stage.robot.motion.figures.targets
-        while (passed := time.monotonic() - begun) < 3.0:
-            if passed > 0.5:
-                stage.watcher.on_posture = lambda seen: errors.append(angle_between(seen, stage.robot.motion.target))
-            await gaze.command("look", x=0.4 * sin(passed * pi / 2), y=0.3 * sin(passed * pi / 3))
-            await asyncio.sleep(0.02)
+        async with gaze.bound():
+            while (passed := time.monotonic() - begun) < 3.0:
+                if passed > 0.5:
+                    stage.watcher.on_posture = lambda seen: errors.append(
+                        angle_between(seen, stage.robot.motion.target)
+                    )
+                await gaze.command("look", x=0.4 * sin(passed * pi / 2), y=0.3 * sin(passed * pi / 3))
+                await asyncio.sleep(0.02)
         sent = stage.robot.motion.figures.targets - targets
         error = sqrt(sum(each**2 for each in errors) / len(errors))
         print(f"{sent / 3:.1f} targets/s, {len(errors)} postures, {error:.4f} rad rms, {max(errors):.4f} at most")
         return error
 
     async def test_a_motion_starts_with_the_neutral_posture(self, stage: Stage) -> None:
-        await stage.client.component("robot/gaze").command("look", x=1.0, y=0.0)
+        await look(stage.client, 1.0)
         await until(lambda: stage.watcher.posture.yaw > 0.88)
         since = len(stage.watcher.postures)
         await react(stage.client, "nod")
@@ -119,7 +129,7 @@ class BehaviourSuite:
     async def test_a_gaze_during_a_motion_is_followed_after_it(self, stage: Stage) -> None:
         nodding = asyncio.create_task(react(stage.client, "nod"))
         await until(lambda: stage.watcher.posture.pitch > 0.1)
-        await stage.client.component("robot/gaze").command("look", x=-0.5, y=0.0)
+        await look(stage.client, -0.5)
         assert await ended(nodding) is None
         await until(lambda: stage.watcher.posture.yaw < -0.4)
 
@@ -140,7 +150,7 @@ class BehaviourSuite:
     async def test_everything_stops_and_the_gaze_too(self, stage: Stage) -> None:
         move = await stage.client.find(Move)
         async with move.bound():
-            await stage.client.component("robot/gaze").command("look", x=-1.0, y=0.0)
+            await look(stage.client, -1.0)
             await until(lambda: stage.watcher.posture.yaw < -0.2)
             begun = time.monotonic()
             # What moves has stopped; the voice says that it would not be heard in any case.

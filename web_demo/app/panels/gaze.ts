@@ -59,6 +59,7 @@ export class Gaze {
       command_type: "look",
       arguments: [argument("x", this.#x), argument("y", this.#y)],
     };
-    void this.#client.execute([unit]).catch(() => undefined);
+    // Bound for the glance alone, unless this page has control of the body.
+    void this.#client.bound(unit.component_ref, () => this.#client.execute([unit])).catch(() => undefined);
   }
 }

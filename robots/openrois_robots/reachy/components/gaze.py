@@ -9,7 +9,7 @@ __all__ = ["Gaze"]
 
 
 class Gaze(gaze.Gaze):
-    """Turns the head; the body stays. Of class function: a glance needs no reservation.
+    """Turns the head; the body stays.
 
     Args:
         robot: the robot.
