@@ -89,6 +89,26 @@ async def test_token_is_sent_outside_of_a_page(start: Start, node: Path, tmp_pat
         await app.ends()
 
 
+async def test_a_part_is_borrowed_from_a_program_and_given_back(start: Start, tmp_path: Path) -> None:
+    robot = everything()
+    now = time.time()
+    tokens = [issue(now, sub="night watch", rank="script"), issue(now, sub="ann", rank="person")]
+    async with AsyncExitStack() as stack:
+        here = await stack.enter_async_context(guarded(tmp_path))
+        await here.gateway.engine.attach(robot.registry)
+        app = await stack.enter_async_context(start("sharer.mjs", here.gateway.url, token=" ".join(tokens)))
+        assert await app.says("borrowed") == ["MINE", "night watch", "legs"]
+        assert await app.says("lent") == ["ann", True]
+        code, reason = await app.says("refused")
+        assert code == "OUT_OF_RESOURCES"
+        assert "was taken for a time by ann" in reason
+        assert await app.says("of higher rank") == "OUT_OF_RESOURCES"
+        assert await app.says("restored") == robot.ref("Navigation")
+        assert await app.says("restored") == robot.ref("SpeechSynthesis")
+        await app.ends()
+    assert robot.parts["SpeechSynthesis"].parameters["speech_text"] == "I go on."
+
+
 async def comes_back(app: JsonProgram) -> list[tuple[str, object]]:
     """Return what the application says until its binding and subscription are restored."""
     said: list[tuple[str, object]] = []

@@ -9,7 +9,7 @@ export type { AnyComponentClass } from "./rois/body.ts";
 export { bodiesIn, bodiesOf } from "./rois/body_directory.ts";
 export type { BodyComponent, BodyInfo, BodyPart, BodyProfile } from "./rois/body_directory.ts";
 export type { BodyLoss, BodyOptions } from "./rois/reserving.ts";
-export type { BindingClaim, Claim, LostClaim, SubscriptionClaim } from "./rois/claims.ts";
+export type { BindingClaim, Claim, LentClaim, LostClaim, SubscriptionClaim } from "./rois/claims.ts";
 export { Client } from "./rois/client.ts";
 export type { Command, Concurrent, Profile, Step } from "./rois/client.ts";
 export { ComponentEvent, ComponentProxy } from "./rois/component.ts";

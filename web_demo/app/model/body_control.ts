@@ -87,7 +87,8 @@ export class BodyControl {
       void this.#readLeases();
     });
     client.on("lost", (claim) => {
-      if (claim.kind === "binding")
+      // What another application has by now, its lease has told.
+      if (claim.kind === "binding" && claim.error.method === "rois.command.bind")
         this.#controlLost(claim.componentRef, "Control was lost with the connection.");
     });
   }

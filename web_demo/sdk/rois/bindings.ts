@@ -2,10 +2,14 @@
 
 import type { BindingClaim, Renewal } from "./claims.ts";
 import { RoISError } from "./errors.ts";
+import type { LeaseChangedNotification } from "./generated/types.ts";
 import type { Call } from "./link.ts";
 
-/** `unknown`: its session is gone. `lost`: it could not be made again, and `lost` was emitted. */
-type State = "held" | "unknown" | "lost";
+/**
+ * `unknown`: its session is gone. `lost`: it could not be made again, and `lost` was emitted. `lent`: another application
+ * has it for a time, and it comes back by itself.
+ */
+type State = "held" | "unknown" | "lost" | "lent";
 
 /** Components that this application has bound. A lost engine ends bindings, and so does a lost session. */
 export class Bindings {
@@ -89,11 +93,39 @@ export class Bindings {
     this.#states.set(componentRef, "held");
   }
 
-  /** Removes a component that another application holds now; it is not bound again. */
-  taken(componentRef: string): void {
-    if (this.#states.get(componentRef) !== "held") return;
+  /** Removes a component that was given back with its part. */
+  gaveBack(componentRef: string): void {
     this.#lasting.delete(componentRef);
     this.#states.delete(componentRef);
+  }
+
+  /** Follows the gateway's notification of the holder; returns whether something is to be bound again. */
+  holderChanged(lease: LeaseChangedNotification, renewal: Renewal): boolean {
+    const { component_ref: componentRef = "", holder = "", return_ms: returnMs = 0, reason } = lease;
+    const state = this.#states.get(componentRef);
+    if (state !== "held" && state !== "lent") return false;
+    const claim: BindingClaim = { kind: "binding", componentRef };
+    switch (lease.state) {
+      case "MINE":
+        this.#states.set(componentRef, "held");
+        if (state === "lent") renewal.restored(claim);
+        return false;
+      case "FREE":
+        // It does not come back by itself.
+        if (state === "lent") this.#states.set(componentRef, "unknown");
+        return state === "lent";
+      case "HELD":
+        if ((lease.return_position ?? 0) === 0) {
+          this.gaveBack(componentRef);
+          const reasons = `another application holds it now: ${reason}`;
+          const error = new RoISError("OUT_OF_RESOURCES", "openrois.lease", `(${componentRef})`, reasons);
+          renewal.lost({ ...claim, error });
+        } else if (state === "held") {
+          this.#states.set(componentRef, "lent");
+          renewal.lent({ ...claim, holder, returnMs });
+        }
+    }
+    return false;
   }
 
   /** Releases those of the resumed bindings that are not needed any more. */
@@ -104,19 +136,19 @@ export class Bindings {
   /** Marks all bindings as unknown, since their session is gone. */
   lost(): void {
     for (const [componentRef, state] of this.#states) {
-      if (state === "held") this.#states.set(componentRef, "unknown");
+      if (state === "held" || state === "lent") this.#states.set(componentRef, "unknown");
     }
   }
 
-  /** Whether a needed component is not held. */
+  /** Whether a needed component is not held, and does not come back by itself. */
   get incomplete(): boolean {
-    return [...this.#states.values()].some((state) => state !== "held");
+    return [...this.#states.values()].some((state) => state !== "held" && state !== "lent");
   }
 
   /** Binds again what is missing, and what may be. Never rejects. */
   async renew(call: Call, renewal: Renewal, isDoubtful: (componentRef: string) => boolean): Promise<void> {
-    const refs = [...this.#states.keys()].filter(
-      (ref) => this.#states.get(ref) !== "held" || isDoubtful(ref),
+    const refs = [...this.#states].flatMap(([ref, state]) =>
+      state !== "lent" && (state !== "held" || isDoubtful(ref)) ? [ref] : [],
     );
     await Promise.all(refs.map((ref) => this.#renew(call, ref, renewal)));
   }

@@ -76,10 +76,14 @@ export class Client extends Link {
     super(url, options);
     const renewal: Renewal = {
       lost: (claim) => this.onceConnected(() => this.emitter.emit("lost", claim)),
+      lent: (claim) => this.emitter.emit("lent", claim),
       restored: (claim) => this.onceConnected(() => this.emitter.emit("restored", claim)),
     };
     this.#restoration = new Restoration(this.#bindings, this.#subscriptions, renewal, options?.backoff);
     this.control = new Control(this, this.#bindings);
+    this.control.on("openrois.lease.changed", (lease) => {
+      if (this.#bindings.holderChanged(lease, renewal)) this.#restoration.changed(this.call, null);
+    });
     this.#resumption = new Resumption(this.#completions);
     const lost = (loss: BodyLoss): void => this.emitter.emit("body_lost", loss);
     this.#bodies = new Bodies(this, this.#directory, this.#bindings, lost, options?.backoff);

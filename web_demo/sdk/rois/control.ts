@@ -34,9 +34,6 @@ export class Control {
   constructor(client: Link, bindings: Bindings) {
     this.#client = client;
     this.#bindings = bindings;
-    this.on("openrois.lease.changed", ({ component_ref: componentRef, state }) => {
-      if (state === "HELD" && componentRef !== undefined) bindings.taken(componentRef);
-    });
   }
 
   /** Listens to one kind of notification of leases and returns the function that ends it. */
@@ -150,6 +147,38 @@ export class Control {
   async take(componentRef: string): Promise<void> {
     await this.#client.call("openrois.lease.take", { component_ref: componentRef });
     this.#bindings.gained(componentRef);
+  }
+
+  /**
+   * Takes a component with its part for a time from an application of lower rank, which has it back afterwards; what runs
+   * there ends with ABORT. A free component is simply bound. Borrow it again to have it for longer, and give it back as
+   * soon as it is not needed.
+   *
+   * @param seconds for which it is taken; what the gateway is configured for (30 s) unless given
+   * @param forOneCommand give it back by itself when the next `start` has ended
+   * @returns the lease now
+   * @throws RoISError (OUT_OF_RESOURCES: its holder is not of lower rank, request it instead) | RpcError: the gateway knows no loans
+   */
+  async borrow(
+    componentRef: string,
+    { seconds, forOneCommand = false }: { readonly seconds?: number; readonly forOneCommand?: boolean } = {},
+  ): Promise<LeaseStatus | null> {
+    const { call } = this.#client;
+    const params = {
+      component_ref: componentRef,
+      ...(seconds !== undefined && { duration_ms: Math.round(seconds * 1000) }),
+      ...(forOneCommand && { ends_with: "COMMAND" as const }),
+    };
+    const late = (): void => this.#bindings.giveBack(call, componentRef);
+    const { lease = null } = await call("openrois.lease.borrow", params, late);
+    this.#bindings.gained(componentRef);
+    return lease;
+  }
+
+  /** Releases all of the part of a component: an application from which it was taken for a time has it back. */
+  async giveBack(componentRef: string): Promise<void> {
+    this.#bindings.gaveBack(componentRef);
+    await this.#client.call("openrois.lease.give_back", { component_ref: componentRef });
   }
 
   /**

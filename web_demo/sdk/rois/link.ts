@@ -6,7 +6,7 @@ import type { Json, JsonObject, Notification } from "../jsonrpc/peer.ts";
 import { ConnectionLost, RpcError } from "../jsonrpc/session.ts";
 import type { JsonRpcSession, Traffic } from "../jsonrpc/session.ts";
 import { wrongInNotification, wrongInResult } from "./checks.ts";
-import type { Claim, LostClaim } from "./claims.ts";
+import type { Claim, LentClaim, LostClaim } from "./claims.ts";
 import { Connection } from "./connection.ts";
 import type { ConnectionOptions, ConnectionState } from "./connection.ts";
 import { DIRECTORY } from "./engine_directory.ts";
@@ -90,8 +90,10 @@ export interface ClientEvents {
   dropped: number;
   /** The engines or components behind the gateway have changed. */
   profile_changed: ProfileChange;
-  /** A binding or subscription is gone and could not be made again. */
+  /** A binding or subscription is gone and could not be made again, or another application has the component now. */
   lost: LostClaim;
+  /** An application of higher rank has taken what was bound for a time: `restored` follows, or `lost`. */
+  lent: LentClaim;
   /** A binding or subscription was gone and is made again; what happened in between is not known. */
   restored: Claim;
   /** An invalid message was ignored; a sentence says what is wrong with it. */

@@ -77,10 +77,6 @@ export class Bodies {
     client.on("lost", (claim) => {
       if (claim.kind === "binding") this.#lose(claim.componentRef, claim.error);
     });
-    client.control.on("openrois.lease.changed", ({ component_ref: ref = "", state, reason }) => {
-      if (state === "HELD")
-        this.#lose(ref, outOfResources(`(${ref})`, `another application holds it now: ${reason}`));
-    });
     client.on("profile_changed", () => (this.#generation += 1));
     client.on("state", ({ name }) => {
       this.#generation += 1;

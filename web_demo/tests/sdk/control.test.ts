@@ -440,3 +440,104 @@ describe("control", () => {
     expect(told).toEqual([stopped]);
   });
 });
+
+describe("a part for a time", () => {
+  const told = vi.fn();
+  const change = (state: string, more: JsonObject = {}): void =>
+    gateway.notify("openrois.lease.changed", { component_ref: ARM, state, reason: "so it is", ...more });
+  const lend = (): void => change("HELD", { holder: "ann", return_ms: 20_000, return_position: 1 });
+  const settle = (): Promise<unknown> => vi.advanceTimersByTimeAsync(0);
+
+  beforeEach(() => {
+    told.mockClear();
+    for (const name of ["lent", "lost", "restored"] as const)
+      client.on(name, (claim) => told(name, "error" in claim ? claim.error.reason : claim));
+  });
+
+  it("is borrowed for seconds or for one command, and given back whole", async () => {
+    const lease = { component_ref: ARM, state: "MINE", lender: "night watch", return_ms: 20_000 };
+    gateway.on("openrois.lease.borrow", () => ({ lease })).on("openrois.lease.give_back", () => ({}));
+    expect(await client.control.borrow(ARM, { seconds: 20 })).toEqual(lease);
+    await client.control.borrow(ARM, { forOneCommand: true });
+    expect(gateway.called("openrois.lease.borrow")).toEqual([
+      { component_ref: ARM, duration_ms: 20_000 },
+      { component_ref: ARM, ends_with: "COMMAND" },
+    ]);
+    await client.control.giveBack(ARM);
+    expect(gateway.called("openrois.lease.give_back")).toEqual([{ component_ref: ARM }]);
+    gateway.on("openrois.lease.resume", () => ({ return_code: "UNSUPPORTED" }));
+    await cut();
+    expect(gateway.called("rois.command.bind")).toEqual([]);
+  });
+
+  it("is refused where its holder is of equal or higher rank, and then nothing is bound", async () => {
+    gateway.on("openrois.lease.borrow", () => ({ return_code: "OUT_OF_RESOURCES" }));
+    await expect(client.control.borrow(ARM)).rejects.toBeInstanceOf(RoISError);
+    gateway.on("openrois.lease.resume", () => ({ return_code: "UNSUPPORTED" }));
+    await cut();
+    expect(gateway.called("rois.command.bind")).toEqual([]);
+  });
+
+  it("is given back when its answer comes after the client gave up", async () => {
+    let answer = (_: JsonObject): void => undefined;
+    gateway.on("openrois.lease.borrow", () => new Promise<JsonObject>((resolve) => (answer = resolve)));
+    const late = expect(client.control.borrow(ARM)).rejects.toBeInstanceOf(RequestTimeout);
+    await vi.advanceTimersByTimeAsync(9000);
+    gateway.notify("profile_changed", {});
+    await vi.advanceTimersByTimeAsync(2000);
+    await late;
+    answer({ lease: { component_ref: ARM, state: "MINE" } });
+    await settle();
+    expect(gateway.called("rois.command.release")).toEqual([{ component_ref: ARM }]);
+  });
+
+  it("is lent and comes back: it is told, and not bound again meanwhile", async () => {
+    await client.bind(ARM);
+    lend();
+    expect(told.mock.calls).toEqual([
+      ["lent", { kind: "binding", componentRef: ARM, holder: "ann", returnMs: 20_000 }],
+    ]);
+    lend();
+    gateway.notify("rois.system.profile_changed", {});
+    await vi.advanceTimersByTimeAsync(20_000);
+    expect(gateway.called("rois.command.bind")).toHaveLength(1);
+    change("MINE");
+    expect(told.mock.calls.slice(1)).toEqual([["restored", { kind: "binding", componentRef: ARM }]]);
+    change("HELD");
+    expect(told.mock.calls.slice(2)).toEqual([["lost", "another application holds it now: so it is"]]);
+  });
+
+  it("that does not come back is lost where another application has it, and bound again where it is free", async () => {
+    await client.bind(ARM);
+    lend();
+    change("FREE");
+    await settle();
+    expect(gateway.called("rois.command.bind")).toHaveLength(2);
+    expect(told.mock.calls.map(([name]) => name)).toEqual(["lent", "restored"]);
+    lend();
+    change("HELD");
+    await vi.advanceTimersByTimeAsync(20_000);
+    expect(gateway.called("rois.command.bind")).toHaveLength(2);
+    expect(told.mock.calls.map(([name]) => name)).toEqual(["lent", "restored", "lent", "lost"]);
+  });
+
+  it("that is lent is released, and does not come back then", async () => {
+    await client.bind(ARM);
+    lend();
+    await client.release(ARM);
+    expect(gateway.called("rois.command.release")).toEqual([{ component_ref: ARM }]);
+    change("FREE");
+    await settle();
+    expect(gateway.called("rois.command.bind")).toHaveLength(1);
+    expect(told.mock.calls.map(([name]) => name)).toEqual(["lent"]);
+  });
+
+  it("that is lent is bound again over a connection that does not go on where the former one ended", async () => {
+    await client.bind(ARM);
+    lend();
+    gateway.on("openrois.lease.resume", () => ({ return_code: "UNSUPPORTED" }));
+    await cut();
+    expect(gateway.called("rois.command.bind")).toHaveLength(2);
+    expect(told.mock.calls.map(([name]) => name)).toEqual(["lent", "restored"]);
+  });
+});
