@@ -3,6 +3,7 @@
 import { Client } from "../sdk/index.ts";
 import { MediaReceiver, SAME_CLOCK, decodableCodecs, isLoopback, measureOffset } from "../sdk/media/index.ts";
 import type { Desire, LocalStream, RemoteStream } from "../sdk/media/index.ts";
+import { Activity } from "./dom/activity.ts";
 import { byRole } from "./dom/elements.ts";
 import { BodyDirectory, movingParts } from "./model/bodies.ts";
 import type { PageBody } from "./model/bodies.ts";
@@ -21,6 +22,7 @@ import { recall, remember } from "./model/memory.ts";
 import { OperatorCard } from "./panels/operator.ts";
 import { OtherBodies } from "./panels/other_bodies.ts";
 import { Overlay } from "./panels/overlay.ts";
+import { PartsPanel } from "./panels/parts.ts";
 import { AWAY, WATCHING } from "./model/permission.ts";
 import { Reactions } from "./panels/reactions.ts";
 import { Readings } from "./model/readings.ts";
@@ -51,6 +53,9 @@ declare global {
   }
 }
 
+/** Milliseconds since the visitor has used the page for which it counts as used. */
+const IN_USE = 15_000;
+
 const canStream = "RTCPeerConnection" in globalThis;
 const codecs = canStream ? decodableCodecs("video") : [];
 
@@ -78,7 +83,11 @@ const overlay = new Overlay(readings);
 const say = new SayLine(client, (cut) => void window.openrois.audio?.hush(cut));
 const reactions = new Reactions(client);
 const gaze = new Gaze(client, stage.element);
-const body = new BodyControl(client, controlChanged);
+const activity = new Activity(document);
+/** What is taken over for a time is kept while the visitor does something, and a little longer. */
+const isUsed = (): boolean => activity.within(IN_USE);
+const body = new BodyControl(client, controlChanged, isUsed);
+const parts = new PartsPanel(body);
 // With tokens, only the visitor in control may send sound and pictures.
 const operator = new OperatorCard(client, receiver, () =>
   token.counts ? body.takeControl() : Promise.resolve(() => undefined),
@@ -102,7 +111,7 @@ new MessageLog(client);
 let shown: PageBody | null = null;
 window.openrois = { client, video: null, audio: null, microphone: null, camera: null };
 const views = new Views(client, render);
-const others = new OtherBodies(client, receiver, (engineId) => directory.choose(engineId));
+const others = new OtherBodies(client, receiver, isUsed, (engineId) => directory.choose(engineId));
 if (before?.muted === true) sound.muted = true;
 overlay.shown = before?.statistics ?? false;
 if (before && before.picture !== "") void stage.picture.restore(before.picture).then(render, () => undefined);
@@ -154,10 +163,11 @@ function bodyChanged(): void {
   reactions.setComponent(present?.reaction ?? null);
   map.setBody(present);
   control.setComponent(present?.teleoperation ?? null);
-  const moving = present && movingParts(present);
-  body.setComponents(moving);
+  body.ranked = say.ranked = token.counts;
+  body.setComponents(present && movingParts(present), present?.speech ? [present.speech] : []);
   const all = client.state.name === "connected" ? (directory.bodies ?? []) : [];
-  others.update(all, chosen?.engineId ?? "", token.mayOperate ? "" : WATCHING);
+  const watching = token.mayOperate ? "" : WATCHING;
+  others.update(all, chosen?.engineId ?? "", { watching, ranked: token.counts });
   const acting = [...(present ? [present] : []), ...others.carded].map(actingBody);
   stopButton.setBodies(acting);
   stoppedBodies.setBodies(acting);
@@ -183,12 +193,15 @@ function controlChanged(): void {
     return watching || (holder && `${holder} has control`);
   };
   const operated = present && (movingParts(present)[0] ?? null);
+  const { hindrance } = body;
+  const taken = watching || (hindrance && `${hindrance} has control`);
   for (const part of [say, stopButton]) part.barred = watching;
-  control.barred = why(operated);
+  control.barred = taken;
   reactions.barred = why(present?.reaction ?? null);
-  operator.barred = present === null ? AWAY : token.counts ? why(operated) : watching;
+  operator.barred = present === null ? AWAY : token.counts ? taken : watching;
   for (const card of [videoCard, audioCard]) card.present = present !== null;
-  gaze.setComponent(why(operated) === "" ? (present?.gaze ?? null) : null);
+  gaze.setComponent(why(present?.gaze ?? null) === "" ? (present?.gaze ?? null) : null);
+  parts.mayOperate = watching === "";
   map.viewBarred = why(operated);
   map.barred = why(present?.navigation ?? null);
   handover.watching = watching !== "";
@@ -241,6 +254,7 @@ function render(): void {
   const { video } = window.openrois;
   const chosen = directory.chosen;
   header.render(client.state);
+  parts.render();
   stage.render(directory.present, readings.latency);
   const visible = views.current === "avatar" && document.visibilityState === "visible";
   map.shown = visible;

@@ -49,9 +49,10 @@ export function movingParts({
   move,
   follow,
   reaction,
+  gaze,
   speech,
 }: PageBody): string[] {
-  const moving = [teleoperation, navigation, move, follow, reaction].filter((ref) => ref !== null);
+  const moving = [teleoperation, navigation, move, follow, reaction, gaze].filter((ref) => ref !== null);
   // Of a body that only speaks, control is control of that.
   return moving.length > 0 || speech === null ? moving : [speech];
 }

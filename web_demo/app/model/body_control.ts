@@ -1,7 +1,11 @@
-/** Control of all components that move the body, all or none: taking, requesting, and handing it over. */
+/** Control of the parts that move the body, all or none: taking, requesting, taking over for a time, handing over. */
 
 import { RoISError } from "../../sdk/index.ts";
-import type { Client, LeaseRequestedNotification, LeaseStatus } from "../../sdk/index.ts";
+import type { Client, LeaseRequestedNotification } from "../../sdk/index.ts";
+import { PartLeases } from "./part_leases.ts";
+import type { BodyPart } from "./part_leases.ts";
+import { PartLoans } from "./part_loans.ts";
+import type { HeldPart } from "./part_loans.ts";
 import { named } from "./plain_words.ts";
 
 /** Gives back what was taken; a second call does nothing. */
@@ -9,8 +13,19 @@ export type GiveBack = () => void;
 
 /** Control of the body, as this page sees it. */
 export type ControlState =
-  | { readonly kind: "free" | "mine" }
-  | { readonly kind: "other"; readonly holder: string; readonly absent: boolean }
+  | { readonly kind: "free" }
+  | {
+      readonly kind: "mine";
+      /** The application that has it back afterwards; empty where it is this page's in its own right. */
+      readonly lender: string;
+    }
+  | {
+      readonly kind: "other";
+      readonly holder: string;
+      readonly absent: boolean;
+      /** It may rank lower than this page: taking over was not refused yet. */
+      readonly mayTakeOver: boolean;
+    }
   | {
       readonly kind: "waiting";
       readonly holder: string;
@@ -29,16 +44,10 @@ export class BodyTaken extends Error {
   }
 }
 
-/** One component, held until the promise of `release` has resolved. */
-interface Part {
-  readonly componentRef: string;
-  release(): Promise<void>;
-}
-
 /** The held parts, and how many works need them. */
 interface Holding {
   uses: number;
-  readonly parts: Part[];
+  readonly parts: HeldPart[];
 }
 
 /** A request of another application that waits for an answer. */
@@ -52,33 +61,36 @@ export class BodyControl {
   readonly #onChange: () => void;
   /** Is called with a reason, a sentence, when control was lost without being given back. */
   onLost: (why: string) => void = () => undefined;
+  /** Whether this page's rank counts: the gateway asks for tokens. */
+  ranked = false;
   #refs: readonly string[] = [];
+  #watched: readonly string[] = [];
   #present = false;
-  readonly #leases = new Map<string, LeaseStatus>();
-  /** The newest reading of each lease: gateways may answer an older one later. */
-  readonly #readings = new Map<string, symbol>();
+  readonly #leases: PartLeases;
+  readonly #loans: PartLoans;
   #holding: Holding | null = null;
   #taking: Promise<Holding> | null = null;
+  /** Parts that were taken over one by one. */
+  readonly #single = new Map<string, HeldPart>();
   #declined = false;
   /** The component that this page waits for; empty for none. */
   #waitsFor = "";
   /** Requests of other applications by their ids, the first one first. */
   readonly #requests = new Map<string, PendingRequest>();
 
-  /** @param onChange is called when `state`, `nextRequest` or what `holderOf` says may have changed */
-  constructor(client: Client, onChange: () => void) {
+  /**
+   * @param onChange is called when `state`, `parts`, `nextRequest` or what `holderOf` says may have changed
+   * @param isUsed returns whether the visitor has used the page a moment ago: what was taken over is kept for that long
+   */
+  constructor(client: Client, onChange: () => void, isUsed: () => boolean = () => true) {
     this.#client = client;
     this.#onChange = onChange;
-    const { control } = client;
-    control.on("openrois.lease.changed", (lease) => {
-      const { component_ref: ref = "" } = lease;
-      if (!this.#refs.includes(ref)) return;
-      const { reason: _, ...status } = lease;
-      this.#leases.set(ref, status);
-      if (status.state === "HELD" || status.state === "ABSENT")
-        this.#controlLost(ref, `${named(status.holder ?? "")} has control now.`);
+    this.#leases = new PartLeases(client, (part) => {
+      if (part.state === "other") this.#partLost(part, `${named(part.holder)} has control now.`);
       this.#onChange();
     });
+    this.#loans = new PartLoans(client, this.#leases, isUsed);
+    const { control } = client;
     control.on("openrois.lease.requested", (lease) => this.#addRequest(lease));
     control.on("openrois.lease.withdrawn", ({ request_id }) => this.#dropRequest(request_id));
     control.on("openrois.lease.declined", ({ component_ref }) => {
@@ -88,38 +100,82 @@ export class BodyControl {
     });
     client.on("lost", (claim) => {
       // What another application has by now, its lease has told.
-      if (claim.kind === "binding" && claim.error.method === "rois.command.bind")
-        this.#controlLost(claim.componentRef, "Control was lost with the connection.");
+      if (claim.kind !== "binding" || claim.error.method !== "rois.command.bind") return;
+      const part = this.#leases.partOf(claim.componentRef);
+      if (part) this.#partLost(part, "Control was lost with the connection.");
+    });
+    client.on("state", ({ name }) => {
+      // A loan ends with the connection.
+      if (name === "connected") return;
+      for (const part of this.#single.values()) void part.release();
+      this.#single.clear();
+      if (this.#holding?.parts.some(({ componentRef }) => this.#loans.has(componentRef))) {
+        this.#giveBackAll();
+        this.onLost("Control was lost with the connection.");
+      }
     });
   }
 
-  /** @param refs the components that move the body, the one that represents all of them first; null while they are away */
-  setComponents(refs: readonly string[] | null): void {
+  /**
+   * @param refs the components that move the body, the one that represents all of them first; null while they are away
+   * @param watched components that control does not need, and whose holders are shown all the same
+   */
+  setComponents(refs: readonly string[] | null, watched: readonly string[] = []): void {
     this.#present = refs !== null;
-    if (refs !== null && refs.join() !== this.#refs.join()) {
+    if (refs !== null && [...refs, ...watched].join() !== [...this.#refs, ...this.#watched].join()) {
       this.#giveBackAll();
+      for (const part of this.#single.values()) void part.release();
+      this.#single.clear();
+      this.#loans.reset();
       this.#refs = refs;
-      this.#leases.clear();
+      this.#watched = watched.filter((ref) => !refs.includes(ref));
+      this.#leases.setComponents([...this.#refs, ...this.#watched]);
     }
-    void this.#readLeases(this.#refs);
+    void this.#readLeases([...this.#refs, ...this.#watched]);
+  }
+
+  /** The parts of the body, those first that move it; none while it is away. */
+  get parts(): readonly BodyPart[] {
+    return this.#present ? this.#leases.all : [];
+  }
+
+  /** Whether a part can be taken over, as far as this page knows. */
+  mayTakeOver({ state, holder }: BodyPart): boolean {
+    return this.ranked && state === "other" && this.#loans.mayTakeFrom(holder);
+  }
+
+  /** Whether this page has taken a part over by itself, without control of all. */
+  isTakenOver({ refs }: BodyPart): boolean {
+    return this.#single.has(refs[0] ?? "");
   }
 
   get state(): ControlState {
     if (!this.#present) return { kind: "free" };
-    const lease = this.#leases.get(this.#waitsFor || (this.#refs[0] ?? ""));
-    const { state = "FREE", holder = "", position = 0 } = lease ?? {};
-    if (state === "MINE" || this.#holding) return { kind: "mine" };
+    const moving = this.#moving;
+    if (this.#holding) {
+      const lender = moving.find((part) => part.state === "mine" && part.lender !== "")?.lender ?? "";
+      return { kind: "mine", lender };
+    }
+    const waited = moving.find(({ refs }) => refs.includes(this.#waitsFor));
+    const others = moving.filter(({ state }) => state === "other");
+    const part = waited ?? others.find((other) => !this.mayTakeOver(other)) ?? others[0];
+    if (!part) return { kind: "free" };
+    const { holder, position, absent } = part;
     if (position > 0) return { kind: "waiting", holder, position, declined: this.#declined };
-    if (state === "FREE") return { kind: "free" };
-    return { kind: "other", holder, absent: state === "ABSENT" };
+    if (part.state !== "other") return { kind: "free" };
+    return { kind: "other", holder, absent, mayTakeOver: this.mayTakeOver(part) };
   }
 
-  /** Names the application that has control of all, or of this component; empty where that is none, or this page. */
-  holderOf(componentRef: string | null): string {
+  /** Names an application that has some of what control needs; empty where that is none. */
+  get hindrance(): string {
     const control = this.state;
-    if (control.kind === "other" || control.kind === "waiting") return named(control.holder);
-    const { state, holder = "" } = this.#leases.get(componentRef ?? "") ?? {};
-    return this.#present && (state === "HELD" || state === "ABSENT") ? named(holder) : "";
+    return control.kind === "other" || control.kind === "waiting" ? named(control.holder) : "";
+  }
+
+  /** Names the application that has the part of this component; empty where that is none, or this page. */
+  holderOf(componentRef: string | null): string {
+    const part = this.#present ? this.#leases.partOf(componentRef) : undefined;
+    return part?.state === "other" ? named(part.holder) : "";
   }
 
   /** The request that is to be answered next, and how many wait behind it; null without one. */
@@ -133,9 +189,22 @@ export class BodyControl {
    *
    * @throws BodyTaken | what binding throws
    */
-  async takeControl(): Promise<GiveBack> {
+  takeControl(): Promise<GiveBack> {
+    return this.#take(false);
+  }
+
+  /**
+   * The same, and takes for a time what an application of lower rank holds; that has it back afterwards.
+   *
+   * @throws BodyTaken: its holder does not rank lower | what borrowing throws
+   */
+  takeOver(): Promise<GiveBack> {
+    return this.#take(true);
+  }
+
+  async #take(borrows: boolean): Promise<GiveBack> {
     if (!this.#holding) {
-      this.#taking ??= this.#bindAll().finally(() => (this.#taking = null));
+      this.#taking ??= this.#holdAll(borrows).finally(() => (this.#taking = null));
       this.#holding = await this.#taking;
     }
     const holding = this.#holding;
@@ -151,7 +220,8 @@ export class BodyControl {
   }
 
   /**
-   * The same, and asks the application that holds a part of it: waits in line until that part is given back or handed over.
+   * The same, and asks an application that does not rank lower for the part that it holds: waits in line until that is given
+   * back or handed over.
    *
    * @throws RoISError (OUT_OF_RESOURCES: this page has left the line) | what `take` throws
    */
@@ -161,7 +231,7 @@ export class BodyControl {
     try {
       for (;;) {
         try {
-          return await this.takeControl();
+          return await this.takeOver();
         } catch (error) {
           if (!(error instanceof BodyTaken) || asked.length > this.#refs.length) throw error;
           asked.push(error.componentRef);
@@ -201,7 +271,8 @@ export class BodyControl {
     const holding = this.#holding;
     this.#holding = null;
     const parts = [...(holding?.parts ?? [])].reverse();
-    const isAsked = ({ componentRef }: Part): boolean => componentRef === request.lease.component_ref;
+    const asked = this.#leases.partOf(request.lease.component_ref)?.refs ?? [];
+    const isAsked = ({ componentRef }: HeldPart): boolean => asked.includes(componentRef);
     for (const part of parts) if (!isAsked(part)) await part.release();
     const why = await this.#client.control.grant(id).then(
       () => `You have handed over control to ${named(request.lease.subject)}.`,
@@ -212,48 +283,91 @@ export class BodyControl {
     await this.#readLeases();
   }
 
-  async #bindAll(): Promise<Holding> {
+  /** Gives control back to the application from which it was taken over. */
+  handBack(): void {
+    const control = this.state;
+    if (!this.#holding || control.kind !== "mine") return;
+    this.#giveBackAll();
+    this.onLost(`You have handed control back to ${named(control.lender)}.`);
+    this.#onChange();
+  }
+
+  /**
+   * Takes one part for a time from an application of lower rank, until `handBackPart`.
+   *
+   * @throws BodyTaken: its holder does not rank lower | what borrowing throws
+   */
+  async takePart({ refs: [ref = ""] }: BodyPart): Promise<void> {
+    if (this.#single.has(ref)) return;
+    try {
+      this.#single.set(ref, await this.#loans.borrow(ref));
+    } catch (error) {
+      throw this.#explain(error, ref);
+    } finally {
+      this.#onChange();
+    }
+  }
+
+  /** Gives one part back that was taken over by itself. */
+  async handBackPart({ refs: [ref = ""] }: BodyPart): Promise<void> {
+    const part = this.#single.get(ref);
+    this.#single.delete(ref);
+    await part?.release();
+    await this.#readLeases();
+  }
+
+  /** The parts that move the body. */
+  get #moving(): readonly BodyPart[] {
+    return this.#leases.all.filter(({ refs: [ref = ""] }) => this.#refs.includes(ref));
+  }
+
+  async #holdAll(borrows: boolean): Promise<Holding> {
     const refs = this.#refs;
-    const parts: Part[] = [];
-    for (const componentRef of refs) {
+    const parts: HeldPart[] = [];
+    for (const part of this.#moving) {
+      const [componentRef = ""] = part.refs;
       try {
-        parts.push(await this.#hold(componentRef));
-        // A gateway sends an application no notifications of its own bindings.
-        this.#leases.delete(componentRef);
+        const isLoan = borrows && this.mayTakeOver(part);
+        parts.push(await (isLoan ? this.#loans.borrow(componentRef) : this.#bind(componentRef)));
         this.#requireUnchanged(refs, parts);
       } catch (error) {
-        for (const part of parts.reverse()) await part.release();
-        await this.#readLeases();
-        if (error instanceof BodyTaken) throw error;
-        const isBusy = error instanceof RoISError && error.returnCode === "OUT_OF_RESOURCES";
-        throw isBusy ? new BodyTaken(componentRef, this.#leases.get(componentRef)?.holder ?? "") : error;
+        for (const held of parts.reverse()) await held.release();
+        await this.#readLeases(refs);
+        throw this.#explain(error, componentRef);
       }
     }
     return { uses: 0, parts };
   }
 
+  /** Returns who has a part, where that is why it cannot be held. */
+  #explain(error: unknown, componentRef: string): unknown {
+    const isBusy = error instanceof RoISError && error.returnCode === "OUT_OF_RESOURCES";
+    return isBusy ? new BodyTaken(componentRef, this.#leases.partOf(componentRef)?.holder ?? "") : error;
+  }
+
   /** Checks that no part was lost, and the avatar not changed, while further parts were bound. */
-  #requireUnchanged(refs: readonly string[], parts: readonly Part[]): void {
+  #requireUnchanged(refs: readonly string[], parts: readonly HeldPart[]): void {
     if (refs !== this.#refs) throw new Error("Another body was chosen.");
     for (const { componentRef } of parts) {
-      const { state, holder = "" } = this.#leases.get(componentRef) ?? {};
-      if (state === "HELD" || state === "ABSENT") throw new BodyTaken(componentRef, holder);
+      const { state, holder = "" } = this.#leases.partOf(componentRef) ?? {};
+      if (state === "other") throw new BodyTaken(componentRef, holder);
     }
   }
 
-  #hold(componentRef: string): Promise<Part> {
+  /** Binds the component that represents a part: from then on no other application gets anything of it. */
+  #bind(componentRef: string): Promise<HeldPart> {
     return new Promise((resolve, reject) => {
-      const over = this.#client.bound(
-        componentRef,
-        () =>
-          new Promise<void>((end) => {
-            const release = async (): Promise<void> => {
-              end();
-              await over.catch(() => undefined);
-            };
-            resolve({ componentRef, release });
-          }),
-      );
+      const over = this.#client.bound(componentRef, () => {
+        this.#leases.noteBound(componentRef);
+        return new Promise<void>((end) => {
+          const release = async (): Promise<void> => {
+            end();
+            await over.catch(() => undefined);
+            if (!this.#single.has(componentRef)) this.#leases.noteReleased(componentRef);
+          };
+          resolve({ componentRef, release });
+        });
+      });
       over.catch(reject);
     });
   }
@@ -271,28 +385,21 @@ export class BodyControl {
   }
 
   /** Gives up all parts when another application has one: they are of no use without it. */
-  #controlLost(componentRef: string, why: string): void {
-    if (!this.#holding?.parts.some((part) => part.componentRef === componentRef)) return;
+  #partLost({ refs }: BodyPart, why: string): void {
+    for (const ref of refs) {
+      this.#single.delete(ref);
+      this.#loans.drop(ref);
+    }
+    if (!this.#holding?.parts.some(({ componentRef }) => refs.includes(componentRef))) return;
     this.#giveBackAll();
     for (const id of [...this.#requests.keys()]) this.#dropRequest(id);
     this.onLost(why);
   }
 
-  /** Reads leases; from then on their changes are notified. Gateways without leases have none. */
   async #readLeases(
     refs: readonly string[] = [this.#waitsFor || (this.#refs[0] ?? "")].filter((ref) => ref !== ""),
   ): Promise<void> {
-    const all = this.#refs;
-    if (this.#present && this.#client.state.name === "connected") {
-      const read = async (ref: string): Promise<void> => {
-        const reading = Symbol(ref);
-        this.#readings.set(ref, reading);
-        const status = await this.#client.control.status(ref).catch(() => null);
-        const isNewest = all === this.#refs && reading === this.#readings.get(ref);
-        if (status && isNewest) this.#leases.set(ref, status);
-      };
-      await Promise.all(refs.map(read));
-    }
+    if (this.#present) await this.#leases.read(refs);
     this.#onChange();
   }
 

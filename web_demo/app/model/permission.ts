@@ -2,6 +2,14 @@
 
 export const WATCHING = "You are watching: your token does not let you operate the body";
 
+/** What the visitor of this page may do. */
+export interface Rights {
+  /** Why it may only watch; empty where it may operate. */
+  readonly watching: string;
+  /** Whether its rank counts: the gateway asks for tokens. */
+  readonly ranked: boolean;
+}
+
 export const AWAY = "The body is away";
 
 /** Id of the element with the reason, which screen readers read for a disabled control. */

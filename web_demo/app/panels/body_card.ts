@@ -7,6 +7,7 @@ import { MapCard } from "../map/map_card.ts";
 import { movingParts } from "../model/bodies.ts";
 import type { PageBody } from "../model/bodies.ts";
 import { BodyControl } from "../model/body_control.ts";
+import type { Rights } from "../model/permission.ts";
 import { Control } from "./control.ts";
 import { Handover } from "./handover.ts";
 import { Stage } from "./stage.ts";
@@ -25,9 +26,16 @@ export class BodyCard {
 
   /**
    * @param body the body, which is there now
+   * @param isUsed returns whether the visitor has used the page a moment ago
    * @param onEnlarge is called when the visitor wants to see it large
    */
-  constructor(client: Client, receiver: MediaReceiver, body: PageBody, onEnlarge: () => void) {
+  constructor(
+    client: Client,
+    receiver: MediaReceiver,
+    body: PageBody,
+    isUsed: () => boolean,
+    onEnlarge: () => void,
+  ) {
     this.engineId = body.engineId;
     const template = byRole("body-card", HTMLTemplateElement);
     this.element = byTestId("body-card", HTMLElement, template.content.cloneNode(true) as DocumentFragment);
@@ -35,7 +43,7 @@ export class BodyCard {
     setText(byRole("body-name", HTMLElement, this.element), body.engineId);
     byTestId("body-enlarge", HTMLButtonElement, this.element).addEventListener("click", onEnlarge);
     this.#stage = new Stage(this.element);
-    this.#body = new BodyControl(client, () => this.#controlChanged());
+    this.#body = new BodyControl(client, () => this.#controlChanged(), isUsed);
     this.#control = new Control(client, receiver, this.#body, this.#stage.video, this.element);
     this.#handover = new Handover(this.#body, (giveBack) => this.#control.drive(giveBack), this.element);
     this.#body.onLost = (why) => this.#control.controlLost(why);
@@ -63,11 +71,11 @@ export class BodyCard {
 
   /**
    * @param present the body as it is now; null while it is away
-   * @param watching why the visitor may only watch; empty where it may operate
    */
-  update(present: PageBody | null, watching: string): void {
+  update(present: PageBody | null, { watching, ranked }: Rights): void {
     this.#present = present;
     this.#watching = watching;
+    this.#body.ranked = ranked;
     this.#map.setBody(present);
     this.#control.setComponent(present?.teleoperation ?? null);
     this.#body.setComponents(present && movingParts(present));
@@ -78,11 +86,12 @@ export class BodyCard {
   render(visible: boolean): void {
     this.#stage.render(this.#present !== null, null);
     this.#map.shown = visible;
+    this.#handover.render();
   }
 
   /** Ends what the card has; the stream goes on where it is shown large from now on. */
   close(keepStream: boolean): void {
-    this.update(null, "");
+    this.update(null, { watching: "", ranked: false });
     this.#map.shown = false;
     if (!keepStream) void this.#video?.disconnect();
     this.element.remove();
@@ -95,7 +104,8 @@ export class BodyCard {
       return this.#watching || (holder && `${holder} has control`);
     };
     const operated = present && (movingParts(present)[0] ?? null);
-    this.#control.barred = why(operated);
+    const { hindrance } = this.#body;
+    this.#control.barred = this.#watching || (hindrance && `${hindrance} has control`);
     this.#map.viewBarred = why(operated);
     this.#map.barred = why(present?.navigation ?? null);
     this.#handover.watching = this.#watching !== "";

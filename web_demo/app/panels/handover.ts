@@ -60,16 +60,15 @@ export class Handover {
     if (nextRequest) return this.#ask(nextRequest.subject, nextRequest.more);
     switch (state.kind) {
       case "mine":
-        return this.#has();
+        return this.#has(state.lender);
       case "free":
         return this.#hide();
       case "other": {
         const away = state.absent ? ", whose connection is lost," : "";
-        return this.#show(
-          `${named(state.holder)}${away} has control`,
-          ["Ask for it", () => this.#request()],
-          null,
-        );
+        const take: Choice = state.mayTakeOver
+          ? ["Take over", () => this.#begin(this.#body.takeOver())]
+          : ["Ask for it", () => this.#begin(this.#body.requestControl())];
+        return this.#show(`${named(state.holder)}${away} has control`, take, null);
       }
       case "waiting":
         return this.#wait(named(state.holder), state.position, state.declined);
@@ -90,8 +89,11 @@ export class Handover {
     );
   }
 
-  /** While the avatar is driven the picture says so. */
-  #has(): void {
+  /** While the avatar is driven the picture says so. @param lender has it back afterwards; empty for none */
+  #has(lender: string): void {
+    const handBack: Press = async () => this.#body.handBack();
+    if (lender !== "")
+      return this.#show(`You have control in place of ${named(lender)}`, null, ["Hand back", handBack]);
     if (this.#held !== "") return this.#show(this.#held, null, null);
     if (!this.#giveBack) return this.#hide();
     const giveBack: Press = async () => {
@@ -110,8 +112,9 @@ export class Handover {
     this.#show(`${holder} does not hand over control now. You wait: ${line}`, again, leave);
   }
 
-  async #request(): Promise<void> {
-    const giveBack = await this.#body.requestControl();
+  /** Begins to drive with control once it is granted or taken. */
+  async #begin(control: Promise<GiveBack>): Promise<void> {
+    const giveBack = await control;
     if (!this.#drive(giveBack)) this.#giveBack = giveBack;
     this.render();
   }

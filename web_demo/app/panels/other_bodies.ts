@@ -8,6 +8,7 @@ import type { MediaReceiver } from "../../sdk/media/index.ts";
 import { byRole, byTestId } from "../dom/elements.ts";
 import type { PageBody } from "../model/bodies.ts";
 import { BodyList } from "../model/body_list.ts";
+import type { Rights } from "../model/permission.ts";
 import { BodyCard } from "./body_card.ts";
 import { BodyRows } from "./body_rows.ts";
 
@@ -18,6 +19,7 @@ const EVEN = "side by side";
 export class OtherBodies {
   readonly #client: Client;
   readonly #receiver: MediaReceiver;
+  readonly #isUsed: () => boolean;
   readonly #onEnlarge: (engineId: string) => void;
   readonly #element = byRole("others", HTMLElement);
   readonly #layout = byRole("view-avatar", HTMLElement);
@@ -26,13 +28,22 @@ export class OtherBodies {
   readonly #rows: BodyRows;
   readonly #cards = new Map<string, BodyCard>();
   #bodies: readonly PageBody[] = [];
-  #watching = "";
+  #rights: Rights = { watching: "", ranked: false };
   #even = localStorage.getItem(KEY) === EVEN;
 
-  /** @param onEnlarge is called with the body that the visitor wants to see large */
-  constructor(client: Client, receiver: MediaReceiver, onEnlarge: (engineId: string) => void) {
+  /**
+   * @param isUsed returns whether the visitor has used the page a moment ago
+   * @param onEnlarge is called with the body that the visitor wants to see large
+   */
+  constructor(
+    client: Client,
+    receiver: MediaReceiver,
+    isUsed: () => boolean,
+    onEnlarge: (engineId: string) => void,
+  ) {
     this.#client = client;
     this.#receiver = receiver;
+    this.#isUsed = isUsed;
     this.#onEnlarge = onEnlarge;
     this.#rows = new BodyRows(client, this.#list, () => this.#rows.update(true), onEnlarge);
     this.#button.addEventListener("click", () => {
@@ -61,14 +72,14 @@ export class OtherBodies {
   /**
    * @param bodies all bodies that can be seen now
    * @param chosen the one that is shown large
-   * @param watching why the visitor may only watch; empty where it may operate
    */
-  update(bodies: readonly PageBody[], chosen: string, watching: string): void {
+  update(bodies: readonly PageBody[], chosen: string, rights: Rights): void {
     if (bodies.length > 0) {
       this.#bodies = bodies;
       this.#list.setBodies(bodies, chosen);
     }
     const { isLong } = this.#list;
+    const changed = rights.watching !== this.#rights.watching || rights.ranked !== this.#rights.ranked;
     const others = new Map(
       bodies.filter((each) => each.engineId !== chosen).map((each) => [each.engineId, each]),
     );
@@ -77,17 +88,19 @@ export class OtherBodies {
       if (engineId === chosen || (present === null && bodies.length > 0)) {
         this.#cards.delete(engineId);
         card.close(engineId === chosen);
-      } else if (present !== card.present || watching !== this.#watching) card.update(present, watching);
+      } else if (present !== card.present || changed) card.update(present, rights);
     }
-    this.#watching = watching;
+    this.#rights = rights;
     this.#closeIdle();
     this.#rows.update(isLong);
     for (const [engineId, body] of isLong ? [] : others) {
       if (this.#cards.has(engineId)) continue;
-      const card = new BodyCard(this.#client, this.#receiver, body, () => this.#onEnlarge(engineId));
+      const card = new BodyCard(this.#client, this.#receiver, body, this.#isUsed, () =>
+        this.#onEnlarge(engineId),
+      );
       this.#cards.set(engineId, card);
       this.#element.append(card.element);
-      card.update(body, watching);
+      card.update(body, rights);
     }
     this.#place();
   }

@@ -12,6 +12,7 @@ import { PassingText } from "../dom/passing_text.ts";
 import { explain } from "../model/permission.ts";
 import { sentence } from "../model/plain_words.ts";
 import { spellingHint } from "../model/scripts.ts";
+import { speak } from "../model/speech_loan.ts";
 import { QueueRefusal, SpeechQueue } from "../model/speech_queue.ts";
 import type { Utterance } from "../model/speech_queue.ts";
 import { SpeechWords } from "./speech_words.ts";
@@ -36,6 +37,8 @@ export class SayLine {
   readonly #watch: ComponentWatch;
   readonly #words: SpeechWords;
   readonly #onCut: (cut: Promise<unknown>) => void;
+  /** Whether this page's rank counts: the gateway asks for tokens. */
+  ranked = false;
   #speech: SpeechSynthesis | null = null;
   #usable = false;
   #hasLanguages = false;
@@ -184,7 +187,10 @@ export class SayLine {
       this.#show("stopped", "stopped");
       return "stopped";
     }
-    const { state, text: words } = await describeEnd(speech.perform(parameters), BUSY);
+    const { state, text: words } = await describeEnd(
+      speak(this.#client.control, speech, parameters, this.ranked),
+      BUSY,
+    );
     this.#words.endText();
     this.#show(state, words);
     return state;

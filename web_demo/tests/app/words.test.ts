@@ -146,6 +146,7 @@ describe("movingParts", () => {
       tail: "Follow",
       legs: "Navigation",
       hands: "Teleoperation",
+      eyes: "Gaze",
     };
     const body = (...names: (keyof typeof types)[]): string[][] =>
       findBodies(
@@ -153,8 +154,8 @@ describe("movingParts", () => {
           Object.fromEntries(names.map((name) => [`a/${name}`, { identifier: { code: types[name] }, name }])),
         ),
       ).map(movingParts);
-    expect(body("video", "face", "step", "mouth", "tail", "legs", "hands")).toEqual([
-      ["a/hands", "a/legs", "a/step", "a/tail", "a/face"],
+    expect(body("video", "face", "step", "mouth", "tail", "legs", "hands", "eyes")).toEqual([
+      ["a/hands", "a/legs", "a/step", "a/tail", "a/face", "a/eyes"],
     ]);
     expect(body("video", "mouth")).toEqual([["a/mouth"]]);
     expect(body("video")).toEqual([[]]);

@@ -1,0 +1,34 @@
+/** Speaking where another application has the voice: it is taken from one of lower rank for that sentence. */
+
+import { RoISError } from "../../sdk/index.ts";
+import type { Control, SpeechSynthesis } from "../../sdk/index.ts";
+
+/** What the loan is made with. */
+type Lending = Pick<Control, "borrow" | "giveBack">;
+
+/**
+ * Speaks to the end.
+ *
+ * @param speech is bound for that, or taken where it is another application's
+ * @param ranked whether this page's rank counts: without tokens nothing can be taken
+ * @throws what `perform` throws | RoISError (OUT_OF_RESOURCES: the other application does not rank lower)
+ */
+export async function speak(
+  control: Lending,
+  speech: Pick<SpeechSynthesis, "componentRef" | "perform">,
+  parameters: Parameters<SpeechSynthesis["perform"]>[0],
+  ranked: boolean,
+): Promise<void> {
+  try {
+    return await speech.perform(parameters);
+  } catch (error) {
+    if (!ranked || !(error instanceof RoISError && error.returnCode === "OUT_OF_RESOURCES")) throw error;
+  }
+  await control.borrow(speech.componentRef, { forOneCommand: true });
+  try {
+    await speech.perform(parameters);
+  } finally {
+    // Of what was begun it has gone back by itself; what was not begun, or had become free, has to be given back.
+    await control.giveBack(speech.componentRef).catch(() => undefined);
+  }
+}
