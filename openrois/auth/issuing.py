@@ -13,7 +13,7 @@ from openrois.auth.principal import Role
 from openrois.auth.ranks import Ranks
 from openrois.auth.refusal import TokenRefused
 
-__all__ = ["issue_token"]
+__all__ = ["issue_token", "sign_token"]
 
 
 def issue_token(
@@ -45,6 +45,38 @@ def issue_token(
         ValueError: the key cannot be used, or no gateway would take such a token.
     """
     algorithm, material = read_signing_key(key)
+    return sign_token(
+        algorithm,
+        material,
+        subject,
+        roles,
+        scope,
+        now=now,
+        ttl=ttl,
+        issuer=issuer,
+        audience=audience,
+        rank=rank,
+    )
+
+
+def sign_token(
+    algorithm: str,
+    material: Any,
+    subject: str,
+    roles: Sequence[Role],
+    scope: Sequence[str],
+    *,
+    now: int,
+    ttl: int,
+    issuer: str = "",
+    audience: str = "",
+    rank: str = "",
+) -> str:
+    """Return a new token, signed with a key that is at hand; the other arguments are those of `issue_token`.
+
+    Raises:
+        ValueError: no gateway would take such a token.
+    """
     claims: dict[str, Any] = {
         "sub": subject,
         "iat": now,

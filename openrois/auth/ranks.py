@@ -20,8 +20,8 @@ class Ranks:
     """The ranks that a gateway knows.
 
     Principals of the highest one are persons, all others are programs. A rank that is not known here, such as one that
-    another gateway asserts which is configured otherwise, counts as the lowest. Without tokens there are no ranks:
-    `LOCAL` is neither a person nor a program, above no principal and below none.
+    another gateway asserts which is configured otherwise, counts as the lowest; so does `LOCAL` beside principals with
+    tokens. It is neither a person nor a program, and without tokens none is above another.
 
     Args:
         names: the highest first.
@@ -60,7 +60,7 @@ class Ranks:
 
     def is_above(self, one: Principal, other: Principal) -> bool:
         """Tell whether `one` goes before `other`; equals do not."""
-        return one is not LOCAL and other is not LOCAL and self._level(one) < self._level(other)
+        return self._level(one) < self._level(other)
 
     def is_person(self, principal: Principal) -> bool:
         """Tell whether a principal is of the highest rank."""

@@ -26,6 +26,9 @@ class Authentication(SettingsGroup):
     )
     auth_jwks: str = setting("", "the https address of the issuer's JSON Web Key Set", metavar="URL")
     auth_jwks_file: Path | None = setting(None, "holds the issuer's JSON Web Key Set", metavar="FILE")
+    auth_local: bool = setting(
+        False, "gives each page of this machine a token with the rank of a person; who shows none ranks lowest"
+    )
     auth_issuer: str = setting("", "what the claim iss of every token has to be", metavar="TEXT")
     auth_audience: str = setting("", "what the claim aud of every token has to name", metavar="TEXT")
     auth_max_lifetime: float = setting(MAX_LIFETIME, "seconds that a token may last", metavar="SECONDS")
@@ -49,6 +52,8 @@ class Authentication(SettingsGroup):
     def _check_authentication(self) -> Self:
         if sum(map(bool, (self.auth_keys, self.auth_jwks, self.auth_jwks_file))) > 1:
             raise ValueError("give only one of --auth-key, --auth-jwks and --auth-jwks-file")
+        if self.auth_local and self.is_authenticated:
+            raise ValueError("--auth-local cannot be used with --auth-key or --auth-jwks: it has a key of its own")
         if self.auth_jwks and (flaw := flaw_of_address(self.auth_jwks)):
             raise ValueError(f"{self.auth_jwks[:200]!r} cannot be the address of the issuer's keys: {flaw}")
         if not self.is_authenticated and (self.auth_issuer or self.auth_audience or self.auth_revocations):

@@ -67,6 +67,7 @@ class Admission:
         audit: records every refusal.
         turned_away: counts them by reason.
         clock: monotonic seconds.
+        is_optional: whether a request without a token is admitted as one of this machine.
     """
 
     rules: OriginRules
@@ -74,6 +75,7 @@ class Admission:
     audit: Audit
     turned_away: Callable[[str], None] = lambda _reason: None
     clock: Callable[[], float] = time.monotonic
+    is_optional: bool = False
 
     def __post_init__(self) -> None:
         self._tally = Tally(_log, "refused connections")
@@ -122,6 +124,8 @@ class Admission:
         if self.verifier is None:
             return LOCAL
         by_header = request.headers.getall("Authorization", [])
+        if self.is_optional and not tokens and not by_header:
+            return LOCAL
         try:
             principal = await self.verifier.verify(_only_token(tokens, by_header))
         except TokenRefused as refused:

@@ -17,6 +17,7 @@ from openrois.auth.revocations import NOTHING_REVOKED, Revocations, parse_revoca
 from openrois.auth.tokens import TokenVerifier
 from openrois.gateway.admission import Admission, origin_rules
 from openrois.gateway.encryption import Certificate
+from openrois.gateway.page_tokens import PageTokens
 from openrois.gateway.reloading import Reloader
 from openrois.gateway.renewal import Renewal
 from openrois.gateway.settings import GatewaySettings
@@ -41,6 +42,7 @@ class AuthSetup:
         sign_ins: records sign-ins and sign-outs.
         certificate: what TLS is done with; None for none.
         reloader: reads again what has changed: keys, revocations, the certificate.
+        page_tokens: gives them to the gateway's own page; None where visitors bring theirs, or need none.
     """
 
     admission: Admission
@@ -49,6 +51,7 @@ class AuthSetup:
     sign_ins: SignIns
     certificate: Certificate | None
     reloader: Reloader
+    page_tokens: PageTokens | None
 
     @classmethod
     def open(
@@ -73,11 +76,14 @@ class AuthSetup:
         """
         reloader = Reloader()
         revoked = _Revoked(settings.auth_revocations, reloader)
-        verifier = None
-        if settings.is_authenticated:
-            ranks = Ranks.parse(settings.ranks)
+        verifier = page_tokens = None
+        ranks = Ranks.parse(settings.ranks)
+        if settings.auth_local:
+            page_tokens = PageTokens(ranks, settings.auth_max_lifetime, clock)
+        if settings.is_authenticated or page_tokens is not None:
             rules = ClaimRules(settings.auth_issuer, settings.auth_audience, settings.auth_max_lifetime, ranks=ranks)
-            verifier = TokenVerifier(_keys(settings, reloader, tasks), rules, clock, revoked.covers)
+            keys = _keys(settings, reloader, tasks) if page_tokens is None else page_tokens.keys
+            verifier = TokenVerifier(keys, rules, clock, revoked.covers)
         certificate = None
         if settings.tls_cert is not None and settings.tls_key is not None:
             certificate = Certificate(settings.tls_cert, settings.tls_key, clock)
@@ -86,9 +92,9 @@ class AuthSetup:
         revoked.on_read = expiries.check_tokens
         tasks.start(reloader.run())
         tasks.start(expiries.watch())
-        admission = Admission(origin_rules(settings), verifier, audit, turned_away)
+        admission = Admission(origin_rules(settings), verifier, audit, turned_away, is_optional=page_tokens is not None)
         renewal = Renewal(None if verifier is None else verifier.verify, clock, audit)
-        return cls(admission, expiries, renewal, SignIns(audit), certificate, reloader)
+        return cls(admission, expiries, renewal, SignIns(audit), certificate, reloader, page_tokens)
 
 
 def _keys(settings: GatewaySettings, reloader: Reloader, tasks: TaskScope) -> KeySource:

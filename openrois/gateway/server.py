@@ -239,6 +239,7 @@ class _Server:
         self.app.router.add_get("/healthz", healthz)
         self.app.router.add_get("/readyz", partial(readyz, readiness, settings.metrics_token))
         self.app.router.add_get("/admitted", self._admitted)
+        self.app.router.add_get("/page-token", self._page_token)
         self.app.router.add_get("/adapter", self._adapter)
         self.app.router.add_get("/{path:.*}", self._page_or_application)
         self.app.on_shutdown.append(self._close_all)
@@ -278,6 +279,14 @@ class _Server:
         """Answer as a WebSocket would be: a browser does not tell its page why one was refused."""
         await self._auth_setup.admission.application(request)
         return web.json_response({"status": "ok", "tokens": self._auth_setup.admission.verifier is not None})
+
+    async def _page_token(self, request: web.Request) -> web.Response:
+        """Give the gateway's page a token, a new one of the visitor whose token it shows, where visitors bring none."""
+        principal = await self._auth_setup.admission.application(request)
+        if self._auth_setup.page_tokens is None:
+            return web.Response(status=204)
+        token = self._auth_setup.page_tokens.issue(principal)
+        return web.json_response({"token": token}, headers={"Cache-Control": "no-store"})
 
     async def _adapter(self, request: web.Request) -> web.StreamResponse:
         if not _wants_websocket(request):

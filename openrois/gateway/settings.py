@@ -235,6 +235,8 @@ class GatewaySettings(Listening, Authentication, Encryption, Streams, Adapters, 
 
     @model_validator(mode="after")
     def _check_exposure(self) -> Self:
+        if self.auth_local and self.cluster:
+            raise ValueError("--auth-local cannot be used with --cluster: no other gateway knows the key")
         if self.tls_elsewhere and not self.is_authenticated:
             raise ValueError(
                 "--tls-elsewhere needs authentication (--auth-key or --auth-jwks): every client that what is in front "

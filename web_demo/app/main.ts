@@ -56,6 +56,9 @@ declare global {
 /** Milliseconds since the visitor has used the page for which it counts as used. */
 const IN_USE = 15_000;
 
+/** Milliseconds between two tokens of a gateway that gives its page some, well within the time of one. */
+const TOKEN_RENEWAL = 20 * 60_000;
+
 const canStream = "RTCPeerConnection" in globalThis;
 const codecs = canStream ? decodableCodecs("video") : [];
 
@@ -134,6 +137,8 @@ async function askWhy({ state } = client): Promise<void> {
   const shown = token.value;
   const away = await isTurnedAway(shown);
   if (client.state !== state || token.value !== shown) return;
+  // A gateway that gives its page tokens knows none of those that it gave before it was started again.
+  if (away && (await token.obtain())) return client.retryNow();
   const ended = shown === welcomed || token.hasEnded(Date.now());
   unwelcome = !away ? null : shown === undefined ? "none" : ended ? "ended" : "refused";
   if (away) {
@@ -353,4 +358,11 @@ globalThis.addEventListener("pagehide", () => {
 // The countdowns, and the age of the picture.
 setInterval(render, 500);
 render();
-void client.connect();
+// The gateway ends a connection with its token: there is a newer one by then.
+setInterval(() => void token.obtain(), TOKEN_RENEWAL);
+void connect();
+
+async function connect(): Promise<void> {
+  if (token.value === undefined) await token.obtain();
+  await client.connect();
+}

@@ -39,7 +39,8 @@ def test_without_tokens_there_are_no_ranks() -> None:
     ranks = Ranks()
     assert not ranks.is_person(LOCAL)
     assert not ranks.is_program(LOCAL)
-    assert not any(ranks.is_above(LOCAL, each) or ranks.is_above(each, LOCAL) for each in (PERSON, SCRIPT, LOCAL))
+    assert not any(ranks.is_above(LOCAL, each) for each in (PERSON, SCRIPT, LOCAL))
+    assert [ranks.is_above(each, LOCAL) for each in (PERSON, SCRIPT)] == [True, False]
 
 
 def test_of_one_rank_all_are_persons() -> None:

@@ -85,6 +85,12 @@ def test_a_gateway_for_other_machines_needs_tokens_and_tls(host: str) -> None:
             {"auth_keys": (Path("a"),), "auth_jwks": "https://issuer.example/"},
             "give only one of --auth-key, --auth-jwks",
         ),
+        ({"auth_local": True, "auth_keys": (Path("a"),)}, "--auth-local cannot be used with --auth-key"),
+        (
+            {"auth_local": True, "cluster": ("nats://a",), "store": "postgresql://a@b/c", "gateway_id": "a"},
+            "--auth-local cannot be used with --cluster",
+        ),
+        ({"auth_local": True, "host": "192.0.2.1"}, "needs authentication"),
         ({"auth_jwks": "http://issuer.example/"}, "give an https address"),
         ({"auth_jwks": "ftp://issuer.example/"}, "no https address"),
         ({"auth_issuer": "x"}, "require --auth-key or --auth-jwks"),

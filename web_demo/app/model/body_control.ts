@@ -61,8 +61,6 @@ export class BodyControl {
   readonly #onChange: () => void;
   /** Is called with a reason, a sentence, when control was lost without being given back. */
   onLost: (why: string) => void = () => undefined;
-  /** Whether this page's rank counts: the gateway asks for tokens. */
-  ranked = false;
   #refs: readonly string[] = [];
   #watched: readonly string[] = [];
   #present = false;
@@ -134,6 +132,15 @@ export class BodyControl {
     void this.#readLeases([...this.#refs, ...this.#watched]);
   }
 
+  /** Whether this page's rank counts: the gateway goes by its token. */
+  get ranked(): boolean {
+    return this.#leases.ranked;
+  }
+
+  set ranked(ranked: boolean) {
+    this.#leases.ranked = ranked;
+  }
+
   /** The parts of the body, those first that move it; none while it is away. */
   get parts(): readonly BodyPart[] {
     return this.#present ? this.#leases.all : [];
@@ -181,7 +188,8 @@ export class BodyControl {
   /** The request that is to be answered next, and how many wait behind it; null without one. */
   get nextRequest(): { readonly subject: string; readonly more: number } | null {
     const [first] = this.#requests.values();
-    return first ? { subject: named(first.lease.subject), more: this.#requests.size - 1 } : null;
+    const subject = this.#leases.nameOf(first?.lease.subject ?? "");
+    return first ? { subject: named(subject), more: this.#requests.size - 1 } : null;
   }
 
   /**
@@ -275,7 +283,7 @@ export class BodyControl {
     const isAsked = ({ componentRef }: HeldPart): boolean => asked.includes(componentRef);
     for (const part of parts) if (!isAsked(part)) await part.release();
     const why = await this.#client.control.grant(id).then(
-      () => `You have handed over control to ${named(request.lease.subject)}.`,
+      () => `You have handed over control to ${named(this.#leases.nameOf(request.lease.subject))}.`,
       () => "The request had ended already. Control was given back.",
     );
     for (const part of parts) if (isAsked(part)) void part.release();

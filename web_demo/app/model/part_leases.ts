@@ -26,6 +26,11 @@ export interface BodyPart {
   readonly position: number;
 }
 
+/** What a gateway calls those that show no token. */
+const WITHOUT_TOKEN = "local";
+/** What such an application is where visitors have tokens. */
+const PROGRAM = "A program";
+
 interface Lease {
   readonly status: LeaseStatus;
   /** The component of which it was told last. */
@@ -37,6 +42,8 @@ interface Lease {
 export class PartLeases {
   readonly #client: Client;
   readonly #onChange: (part: BodyPart) => void;
+  /** Whether visitors of this gateway have tokens. */
+  ranked = false;
   #refs: readonly string[] = [];
   /** The part of each component; a component of which the gateway names none is one by itself. */
   readonly #partOf = new Map<string, string>();
@@ -55,6 +62,11 @@ export class PartLeases {
       const part = this.partOf(ref);
       if (part) this.#onChange(part);
     });
+  }
+
+  /** What the page calls a subject: where visitors have tokens, what shows none is a program. */
+  nameOf(subject: string): string {
+    return this.ranked && subject === WITHOUT_TOKEN ? PROGRAM : subject;
   }
 
   setComponents(refs: readonly string[]): void {
@@ -125,9 +137,9 @@ export class PartLeases {
       name: key.slice(key.lastIndexOf("/") + 1),
       refs,
       state: state === "FREE" ? "free" : state === "MINE" ? "mine" : "other",
-      holder: state === "FREE" || state === "MINE" ? "" : holder,
+      holder: state === "FREE" || state === "MINE" ? "" : this.nameOf(holder),
       absent: state === "ABSENT",
-      lender,
+      lender: this.nameOf(lender),
       seconds: lender === "" ? 0 : Math.max(0, seconds),
       position,
     };

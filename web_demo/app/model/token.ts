@@ -58,6 +58,23 @@ export class PageToken {
   }
 
   /**
+   * Gets a token from a gateway that gives its page one, as that of the demo does: another one of the same visitor where it
+   * has one that is still good. Returns whether it did.
+   */
+  async obtain(): Promise<boolean> {
+    for (const shown of new Set([this.#value, undefined])) {
+      try {
+        const response = await ask("page-token", shown);
+        if (response.status === 200) return this.give(tokenOf(await response.json()));
+        if (response.status !== 401) return false;
+      } catch {
+        return false;
+      }
+    }
+    return false;
+  }
+
+  /**
    * Reads the token from the address, `#token=…`, and removes it there: browsers send this part to no server, and a
    * removed one gets into no history and no bookmark.
    */
@@ -111,6 +128,15 @@ export async function asksForTokens(token: string): Promise<boolean> {
 }
 
 function admission(token: string | undefined): Promise<Response> {
+  return ask("admitted", token);
+}
+
+function ask(path: string, token: string | undefined): Promise<Response> {
   const headers: Record<string, string> = token === undefined ? {} : { Authorization: `Bearer ${token}` };
-  return fetch("admitted", { cache: "no-store", headers, signal: AbortSignal.timeout(5000) });
+  return fetch(path, { cache: "no-store", headers, signal: AbortSignal.timeout(5000) });
+}
+
+function tokenOf(answer: unknown): string {
+  const isToken = typeof answer === "object" && answer !== null && "token" in answer;
+  return isToken && typeof answer.token === "string" ? answer.token : "";
 }

@@ -358,6 +358,14 @@ describe("what a program holds", () => {
     expect(verbs().filter((verb) => verb === `bind ${OPERATED}`)).toEqual([]);
   });
 
+  it("is a program's where that shows no token and visitors do", async () => {
+    tell("changed", { component_ref: OPERATED, state: "HELD", holder: "local", reason: "" });
+    await settle();
+    expect(body.state).toMatchObject({ holder: "A program", mayTakeOver: true });
+    body.ranked = false;
+    expect(body.hindrance).toBe("Another visitor");
+  });
+
   it("is not taken over without tokens: there are no ranks then", async () => {
     body.ranked = false;
     expect(body.state).toEqual({ kind: "other", holder: "night watch", absent: false, mayTakeOver: false });

@@ -1,4 +1,4 @@
-import { describe, expect, it, vi } from "vitest";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { PageToken, asksForTokens } from "../../../app/model/token.ts";
 
 const TOKEN = "eyJh.eyJz.c2ln_-";
@@ -98,6 +98,54 @@ describe("the page's token", () => {
       { headers: { Authorization: `Bearer ${TOKEN}` } },
     ]);
     vi.unstubAllGlobals();
+  });
+
+  describe("of a gateway that gives its page one", () => {
+    const answers: (Response | Error)[] = [];
+    const shown: (string | undefined)[] = [];
+    const given = (token: unknown): Response => Response.json({ token });
+
+    beforeEach(() => {
+      answers.length = shown.length = 0;
+      vi.stubGlobal("fetch", async (path: string, { headers }: { headers: Record<string, string> }) => {
+        expect(path).toBe("page-token");
+        shown.push(headers["Authorization"]);
+        const answer = answers.shift();
+        if (answer instanceof Response) return answer;
+        throw answer ?? new Error("it was asked too often");
+      });
+    });
+
+    afterEach(() => void vi.unstubAllGlobals());
+
+    it("is asked for, and for another one while it is good", async () => {
+      const token = new PageToken(new Store());
+      answers.push(given(TOKEN), given(`${TOKEN}2`));
+      expect([await token.obtain(), token.value]).toEqual([true, TOKEN]);
+      expect([await token.obtain(), token.value]).toEqual([true, `${TOKEN}2`]);
+      expect(shown).toEqual([undefined, `Bearer ${TOKEN}`]);
+    });
+
+    it("is another visitor's where the former one is good no more", async () => {
+      const token = new PageToken(new Store());
+      token.give(TOKEN);
+      answers.push(new Response("", { status: 401 }), given(`${TOKEN}2`));
+      expect([await token.obtain(), token.value]).toEqual([true, `${TOKEN}2`]);
+      expect(shown).toEqual([`Bearer ${TOKEN}`, undefined]);
+    });
+
+    it.each([
+      ["gives none", new Response(null, { status: 204 })],
+      ["is another server", new Response("", { status: 404 })],
+      ["says nonsense", given(7)],
+      ["is away", new TypeError()],
+    ])("stays what it was where the gateway %s", async (_, answer) => {
+      const token = new PageToken(new Store());
+      token.give(TOKEN);
+      answers.push(answer);
+      expect([await token.obtain(), token.value]).toEqual([false, TOKEN]);
+      expect(shown).toHaveLength(1);
+    });
   });
 
   it("knows when it has ended, where it can be read", () => {
