@@ -55,6 +55,9 @@ class DemoAccess:
             ValueError: the key cannot be used.
         """
         given: list[str] = ["--host", self.host]
+        if self.key is None:
+            # Visitors of the page have names, and go before programs.
+            given.append("--auth-local")
         if not is_loopback(self.name):
             given += ["--allow-host", self.name]
         if self.tls_cert is not None:

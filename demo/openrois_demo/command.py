@@ -3,6 +3,7 @@
 import argparse
 import asyncio
 import errno
+import os
 import signal
 import socket
 import sys
@@ -19,6 +20,7 @@ from openrois_media.network_options import add_host_options, add_session_options
 from openrois.cli.command_line import CommandLine, port_number
 from openrois.observability.logs import set_up_logging
 from openrois.transport.credential_options import add_credential_options, credential_arguments, credentials
+from openrois.transport.credentials import TOKEN_FILE_VARIABLE
 from openrois.transport.websocket import dial
 from openrois_demo.access import add_access_options, demo_access
 from openrois_demo.program import Program, ProgramFailed
@@ -86,9 +88,9 @@ def main(arguments: Sequence[str]) -> int:
     more = ("--verbose",) if chosen.verbose else ()
     engine_ids = (_AVATAR, *dict.fromkeys(chosen.beside))
     with access.token_files(engine_ids) as issued:
-        shown = credentials(chosen)
-        if issued:
-            shown = replace(shown, token=access.viewer_token)
+        shown = replace(credentials(chosen), token=access.viewer_token if issued else None)
+        # Its programs show the tokens that it issues, and none that is for another gateway.
+        os.environ.pop(TOKEN_FILE_VARIABLE, None)
         url = access.url("ws", chosen.port)
         gateway = ("gateway", "--port", str(chosen.port), "--drain", "0", *access.gateway_arguments(), *more)
         bodies = {
@@ -119,8 +121,6 @@ def main(arguments: Sequence[str]) -> int:
 
 def _credentials(chosen: argparse.Namespace, token_file: Path | None) -> Sequence[str]:
     """Return the options for an adapter, with the token that was issued to it, if one was."""
-    if token_file is None:
-        return credential_arguments(chosen)
     return credential_arguments(argparse.Namespace(**{**vars(chosen), "token_file": token_file}))
 
 

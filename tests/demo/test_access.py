@@ -30,7 +30,8 @@ async def whose(token: str, key: Path) -> Principal:
 def test_a_demo_is_for_this_machine_alone_unless_it_is_told() -> None:
     access = chosen()
     assert (access.url("http", 9000), access.url("ws", 9000)) == ("http://127.0.0.1:9000/", "ws://127.0.0.1:9000/")
-    assert configure(access.gateway_arguments(), {}).settings.host == "127.0.0.1"
+    settings = configure(access.gateway_arguments(), {}).settings
+    assert (settings.host, settings.auth_local) == ("127.0.0.1", True)
     assert chosen("--host", "::1").url("http", 9000) == "http://[::1]:9000/"
 
 
@@ -45,7 +46,7 @@ async def test_a_demo_for_other_machines(algorithm: str, tmp_path: Path) -> None
     settings = configure(access.gateway_arguments(), {}).settings
     assert (settings.host, settings.allow_hosts) == ("0.0.0.0", ("avatar.example.org",))
     assert settings.tls_cert == tmp_path / "cert.pem"
-    assert settings.auth_keys == (public,)
+    assert (settings.auth_keys, settings.auth_local) == ((public,), False)
     viewer = await whose(access.viewer_token(), public)
     assert (viewer.roles, viewer.is_application, viewer.sees("avatar/move")) == ({Role.VIEWER}, True, True)
 

@@ -12,6 +12,7 @@ from typing import ClassVar
 
 import psutil
 import pytest
+from aiohttp import ClientSession
 from openrois_demo import command as demo_module
 from openrois_demo.program import ProgramFailed
 
@@ -19,8 +20,9 @@ from openrois.auth.issuing import issue_token
 from openrois.auth.key_files import make_key_files
 from openrois.auth.principal import Role
 from openrois.client import Client
-from openrois.client.components import SystemInformation
+from openrois.client.components import Navigation, SystemInformation
 from openrois.client.errors import ConnectionFailed
+from openrois.errors import OutOfResources
 from tests.support.certificates import Authority
 from tests.support.demo import PATIENCE, Demo, end, first_line, free_port, running_demo, start
 
@@ -88,6 +90,21 @@ async def test_demo_for_other_machines_refuses_a_client_without_a_token(tmp_path
         token = issue_token(tmp_path / "key", "anna", [Role.VIEWER], ["avatar/*"], now=int(time.time()), ttl=60)
         async with Client(url, token=token, ca_file=authority.file) as client:
             assert await client.find(SystemInformation)
+        assert demo.interrupt() == 0
+
+
+@pytest.mark.engine
+async def test_a_visitor_of_the_page_goes_before_a_program_that_shows_no_token(tmp_path: Path) -> None:
+    with running_demo(tmp_path, more=("--with", "robot")) as demo:
+        async with ClientSession() as session, session.get(f"{demo.page}page-token") as answer:
+            token = (await answer.json())["token"]
+        async with Client(demo.url) as program, Client(demo.url, token=token) as visitor:
+            legs = await program.find(Navigation)
+            await legs.bind()
+            lease = await visitor.control.borrow(legs.component_ref)
+            assert (lease.holder, lease.lender, lease.part) == ("visitor 1", "local", "legs")
+            with pytest.raises(OutOfResources, match="taken for a time by visitor 1"):
+                await legs.start()
         assert demo.interrupt() == 0
 
 
@@ -185,6 +202,19 @@ def test_a_robot_beside_the_avatar_gets_what_concerns_it(monkeypatch: pytest.Mon
     tokens = [each[each.index("--token-file") + 1] for each in (robot, avatar)]
     assert [Path(token).name for token in tokens] == ["robot.token", "avatar.token"]
     assert "--size" not in robot
+
+
+def test_a_token_for_another_gateway_is_shown_to_none_of_its_own(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(demo_module, "set_up_logging", lambda *, verbose: None)
+    monkeypatch.setattr(demo_module, "Program", Unready)
+    monkeypatch.setattr(Unready, "made", {})
+    monkeypatch.setenv("OPENROIS_TOKEN_FILE", str(tmp_path / "token"))
+    demo_module.main(["--port", str(free_port())])
+    assert "OPENROIS_TOKEN_FILE" not in os.environ
+    assert "--auth-local" in Unready.made["gateway"]
+    assert "--token-file" not in Unready.made["avatar"]
 
 
 def test_without_a_wish_there_is_no_robot(monkeypatch: pytest.MonkeyPatch) -> None:
