@@ -1,4 +1,4 @@
-"""SpeechProgress: the body's speech word by word, and its interruption (barge-in)."""
+"""SpeechProgress: the body's speech word by word, where its sound is late, and its interruption (barge-in)."""
 
 from collections.abc import Callable
 from datetime import UTC, datetime
@@ -7,7 +7,14 @@ from typing import Any, Protocol
 from openrois.adapter import Component, ComponentStatus, event, parameter
 from openrois.aio.listeners import Listeners
 from openrois.types.codes import CompletedStatus
-from openrois_body.speech.utterance import MarkReached, Progress, SpeechBegan, SpeechEnded, WordSpoken
+from openrois_body.speech.progress import (
+    MarkReached,
+    Progress,
+    SpeechBegan,
+    SpeechEnded,
+    SpeechStarved,
+    WordSpoken,
+)
 from openrois_body.speech.voice import Voice
 
 __all__ = ["Attention", "SpeechProgress"]
@@ -25,7 +32,7 @@ class Attention(Protocol):
 
 
 class SpeechProgress(Component, authority="OpenRoIS", function="actuation", part="voice"):
-    """Announces the progress of SpeechSynthesis. A component of OpenRoIS: the standard's has no events.
+    """Announces the progress of speech, of texts and of streams. A component of OpenRoIS: the standard's has no events.
 
     An actuation, so that only the application that has bound it sets `barge_in`; every application gets its events.
 
@@ -60,11 +67,11 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation", part
 
     @event
     def speech_began(self, speech_id: str, text: str, is_ssml: bool, began_at: datetime) -> None:
-        """The viewers hear the first word of a text, whichever application has set it: captions show it.
+        """The viewers hear the first word of a text, or the first sound of a stream: captions show it.
 
         Args:
-            speech_id: of the text that is spoken
-            text: speech_text or ssml_text, as it was set
+            speech_id: of what is spoken
+            text: speech_text or ssml_text, as it was set; of a stream the words that it began with
             is_ssml: whether it is SSML
             began_at: when they hear it
         """
@@ -76,7 +83,8 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation", part
         Args:
             speech_id: of the text that is spoken, the same in all events about it
             word: as it stands in the text
-            position: of its first character in speech_text or ssml_text, from 0 on, in Unicode code points
+            position: of its first character in speech_text or ssml_text, from 0 on, in Unicode code points; in a stream
+                in all of its words, with a space between them
             length: of the word, likewise
             spoken_at: when they hear it
         """
@@ -92,6 +100,16 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation", part
         """
 
     @event
+    def speech_starved(self, speech_id: str, heard_ms: int, starved_at: datetime) -> None:
+        """The viewers hear silence in the middle of a stream: its sound comes too late. Told once each time.
+
+        Args:
+            speech_id: of the stream
+            heard_ms: of its sound so far, in milliseconds
+            starved_at: when they hear the silence begin
+        """
+
+    @event
     def speech_ended(
         self,
         speech_id: str,
@@ -100,16 +118,18 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation", part
         reason: str | None = None,
         word: str | None = None,
         position: int | None = None,
+        heard_ms: int | None = None,
     ) -> None:
-        """Nothing more of a text is heard.
+        """Nothing more of a text or stream is heard.
 
         Args:
-            speech_id: of the text
+            speech_id: of the text or stream
             status: OK, or ABORT if it was stopped or interrupted
             ended_at: when it ended
             reason: why it did not come to its end
             word: the last one that was begun
             position: of that word
+            heard_ms: of its sound, in milliseconds
         """
 
     def _spoken_to(self, _at: float) -> None:
@@ -125,6 +145,8 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation", part
                 self.word_spoken(speech_id, word, position, len(word), at)
             case MarkReached(speech_id, mark):
                 self.mark_reached(speech_id, mark, at)
+            case SpeechStarved(speech_id, heard_ms):
+                self.speech_starved(speech_id, heard_ms, at)
             case SpeechEnded(speech_id, status, reason, last):
                 at_word, since = (last.text, last.position) if last else (None, None)
-                self.speech_ended(speech_id, status, at, reason or None, at_word, since)
+                self.speech_ended(speech_id, status, at, reason or None, at_word, since, progress.heard_ms)

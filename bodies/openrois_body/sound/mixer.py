@@ -15,6 +15,7 @@ from openrois_streaming.clock import MediaClock
 from openrois_streaming.source.source import SAMPLE_RATE, RawAudio
 
 from openrois_body.sound.engine_sound import BLOCK, SEAM, EngineSound, SoundLag
+from openrois_body.sound.open_playback import OpenPlayback, reach
 
 BLOCKS_PER_SECOND: Final = SAMPLE_RATE // BLOCK
 LEAD_BLOCKS: Final = 2
@@ -69,6 +70,15 @@ class Playback:
         return min(end, self._cut + SEAM) if self._cut > self._first else self._first
 
     @property
+    def is_settled(self) -> bool:
+        """Whether its end is known, as it always is."""
+        return True
+
+    def is_over(self, begin: int) -> bool:
+        """Tell whether nothing of it is heard from sample `begin` on."""
+        return self.last <= begin
+
+    @property
     def heard(self) -> int:
         """The number of samples that are heard, up to `stop`; those of the fade-out do not count."""
         return len(self._samples) if self._cut is None else max(0, self._cut - self._first)
@@ -79,14 +89,7 @@ class Playback:
         Returns:
             True if the moment came, False if it was stopped.
         """
-        clock = self._sound.clock
-        waiting = asyncio.create_task(clock.sleep_until(moment)), asyncio.create_task(self._stopped.wait())
-        try:
-            await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            for task in waiting:
-                task.cancel()
-        return not self._stopped.is_set()
+        return await reach(self._sound.clock, moment, self._stopped)
 
     def stop(self) -> None:
         """Fade out within the next 5 ms that are not handed out yet; without effect after the end."""
@@ -127,7 +130,7 @@ class BodySound:
         self.clock = clock
         self._engine = EngineSound(channels)
         self._lag = SoundLag()
-        self._playbacks: deque[Playback] = deque()
+        self._playbacks: deque[Playback | OpenPlayback] = deque()
         self._next_block: int | None = None
 
     @property
@@ -159,14 +162,35 @@ class BodySound:
 
         Raises:
             SoundBusy: `MAX_QUEUED` speeches wait already.
+            ValueError: the end of a speech before it is open.
         """
-        self._forget_before(self.next_sample())
-        if len(self._playbacks) >= MAX_QUEUED:
-            raise SoundBusy(f"{MAX_QUEUED} speeches wait already, which is the limit; wait until one has ended")
-        earliest = (self._now() + 1 + LEAD_BLOCKS) * BLOCK
-        playback = Playback(self, samples, max([earliest, *(before.last for before in self._playbacks)]))
+        playback = Playback(self, samples, self._place())
         self._playbacks.append(playback)
         return playback
+
+    def play_open(self) -> OpenPlayback:
+        """Play what is pushed from now on after all speeches before it, 40 to 60 ms from now at the earliest.
+
+        Raises:
+            SoundBusy: `MAX_QUEUED` speeches wait already.
+            ValueError: the end of a speech before it is open.
+        """
+        playback = OpenPlayback(self, self._place())
+        self._playbacks.append(playback)
+        return playback
+
+    def earliest(self) -> int:
+        """Return the number of the first sample of a speech that begins as soon as it may."""
+        return (self._now() + 1 + LEAD_BLOCKS) * BLOCK
+
+    def _place(self) -> int:
+        """Return the number of the first sample of the next speech."""
+        self._forget_before(self.next_sample())
+        if not all(before.is_settled for before in self._playbacks):
+            raise ValueError("the end of a speech before it is open: wait for its turn")
+        if len(self._playbacks) >= MAX_QUEUED:
+            raise SoundBusy(f"{MAX_QUEUED} speeches wait already, which is the limit; wait until one has ended")
+        return max([self.earliest(), *(before.last for before in self._playbacks)])
 
     def next_sample(self) -> int:
         """Return the number, since the clock's zero, of the first sample that is not handed out yet."""
@@ -195,5 +219,5 @@ class BodySound:
 
     def _forget_before(self, begin: int) -> None:
         """Drop the speeches that are handed out completely."""
-        while self._playbacks and self._playbacks[0].last <= begin:
+        while self._playbacks and self._playbacks[0].is_over(begin):
             self._playbacks.popleft()

@@ -4,7 +4,6 @@ import asyncio
 import secrets
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from openrois_streaming.clock import wall_at
 from openrois_streaming.source.source import SAMPLE_RATE
@@ -14,52 +13,11 @@ from openrois.types.codes import CompletedStatus
 from openrois_body.body import Body
 from openrois_body.sound.mixer import BodySound, Playback, SoundBusy
 from openrois_body.speech.playout_delay import PlayoutDelay
+from openrois_body.speech.progress import MarkReached, Progress, SpeechBegan, SpeechEnded, WordSpoken
 from openrois_body.speech.synthesizer import NamedMark, Speech, Word
+from openrois_body.speech.turns import Line, Turn
 
-__all__ = ["MarkReached", "Progress", "SpeechBegan", "SpeechEnded", "Utterance", "WordSpoken", "place_of"]
-
-
-@dataclass(frozen=True, slots=True)
-class SpeechBegan:
-    """The viewers hear the first word of a text, or reach its first mark."""
-
-    speech_id: str
-    text: str
-    is_ssml: bool
-    at: float
-
-
-@dataclass(frozen=True, slots=True)
-class WordSpoken:
-    """The viewers hear a word that begins at character `position` of the text. `at` is epoch seconds, as everywhere."""
-
-    speech_id: str
-    word: str
-    position: int
-    at: float
-
-
-@dataclass(frozen=True, slots=True)
-class MarkReached:
-    """The viewers reach a mark of SSML."""
-
-    speech_id: str
-    mark: str
-    at: float
-
-
-@dataclass(frozen=True, slots=True)
-class SpeechEnded:
-    """The text has ended; `last` is the last word that was begun, if one was."""
-
-    speech_id: str
-    status: CompletedStatus
-    reason: str
-    last: Word | None
-    at: float
-
-
-Progress = SpeechBegan | WordSpoken | MarkReached | SpeechEnded
+__all__ = ["Utterance", "place_of"]
 
 
 class Utterance:
@@ -70,6 +28,7 @@ class Utterance:
         body: moves the mouth.
         playout_delay: of the viewers that hear it.
         on_progress: called with each step, in order; must not raise.
+        line: the order of the voice's speeches.
         text: the application's text.
         is_ssml: whether `text` is SSML.
     """
@@ -80,6 +39,7 @@ class Utterance:
         body: Body,
         playout_delay: PlayoutDelay,
         on_progress: Callable[[Progress], None],
+        line: Line,
         text: str,
         *,
         is_ssml: bool,
@@ -97,6 +57,10 @@ class Utterance:
         self._body = body
         self._playout_delay = playout_delay
         self._on_progress = on_progress
+        self._line = line
+        self._turn: Turn | None = None
+        self._heard_before = 0
+        """Samples that were heard before the present playback."""
         self._playback: Playback | None = None
         self._late = 0.0
         self._last: Word | None = None
@@ -148,12 +112,21 @@ class Utterance:
         self._going_on.set()
 
     def _fall_silent(self) -> None:
+        if self._turn is not None:
+            self._turn.settle(False)
         if self._playback is not None:
             self._playback.stop()
 
     async def _play(self, speech: Speech) -> Speech | None:
         """Play a speech; return its rest when it is stopped, None when all of it was heard."""
-        playback = self._playback = self._sound.play(speech.samples)
+        turn = self._turn = self._line.join()
+        try:
+            if not await turn.comes() or self._cut_off or not self._going_on.is_set():
+                return speech
+            playback = self._playback = self._sound.play(speech.samples)
+        finally:
+            self._turn = None
+            turn.pass_on()
         self._body.speak(self.speech_id, speech.mouth(self.speech_id, playback.start_ns))
         coming = deque(speech.moments)
         played = False
@@ -163,6 +136,7 @@ class Utterance:
             played = not coming and await self._heard(playback, playback.end)
         finally:
             self._playback = None
+            self._heard_before += playback.heard
             if played:
                 self._body.spoken(self.speech_id)
             else:
@@ -199,7 +173,8 @@ class Utterance:
             self._on_progress(MarkReached(self.speech_id, moment.name, at))
 
     def _announce_end(self, status: CompletedStatus, reason: str) -> None:
-        self._on_progress(SpeechEnded(self.speech_id, status, reason, self._last, self._sound.clock.wall()))
+        heard_ms = self._heard_before * 1000 // SAMPLE_RATE
+        self._on_progress(SpeechEnded(self.speech_id, status, reason, self._last, self._sound.clock.wall(), heard_ms))
 
 
 def place_of(word: Word | None) -> str:

@@ -1,12 +1,18 @@
 """The voice: texts are synthesized and played, and the mouth moves with the sound."""
 
+from collections.abc import Callable
+
 from openrois.aio.listeners import Listeners
 from openrois.errors import OutOfResources
 from openrois_body.body import Body
 from openrois_body.sound.mixer import BodySound, SoundBusy
+from openrois_body.speech.mouth import MouthReader
+from openrois_body.speech.open_utterance import OpenUtterance
 from openrois_body.speech.playout_delay import PlayoutDelay
+from openrois_body.speech.progress import Progress
 from openrois_body.speech.speaker import Speaker, Synthesis
-from openrois_body.speech.utterance import Progress, Utterance
+from openrois_body.speech.turns import Line
+from openrois_body.speech.utterance import Utterance
 
 __all__ = ["Voice"]
 
@@ -28,15 +34,61 @@ class Voice(Speaker):
         """Called with each word when the viewers hear it, each mark, and the end of each speech."""
         self._sound = sound
         self._body = body
-        self._utterances: list[Utterance] = []
+        self._line = Line()
+        self._utterances: list[Utterance | OpenUtterance] = []
 
     async def say(self, text: str, *, ssml: bool, language: str, character: str, volume: int) -> None:
         """Speak a text until the viewers heard its last sample; cancelling this cuts voice and mouth within 20 ms."""
-        utterance = Utterance(self._sound, self._body, self.playout_delay, self.progress.notify_all, text, is_ssml=ssml)
+        notify = self.progress.notify_all
+        utterance = Utterance(self._sound, self._body, self.playout_delay, notify, self._line, text, is_ssml=ssml)
         self._utterances.append(utterance)
         try:
             speech = await self.make_speech(text, ssml=ssml, language=language, character=character, volume=volume)
             await utterance.play(speech)
+        except SoundBusy as error:
+            raise OutOfResources(str(error)) from error
+        finally:
+            self._utterances.remove(utterance)
+
+    def make_open(
+        self,
+        text: str = "",
+        *,
+        ssml: bool = False,
+        mouth: MouthReader | None = None,
+        on_played: Callable[[int], None] = lambda _samples: None,
+    ) -> OpenUtterance:
+        """Return a speech that is pushed as sound while `utter` plays it.
+
+        Args:
+            text: what is spoken, as far as it is known.
+            ssml: whether `text` is SSML.
+            mouth: reads mouth shapes from the sound; by its loudness unless given.
+            on_played: called with the number of samples that were played, ten times a second.
+        """
+        notify = self.progress.notify_all
+        return OpenUtterance(
+            self._sound,
+            self._body,
+            self.playout_delay,
+            notify,
+            self._line,
+            text=text,
+            is_ssml=ssml,
+            mouth=mouth,
+            on_played=on_played,
+        )
+
+    async def utter(self, utterance: OpenUtterance) -> None:
+        """Play a speech of `make_open` until the viewers heard its last sample; cancelling this cuts it off.
+
+        Raises:
+            Aborted: it was cut off; the sentence says why and where.
+            OutOfResources: too many speeches wait already.
+        """
+        self._utterances.append(utterance)
+        try:
+            await utterance.play()
         except SoundBusy as error:
             raise OutOfResources(str(error)) from error
         finally:

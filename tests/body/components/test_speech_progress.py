@@ -107,6 +107,7 @@ async def test_each_word_is_an_event_with_its_place_and_its_time(stage: Stage) -
         "word": "two",
         "position": "11",
         "ended_at": "",
+        "heard_ms": "1000",
     }
 
 

@@ -11,8 +11,10 @@ from openrois_body.body import Body
 from openrois_body.messages import Silence, Viseme
 from openrois_body.sound.mixer import BodySound
 from openrois_body.speech.playout_delay import PLAYOUT, PlayoutDelay
+from openrois_body.speech.progress import Progress, WordSpoken
 from openrois_body.speech.synthesizer import Speech, Synthesizer, Word
-from openrois_body.speech.utterance import Progress, Utterance, WordSpoken
+from openrois_body.speech.turns import Line
+from openrois_body.speech.utterance import Utterance
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.publish.publisher import AudioPublisher
 from openrois_streaming.session.session import StreamSession
@@ -54,7 +56,7 @@ class Hearing:
 
     def utterance(self) -> Utterance:
         body = Body(lambda command: self.silences.append(self.clock.now()) if command == Silence() else None)
-        return Utterance(self.sound, body, self.playout_delay, self.progress.append, "", is_ssml=False)
+        return Utterance(self.sound, body, self.playout_delay, self.progress.append, Line(), "", is_ssml=False)
 
     def loud(self) -> list[tuple[float, float]]:
         """The moments of samples that are heard, by the media clock, and when the last of its block was played."""
@@ -179,7 +181,9 @@ async def test_a_viewer_that_becomes_slower_meanwhile_is_waited_for(monkeypatch:
     monkeypatch.setattr(playout_delay, "lateness", lateness)
     hum = Speech(bursts(1).samples, (), ())
     begun = clock.now()
-    utterance = Utterance(sound, Body(lambda _command: None), playout_delay, lambda _told: None, "", is_ssml=False)
+    utterance = Utterance(
+        sound, Body(lambda _command: None), playout_delay, lambda _told: None, Line(), "", is_ssml=False
+    )
     await utterance.play(hum)
     assert clock.now() >= begun + hum.duration + 0.3
 

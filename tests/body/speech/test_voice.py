@@ -9,7 +9,7 @@ from openrois_body.body import Body
 from openrois_body.messages import Command, Silence, Speak
 from openrois_body.sound.mixer import BodySound
 from openrois_body.speech.playout_delay import PLAYOUT
-from openrois_body.speech.utterance import MarkReached, Progress, SpeechBegan, SpeechEnded, WordSpoken
+from openrois_body.speech.progress import MarkReached, Progress, SpeechBegan, SpeechEnded, WordSpoken
 from openrois_body.speech.voice import Voice
 from openrois_streaming.source.source import RawAudio
 
