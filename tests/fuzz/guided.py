@@ -7,6 +7,7 @@ with 77 and stands in FOLDER.
 
 import asyncio
 import ipaddress
+import json
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -21,6 +22,7 @@ INSTRUMENTED = (
     "openrois",
     "openrois_avatar",
     "openrois_streaming.peer.sdp",
+    "openrois_streaming.input",
     "openrois_streaming.network",
     "openrois_streaming.receive",
     "openrois_streaming.rtp",
@@ -50,6 +52,8 @@ with atheris.instrument_imports(include=INSTRUMENTED):
     from openrois_streaming.clock import SystemClock
     from openrois_streaming.encoded import EncodedFrame
     from openrois_streaming.errors import InvalidCandidate, InvalidDescription
+    from openrois_streaming.input import speech as streamed
+    from openrois_streaming.input.messages import InputError
     from openrois_streaming.network.guard import GuardFigures
     from openrois_streaming.network.policy import CandidatePolicy
     from openrois_streaming.peer.sdp import Answered, OfferedSection, clean_answer, read_candidate
@@ -157,6 +161,19 @@ def link(data: bytes) -> None:
             understood += parser.feed(part)
     for message in understood:
         encode(message)
+
+
+def speech(data: bytes) -> None:
+    """One frame or message of the channel `speech`: what is read can be written, and is then read as the same."""
+    text = data.decode("utf-8", "replace")
+    with suppress(InputError):
+        frame = streamed.parse_frame(data)
+        assert streamed.pack_frame(frame) == data
+    for read in (streamed.read_speech, streamed.read_clear, streamed.read_told):
+        with suppress(InputError):
+            message = read(text)
+            if message is not None:
+                assert read(json.dumps(message.to_json(), ensure_ascii=False)) == message
 
 
 DIRECTIONS: tuple[Answered, ...] = ("recvonly", "sendonly", "sendrecv", "inactive")
@@ -336,6 +353,18 @@ TARGETS = {
             '{"jsonrpc":"2.0","id":1e999,"method":"\\ud800","params":[NaN,-0,1.5]}',
         ),
         ('"jsonrpc"', '"2.0"', '"id"', '"method"', '"params"', '"result"', '"error"', '"code"', '"message"', "null"),
+    ),
+    "speech": Target(
+        speech,
+        (
+            streamed.pack_frame(streamed.Frame(1, 0, b"sound")),
+            '{"event":"begin","utterance":1,"format":"pcm16","rate":24000,"text":"Hello"}',
+            '{"event":"words","utterance":1,"words":[["Hello",0],["you",420]],"marks":[["here",9]]}',
+            '{"event":"clear","utterance":1}',
+            '{"event":"credit","utterance":1,"samples":50400,"played":2400}',
+            '{"event":"finished","utterance":1,"position":80,"reason":"the component was released"}',
+        ),
+        ('"event"', '"utterance"', '"begin"', '"words"', '"end"', '"opus"', '"rate"', '"starved"', '"started"'),
     ),
     "nats": Target(
         nats,

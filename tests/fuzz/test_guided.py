@@ -17,6 +17,7 @@ CASES = {
     "nats": 25_000,
     "condition": 25_000,
     "values": 25_000,
+    "speech": 25_000,
     "profile_xml": 10_000,
     "datagram": 10_000,
 }
