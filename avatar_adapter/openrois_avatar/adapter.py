@@ -10,6 +10,7 @@ from typing import Final
 from openrois_body.camera_senses import camera_senses
 from openrois_body.components.operator import Operator
 from openrois_body.components.speech_progress import SpeechProgress
+from openrois_body.components.speech_stream import SpeechStream
 from openrois_body.components.speech_synthesis import SpeechSynthesis
 from openrois_body.components.system_information import SystemInformation
 from openrois_body.metrics import body_figures
@@ -143,6 +144,7 @@ async def serve_scene(
         network=network,
         cap=cap,
         operator=scene.operator_control,
+        speech=scene.speech_control,
     )
     showing = streams.components[VIDEO]
     information, operator = SystemInformation(engine_id, scene.status, scene.place), Operator(microphone, camera)
@@ -151,7 +153,7 @@ async def serve_scene(
     sensing = (*eyes.components, *ears.components)
     components = (information, *streams.components.values(), operator, *progress, *sensing, *scene.components)
     # A voice is heard also while nothing moves.
-    moving = tuple(each for each in scene.components if not isinstance(each, SpeechSynthesis))
+    moving = tuple(each for each in scene.components if not isinstance(each, SpeechSynthesis | SpeechStream))
     streams.supervised["engine"] = Supervised(scene.engine, scene.observe, (showing, *moving))
     async with AsyncExitStack() as stack:
         interface = await stack.enter_async_context(streams)

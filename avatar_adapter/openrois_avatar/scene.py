@@ -15,6 +15,7 @@ from openrois_body.components.moving import Figure
 from openrois_body.components.navigation import Navigation
 from openrois_body.components.reaction import Reaction
 from openrois_body.components.scene_senses import scene_senses
+from openrois_body.components.speech_stream import SpeechStream
 from openrois_body.components.speech_synthesis import SpeechSynthesis
 from openrois_body.components.surroundings import Surroundings
 from openrois_body.components.teleoperation import Teleoperation
@@ -23,6 +24,7 @@ from openrois_body.motion.legs import Legs
 from openrois_body.motion.wayfinding import Ways
 from openrois_body.motion.world import World
 from openrois_body.sound.mixer import BodySound
+from openrois_body.speech.speech_control import SpeechControl
 from openrois_body.speech.synthesizer import Synthesizer
 from openrois_body.speech.voice import Voice
 from openrois_body.teleoperation.figure_controls import FigureControls
@@ -33,6 +35,7 @@ from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.synthetic import ColourBars, Tone
 
 from openrois.aio.listeners import Listeners
+from openrois.aio.tasks import TaskScope
 from openrois.component.component import Component
 from openrois.types.codes import ComponentStatus
 from openrois.types.references import reference
@@ -98,6 +101,7 @@ class Scene:
         voice: the figure's voice; None without a figure.
         announced: called with the pictures to be expected when another game engine has connected.
         operator_control: which application operates the figure by hand; None without a figure.
+        speech_control: which application speaks by sound; None without a figure.
         encoded: the pictures of an engine that encodes them itself.
         stamped: whether each picture shows its number and capture time, for measurements; an avatar's never do.
     """
@@ -117,6 +121,7 @@ class Scene:
     announced: Listeners[VideoShape] = field(default_factory=Listeners)
     operator_control: OperatorControl | None = None
     encoded: EngineEncoded | None = None
+    speech_control: SpeechControl | None = None
     stamped: bool = False
 
     def place(self) -> Place | None:
@@ -256,6 +261,8 @@ async def _engine_scene(
             return engine.hello.viewpoints if engine.hello is not None else ()
 
         voice = Voice(synthesizer, sound, body)
+        tasks = await stack.enter_async_context(TaskScope())
+        speech_control = SpeechControl(reference(engine_id, SpeechStream.component_type.name), voice, clock, tasks)
         operator_control = OperatorControl(
             reference(engine_id, Teleoperation.component_type.name),
             clock,
@@ -264,6 +271,7 @@ async def _engine_scene(
         figure = Figure(legs, world, Ways(world), status)
         components = (
             SpeechSynthesis(voice),
+            SpeechStream(speech_control),
             Reaction(body, reactions, status),
             Gaze(body, status),
             Viewpoint(body, viewpoints, status),
@@ -292,4 +300,5 @@ async def _engine_scene(
             announced,
             operator_control,
             engine.encoded,
+            speech_control,
         )

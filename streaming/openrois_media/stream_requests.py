@@ -48,11 +48,12 @@ class EncodingParameters(Model, extra="ignore"):
 class TransportParameters(Model, extra="ignore"):
     """Members of `transport_parameters` that are read: `recvonly` is a stream that the application receives.
 
-    With `input` the application asks for data channels of operator input.
+    With `input` or `speech` the application asks for data channels: of operator input, or of speech as sound.
     """
 
     direction: str = Field(default="recvonly", max_length=32)
     input: bool = False
+    speech: bool = False
 
 
 def read_parameter(parameters: tuple[Parameter, ...], name: str, model: type[Read]) -> Read:

@@ -6,7 +6,7 @@ RoIS terms end here: the media plane has sessions, peer connections and tracks.
 import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from openrois_signaling.messages import Answer, Bye, Candidate, Direction, Downward, MediaKind, Restart
 from openrois_streaming import errors as media_errors
@@ -36,6 +36,7 @@ from openrois.types.streams import (
     StreamStatusNotification,
 )
 from openrois.types.values import date_time
+from openrois_media.channel_sinks import ChannelSinks, NoSpeech, OperatorInput, SpeechInput
 from openrois_media.stream_requests import (
     ConnectFromGateway,
     EncodingParameters,
@@ -44,7 +45,7 @@ from openrois_media.stream_requests import (
     read_parameter,
 )
 
-__all__ = ["OperatorInput", "OwnChannels", "Published", "StreamingInterface"]
+__all__ = ["OwnChannels", "Published", "StreamingInterface"]
 
 _CONNECT: Final = STREAM_METHODS["connect_stream"]
 
@@ -113,24 +114,6 @@ class OwnChannels:
     make_sink: Callable[[Callable[[str | bytes], None]], InputSink]
 
 
-class OperatorInput(Protocol):
-    """Input of the application that operates a body by hand."""
-
-    def apply_holder(self, notification: HolderNotification, client: Client) -> None:
-        """Apply a notification on the application that holds a component."""
-        ...
-
-    def input_sink(
-        self, client: Client, reply: Callable[[str], None], round_trip: Callable[[], float | None] = ...
-    ) -> InputSink:
-        """Return the sink of an application's input; `reply` sends it a message over its own channel."""
-        ...
-
-    def forget_client(self, client: Client) -> None:
-        """Release an application that is gone."""
-        ...
-
-
 class StreamingInterface:
     """Streaming Interface of one engine; an `Extension`.
 
@@ -143,6 +126,7 @@ class StreamingInterface:
         network: network settings of the streams.
         cap: returns a client's limits of each stream, whatever it asks for; None: as much as its path carries.
         operator: input of the operator; None: the body cannot be operated.
+        speech: speech as sound; None: the body speaks none.
     """
 
     def __init__(
@@ -153,9 +137,11 @@ class StreamingInterface:
         network: NetworkSettings | None = None,
         cap: Callable[[Client], Caps] | None = None,
         operator: OperatorInput | None = None,
+        speech: SpeechInput | None = None,
     ) -> None:
         self._cap = cap
         self._operator = operator
+        self._speech = speech
         self.guarded = GuardFigures()
         """Counts of dropped datagrams of all sessions."""
         self._network = network or NetworkSettings()
@@ -273,7 +259,7 @@ class StreamingInterface:
             caps=encoding.caps() if self._cap is None else encoding.caps().within(self._cap(client)),
             stereo=encoding.channels > 1,
         )
-        if transport.input:
+        if transport.input or transport.speech:
             session.input.open()
         if direction != "recvonly":
             self._senders[params.component_ref] = stream_id
@@ -309,12 +295,17 @@ class StreamingInterface:
         def reply(message: str | bytes) -> None:
             session.input.send_message(message)
 
+        def answer(message: str) -> None:
+            session.input.send_message(message, "speech")
+
         own = self._channels.get(client)
-        sink = (
-            None
-            if self._operator is None
-            else self._operator.input_sink(client, reply, lambda: session.round_trip_time)
-        )
+        operator, speech = self._operator, self._speech
+        sink = None
+        if operator is not None or speech is not None:
+            sink = ChannelSinks(
+                None if operator is None else operator.input_sink(client, reply, lambda: session.round_trip_time),
+                NoSpeech(answer) if speech is None else speech.speech_sink(client, answer),
+            )
         session = StreamSession(
             mint=lambda: new_id(self._engine_id),
             send=send,
@@ -345,14 +336,16 @@ class StreamingInterface:
             client.notify(notice.method, notice.model_dump(mode="json"))
 
     async def set_holder(self, notification: HolderNotification, client: Client) -> None:
-        """Give or take the operation by hand with the component."""
-        if self._operator is not None:
-            self._operator.apply_holder(notification, client)
+        """Give or take operation by hand, or speech as sound, with the component."""
+        for each in (self._operator, self._speech):
+            if each is not None:
+                each.apply_holder(notification, client)
 
     async def forget_client(self, client: Client) -> None:
-        """End the streams of an application that is gone, and its operation by hand."""
-        if self._operator is not None:
-            self._operator.forget_client(client)
+        """End the streams of an application that is gone, its operation by hand and its speech."""
+        for each in (self._operator, self._speech):
+            if each is not None:
+                each.forget_client(client)
         self._channels.pop(client, None)
         session_name = self._names.pop(client, None)
         if session_name is not None:

@@ -23,11 +23,12 @@ from openrois.aio.tasks import TaskScope
 from openrois.contract import Client
 from openrois.types.codes import ComponentStatus
 from openrois.types.references import reference
+from openrois_media.channel_sinks import OperatorInput, SpeechInput
 from openrois_media.components import AudioStreaming, VideoStreaming
 from openrois_media.health import Health, worst
 from openrois_media.metrics.collector import Collector
 from openrois_media.metrics.figures import FigureGroup
-from openrois_media.streaming_interface import OperatorInput, Published, StreamingInterface
+from openrois_media.streaming_interface import Published, StreamingInterface
 from openrois_media.supervision import Supervised, seen_of, supervise
 from openrois_media.uplinks import AudioUplink, VideoUplink
 
@@ -81,6 +82,7 @@ class AdapterStreams:
         cap: returns the limits of a client's streams; None: as much as its path carries.
         encoders: limit on the encoders of all sources.
         operator: input of the operator; None: the body cannot be operated by hand.
+        speech: speech as sound; None: the body speaks none.
 
     Attributes:
         components: the streaming components, by name.
@@ -105,6 +107,7 @@ class AdapterStreams:
         cap: Callable[[Client], Caps] | None = None,
         encoders: EncoderLimit | None = None,
         operator: OperatorInput | None = None,
+        speech: SpeechInput | None = None,
     ) -> None:
         self._clock = clock or SystemClock()
         self._encoders = encoders or EncoderLimit()
@@ -113,7 +116,7 @@ class AdapterStreams:
         self.supervised: dict[str, Supervised] = {}
         _check_distinct(streams)
         published = {reference(engine_id, name): self._add(name, each) for name, each in streams.items()}
-        self.interface = StreamingInterface(engine_id, published, self._clock, network, cap, operator)
+        self.interface = StreamingInterface(engine_id, published, self._clock, network, cap, operator, speech)
         self._stack = AsyncExitStack()
 
     async def __aenter__(self) -> StreamingInterface:

@@ -19,6 +19,7 @@ OURS = {
     "Operator": "operator",
     "Sight": "sight",
     "SpeechProgress": "speech_progress",
+    "SpeechStream": "speech_stream",
     "Surroundings": "surroundings",
     "Teleoperation": "teleoperation",
     "Viewpoint": "viewpoint",

@@ -70,11 +70,12 @@ class Caller:
         direction: str | None = None,
         *,
         wants_input: bool = False,
+        wants_speech: bool = False,
         **more: Any,
     ) -> str:
         parameters = [{"name": "encoding_parameters", "data_type_ref": "String", "value": encoding}]
         if direction is not None:
-            value = json.dumps({"direction": direction, "input": wants_input})
+            value = json.dumps({"direction": direction, "input": wants_input, "speech": wants_speech})
             parameters.append({"name": "transport_parameters", "data_type_ref": "String", "value": value})
         answer = await self.ask(
             "rois.stream.connect_stream", component_ref=component_ref, parameters=parameters, **more
@@ -453,6 +454,27 @@ async def test_input_reaches_the_operator_control_of_the_holder(stage: Stage, al
         await stage.streams.forget_client(alice.client)
         assert controls.words == ["drive", "halt"]
         assert await vacated == "the application that operated is gone"
+
+
+async def test_speech_to_a_body_that_speaks_no_sound_is_refused_and_keys_go_to_the_operator_control(
+    stage: Stage, alice: Caller
+) -> None:
+    await alice.connect(direction="recvonly", wants_speech=True)
+    await alice.answer()
+    channels = WirelessConnection.made[-1].channels
+    assert channels is not None
+    channels.are_open = True
+    for data in (b"sound", "{", '{"event": "end", "utterance": 4}', '{"event": "begin", "utterance": 4}'):
+        channels.come("speech", data)
+    channels.come("control", '{"event": "clear", "utterance": 4}')
+    assert channels.told == []
+    channels.come("speech", '{"event": "begin", "utterance": 4, "format": "opus", "rate": 48000}')
+    channels.come("control", text(Hand().key("KeyW")))
+    told = [json.loads(each) for each in channels.told]
+    assert [each["event"] for each in told] == ["refused", "refused"]
+    assert (channels.labels, told[0]["utterance"]) == (["speech", "control"], 4)
+    assert "speaks no sound" in told[0]["reason"]
+    channels.close()
 
 
 async def test_an_avatar_that_cannot_be_operated_offers_no_channels_and_hears_of_no_holder(stage: Stage) -> None:

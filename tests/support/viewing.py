@@ -13,6 +13,7 @@ from openrois_streaming.aiortc_internals.sending import DtlsWire
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.errors import InvalidCandidate, InvalidDescription, PeerClosed, TooManySections
+from openrois_streaming.input.reader import Label
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.network.turns import Ingress
@@ -169,11 +170,13 @@ class FakeChannels:
         self.come = on_message
         self.are_open = False
         self.told: list[str | bytes] = []
+        self.labels: list[Label] = []
         self._on_closed = on_closed
 
-    def send_message(self, message: str | bytes) -> bool:
+    def send_message(self, message: str | bytes, label: Label = "control") -> bool:
         if self.are_open:
             self.told.append(message)
+            self.labels.append(label)
         return self.are_open
 
     def close(self) -> None:

@@ -57,6 +57,7 @@ class Voice(Speaker):
         ssml: bool = False,
         mouth: MouthReader | None = None,
         on_played: Callable[[int], None] = lambda _samples: None,
+        on_progress: Callable[[Progress], None] = lambda _progress: None,
     ) -> OpenUtterance:
         """Return a speech that is pushed as sound while `utter` plays it.
 
@@ -65,13 +66,18 @@ class Voice(Speaker):
             ssml: whether `text` is SSML.
             mouth: reads mouth shapes from the sound; by its loudness unless given.
             on_played: called with the number of samples that were played, ten times a second.
+            on_progress: called with each step of this speech, before `progress` is; must not raise.
         """
-        notify = self.progress.notify_all
+
+        def tell(progress: Progress) -> None:
+            on_progress(progress)
+            self.progress.notify_all(progress)
+
         return OpenUtterance(
             self._sound,
             self._body,
             self.playout_delay,
-            notify,
+            tell,
             self._line,
             text=text,
             is_ssml=ssml,

@@ -9,8 +9,8 @@ from openrois_streaming.network.guard import Allowance
 
 __all__ = ["AT_ONCE", "MALFORMED_LIMIT", "PER_SECOND", "InputFigures", "InputReader", "Label"]
 
-Label: TypeAlias = Literal["input", "control"]
-"""The two channels: states that are lost or late without harm, and changes that all come, in order."""
+Label: TypeAlias = Literal["input", "control", "speech"]
+"""The channels: states that are lost or late without harm, changes that all come, in order, and speech as sound."""
 
 AT_ONCE: Final = 200
 PER_SECOND: Final = 200.0

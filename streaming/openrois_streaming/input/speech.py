@@ -60,6 +60,7 @@ _DAY_MS: Final = 86_400_000
 
 SpeechFormat: TypeAlias = Literal["pcm16", "opus"]
 """Coding of the sound: samples, or one packet of Opus in each frame."""
+_FORMATS: Final[tuple[SpeechFormat, ...]] = get_args(SpeechFormat)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +85,8 @@ def parse_frame(data: bytes) -> Frame:
     """
     if not FRAME_HEAD.size < len(data) <= SPEECH_MESSAGE_LIMIT:
         raise InputError(f"a frame has {FRAME_HEAD.size + 1} to {SPEECH_MESSAGE_LIMIT} bytes, not {len(data)}")
-    return Frame(*FRAME_HEAD.unpack_from(data), data[FRAME_HEAD.size :])
+    utterance, sequence = FRAME_HEAD.unpack_from(data)
+    return Frame(utterance, sequence, data[FRAME_HEAD.size :])
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,12 +236,12 @@ def read_speech(text: str) -> SpeechMessage:
     utterance = _integer(body, "utterance", _GREATEST)
     match body.get("event"):
         case "begin":
-            form, rate = body.get("format"), body.get("rate")
-            if form not in get_args(SpeechFormat):
-                raise InputError(f"format: must be {' or '.join(get_args(SpeechFormat))}")
+            rate = body.get("rate")
             if rate not in RATES or isinstance(rate, float):
                 raise InputError(f"rate: must be one of {', '.join(map(str, RATES))}")
-            return Begin(utterance, form, rate, _string(body.get("text", ""), "text", MAX_SPOKEN_TEXT))
+            return Begin(
+                utterance, _format(body.get("format")), rate, _string(body.get("text", ""), "text", MAX_SPOKEN_TEXT)
+            )
         case "words":
             return Words(utterance, _timed(body, "words"), _timed(body, "marks"))
         case "end":
@@ -298,6 +300,13 @@ def _object(text: str) -> Mapping[str, Any]:
     if not isinstance(body, dict):
         raise InputError("the message is not a JSON object")
     return body
+
+
+def _format(value: Any) -> SpeechFormat:
+    for each in _FORMATS:
+        if value == each:
+            return each
+    raise InputError(f"format: must be {' or '.join(_FORMATS)}")
 
 
 def _integer(body: Mapping[str, Any], name: str, greatest: int) -> int:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from aiortc import RTCPeerConnection
 
 from openrois_streaming.aiortc_internals.channels import contain_channels
+from openrois_streaming.input.reader import Label
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.peer.input_channels import OnMessage, OpenChannels, is_open, send
 
@@ -57,7 +58,7 @@ class _Announced:
         """Whether the channel is open."""
         return is_open(self._channel)
 
-    def send_message(self, message: str | bytes) -> bool:
+    def send_message(self, message: str | bytes, _label: Label = "control") -> bool:
         """Send the application a message; False if it cannot be sent."""
         return send(self._channel, message)
 

@@ -1,4 +1,4 @@
-"""Data channels of operator input: `input` and `control` of one peer connection."""
+"""Data channels of an application: `input`, `control` and `speech` of one peer connection."""
 
 from collections.abc import Callable, Sequence
 from typing import Final, Protocol, TypeAlias
@@ -6,13 +6,14 @@ from typing import Final, Protocol, TypeAlias
 from aiortc import RTCDataChannel, RTCPeerConnection
 
 from openrois_streaming.aiortc_internals.channels import contain_channels
-from openrois_streaming.input.messages import MESSAGE_LIMIT
 from openrois_streaming.input.reader import Label
+from openrois_streaming.input.speech import SPEECH_MESSAGE_LIMIT
 from openrois_streaming.network.guard import GuardFigures
 
 __all__ = [
     "CONTROL_ID",
     "INPUT_ID",
+    "SPEECH_ID",
     "Channels",
     "InputPath",
     "InputSink",
@@ -26,11 +27,12 @@ __all__ = [
 
 INPUT_ID: Final = 0
 CONTROL_ID: Final = 1
+SPEECH_ID: Final = 2
 """Negotiated ids of the channels."""
 UNSENT_LIMIT: Final = 16 * 1024
 """Bytes that may wait to be sent to the application; beyond that messages are dropped."""
 
-_LABELS: Final[dict[int, Label]] = {INPUT_ID: "input", CONTROL_ID: "control"}
+_LABELS: Final[dict[int, Label]] = {INPUT_ID: "input", CONTROL_ID: "control", SPEECH_ID: "speech"}
 
 
 OnMessage: TypeAlias = Callable[[Label, str | bytes], None]
@@ -50,9 +52,9 @@ class InputSink(Protocol):
 
 
 class Channels:
-    """Channels `input`, unordered and unreliable, and `control`, ordered and reliable.
+    """Channels `input`, unordered and unreliable, `control` and `speech`, ordered and reliable.
 
-    Both are negotiated, so they must be made before the connection is described.
+    All are negotiated, so they must be made before the connection is described.
 
     Args:
         connection: a peer connection with at least one section.
@@ -73,18 +75,19 @@ class Channels:
             "input", negotiated=True, id=INPUT_ID, ordered=False, maxRetransmits=0
         )
         self._control = connection.createDataChannel("control", negotiated=True, id=CONTROL_ID)
-        for channel in (self._input, self._control):
+        self._speech = connection.createDataChannel("speech", negotiated=True, id=SPEECH_ID)
+        for channel in (self._input, self._control, self._speech):
             channel.on("close", on_closed)
-        contain_channels(self._control.transport, MESSAGE_LIMIT, figures, self._receive)
+        contain_channels(self._control.transport, SPEECH_MESSAGE_LIMIT, figures, self._receive)
 
     @property
     def are_open(self) -> bool:
-        """Whether both channels are open."""
-        return is_open(self._input) and is_open(self._control)
+        """Whether all channels are open."""
+        return is_open(self._input) and is_open(self._control) and is_open(self._speech)
 
-    def send_message(self, message: str | bytes) -> bool:
-        """Send the application a message over `control`; False if it is not open, or too much waits."""
-        return send(self._control, message)
+    def send_message(self, message: str | bytes, label: Label = "control") -> bool:
+        """Send the application a message over `control` or `speech`; False if it is not open, or too much waits."""
+        return send(self._speech if label == "speech" else self._control, message)
 
     def _receive(self, stream_id: int, data: str | bytes) -> None:
         label = _LABELS.get(stream_id)
@@ -97,10 +100,10 @@ class OpenChannels(Protocol):
 
     @property
     def are_open(self) -> bool:
-        """Whether both channels are open."""
+        """Whether all channels are open."""
         ...
 
-    def send_message(self, message: str | bytes) -> bool:
+    def send_message(self, message: str | bytes, label: Label = "control") -> bool:
         """Send the application a message; False if it cannot be sent."""
         ...
 
@@ -141,9 +144,9 @@ class InputPath:
         """Whether the channels are open."""
         return self._channels is not None and not self._ended and self._channels.are_open
 
-    def send_message(self, message: str | bytes) -> bool:
+    def send_message(self, message: str | bytes, label: Label = "control") -> bool:
         """Send the application a message; False if it cannot be sent over this connection."""
-        return self._channels is not None and not self._ended and self._channels.send_message(message)
+        return self._channels is not None and not self._ended and self._channels.send_message(message, label)
 
     def close(self) -> None:
         """Close with the connection."""
@@ -179,9 +182,9 @@ class SessionInput:
             for way in self._ways()[:1]:
                 way.want(self._sink.input_came)
 
-    def send_message(self, message: str | bytes) -> None:
+    def send_message(self, message: str | bytes, label: Label = "control") -> None:
         """Send the application a message; it is lost if no channel is open, or the application is too slow."""
-        any(way.send_message(message) for way in self._ways())
+        any(way.send_message(message, label) for way in self._ways())
 
     def lost(self, reason: str) -> None:
         """Notify the sink if the last open channels were lost."""

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from openrois_body.speech.resample import SOURCE_RATE, TARGET_RATE, to_48k
+from openrois_body.speech.resample import SOURCE_RATE, TARGET_RATE, Upsampler, to_48k
 
 
-def tone(frequency: float, seconds: float = 1.0) -> NDArray[np.int16]:
-    moments = np.arange(round(seconds * SOURCE_RATE)) / SOURCE_RATE
+def tone(frequency: float, seconds: float = 1.0, rate: int = SOURCE_RATE) -> NDArray[np.int16]:
+    moments = np.arange(round(seconds * rate)) / rate
     return np.round(20_000 * np.sin(2 * np.pi * frequency * moments)).astype(np.int16)
 
 
@@ -44,3 +44,32 @@ def test_loud_sound_is_clipped_and_never_wraps() -> None:
     assert middle < -30_000
     assert loud.max() == 32_767
     assert loud.min() == -32_768
+
+
+def piecewise(samples: NDArray[np.int16], factor: int, size: int) -> NDArray[np.int16]:
+    upsampler = Upsampler(factor)
+    parts = [upsampler.push(samples[first : first + size]) for first in range(0, len(samples), size)]
+    return np.concatenate([*parts, upsampler.finish()])
+
+
+@pytest.mark.parametrize(("rate", "frequency"), [(16_000, 300), (16_000, 6_000), (24_000, 300), (24_000, 9_000)])
+def test_a_tone_that_comes_in_pieces_stays_a_tone(rate: int, frequency: int) -> None:
+    frequencies, levels = spectrum(piecewise(tone(frequency, rate=rate), TARGET_RATE // rate, 320))
+    beside = np.abs(frequencies - frequency) > 50
+    assert levels[~beside].max() == pytest.approx(0, abs=0.05)
+    assert levels[beside].max() < -75
+
+
+@pytest.mark.parametrize("factor", [1, 2, 3])
+@pytest.mark.parametrize("size", [1, 31, 33, 320, 5_000])
+def test_a_stream_does_not_drift_however_it_is_cut_up(factor: int, size: int) -> None:
+    click = np.zeros(4_000, np.int16)
+    click[1_000] = 30_000
+    found = piecewise(click, factor, size)
+    assert len(found) == factor * 4_000
+    assert int(np.argmax(found)) == factor * 1_000
+    assert np.array_equal(found, piecewise(click, factor, 4_000))
+
+
+def test_nothing_becomes_nothing() -> None:
+    assert len(Upsampler(3).finish()) == 0

@@ -1,0 +1,307 @@
+"""Speech as a stream: the sound of the one application that holds the component, played by the body's voice."""
+
+import json
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+from openrois_streaming.clock import MediaClock
+from openrois_streaming.input.credit import CreditReceiver
+from openrois_streaming.input.messages import InputError
+from openrois_streaming.input.reader import MALFORMED_LIMIT, Label
+from openrois_streaming.input.speech import (
+    Begin,
+    Clear,
+    End,
+    Finished,
+    Frame,
+    Granted,
+    Refused,
+    SpeechMessage,
+    SpeechTold,
+    Started,
+    Starved,
+    Words,
+    parse_frame,
+    read_clear,
+    read_speech,
+)
+from openrois_streaming.peer.input_channels import InputSink
+
+from openrois.aio.tasks import TaskScope
+from openrois.contract import Client
+from openrois.errors import Aborted, OutOfResources
+from openrois.types.streams import HolderNotification
+from openrois_body.sound.open_playback import SoundOverrun
+from openrois_body.speech.open_utterance import OpenUtterance
+from openrois_body.speech.progress import Progress, SpeechBegan, SpeechEnded, SpeechStarved
+from openrois_body.speech.stream_sound import StreamSound
+from openrois_body.speech.synthesizer import NamedMark, Word
+from openrois_body.speech.voice import Voice
+
+__all__ = ["STREAMS_AT_ONCE", "SpeechControl", "SpeechFigures"]
+
+STREAMS_AT_ONCE: Final = 8
+"""Speeches of one application that may be played or wait for their turn."""
+_REFUSAL_INTERVAL: Final = 1.0
+"""Seconds between two notices to an application that frames without a speech are dropped."""
+
+
+@dataclass(slots=True)
+class SpeechFigures:
+    """Counts of what came over the channels of all applications, by outcome."""
+
+    taken: int = 0
+    """Frames that are played."""
+    dropped: int = 0
+    """Frames of speeches that are over, or were refused."""
+    refused: int = 0
+    """Speeches that were refused before their first sound."""
+    malformed: int = 0
+    """Messages and frames that cannot be read, or break a rule."""
+
+
+class SpeechControl:
+    """Decides which application speaks by sound through one body: the one that holds its component.
+
+    Args:
+        component_ref: of the component that has to be bound.
+        voice: plays it, in one line with all other speech.
+        clock: for the pace of refusals.
+        tasks: own what plays.
+    """
+
+    def __init__(self, component_ref: str, voice: Voice, clock: MediaClock, tasks: TaskScope) -> None:
+        self.component_ref = component_ref
+        self.figures = SpeechFigures()
+        self.voice = voice
+        self.clock = clock
+        self.tasks = tasks
+        self.holder: Client | None = None
+        """The application that holds the component."""
+        self._epoch = 0
+        self._streams: list[_Stream] = []
+
+    @property
+    def streams(self) -> int:
+        """Speeches that are played or wait for their turn."""
+        return len(self._streams)
+
+    def apply_holder(self, notification: HolderNotification, client: Client) -> None:
+        """Follow the gateway's notification of the application that holds a component."""
+        if notification.component_ref != self.component_ref:
+            return
+        if notification.holds and (self.holder is None or notification.epoch >= self._epoch):
+            if self.holder is not client:
+                self.interrupt("another application has bound the component")
+            self.holder, self._epoch = client, notification.epoch
+        elif not notification.holds and self.holder is client:
+            self.holder = None
+            self.interrupt("the component was released")
+
+    def forget_client(self, client: Client) -> None:
+        """End the speech of an application that has disconnected."""
+        if self.holder is client:
+            self.holder = None
+            self.interrupt("the application that spoke is gone")
+
+    def speech_sink(self, client: Client, reply: Callable[[str], None]) -> InputSink:
+        """Return the sink of what an application sends; `reply` sends it a message over `speech`."""
+        return _ClientSpeech(self, client, reply)
+
+    def interrupt(self, why: str) -> None:
+        """Cut off all speeches that come as sound, also those that wait."""
+        for stream in tuple(self._streams):
+            stream.utterance.cut(why)
+
+    def play(self, stream: "_Stream") -> None:
+        """Play a speech that has begun, until it is over."""
+        self._streams.append(stream)
+        self.tasks.start(self._play(stream))
+
+    async def _play(self, stream: "_Stream") -> None:
+        try:
+            await self.voice.utter(stream.utterance)
+        except (Aborted, OutOfResources):
+            pass  # The application was told when the speech ended.
+        finally:
+            self._streams.remove(stream)
+
+
+class _Stream:
+    """One speech of an application.
+
+    Args:
+        begin: how it began.
+        tell: sends the application a message.
+        control: whose voice plays it.
+        ended: called when it is over.
+    """
+
+    def __init__(
+        self, begin: Begin, tell: Callable[[SpeechTold], None], control: SpeechControl, ended: Callable[[int], None]
+    ) -> None:
+        self._number = begin.utterance
+        self._tell = tell
+        self._ended = ended
+        self._sound = StreamSound(begin.format, begin.rate)
+        self._credit = CreditReceiver(begin.rate)
+        self._sequence = 0
+        self._text = begin.text
+        self._place = 0
+        """The character of the text behind the last word."""
+        self.utterance: OpenUtterance = control.voice.make_open(
+            begin.text, on_played=self._played, on_progress=self._progressed
+        )
+
+    def push(self, frame: Frame) -> None:
+        """Append the sound of a frame. Raises InputError and SoundOverrun."""
+        if frame.sequence != self._sequence:
+            raise InputError(f"frame {frame.sequence} came where {self._sequence} was due: sound was lost on the way")
+        self._sequence += 1
+        samples = self._sound.read(frame.sound)
+        self._credit.receive(self._sound.count(samples))
+        self.utterance.push(self._sound.resample(samples))
+
+    def handle(self, message: Words | End) -> None:
+        """Handle a message about it. Raises SoundOverrun."""
+        if isinstance(message, End):
+            self.utterance.push(self._sound.finish())
+            self.utterance.finish()
+            return
+        words = [Word(float(each.start_ms), each.text, self._place_of(each.text)) for each in message.words]
+        self.utterance.add_moments([*words, *(NamedMark(float(each.start_ms), each.text) for each in message.marks)])
+
+    def _place_of(self, word: str) -> int:
+        """Return where a word stands in the text, which grows by words that are not found in it."""
+        place = self._text.find(word, self._place)
+        if place < 0:
+            self._text = f"{self._text} {word}" if self._text else word
+            place = len(self._text) - len(word)
+        self._place = place + len(word)
+        return place
+
+    def _played(self, samples: int) -> None:
+        played = self._sound.counted(samples)
+        granted = self._credit.grant(played)
+        if granted is not None:
+            self._tell(Granted(self._number, granted, played))
+
+    def _progressed(self, progress: Progress) -> None:
+        match progress:
+            case SpeechBegan(speech_id):
+                self._tell(Started(self._number, speech_id))
+            case SpeechStarved(_, heard_ms):
+                self._tell(Starved(self._number, heard_ms))
+            case SpeechEnded(_, _, reason):
+                self._ended(self._number)
+                self._tell(Finished(self._number, progress.heard_ms, reason))
+
+
+class _ClientSpeech:
+    """The speech of one application; an `InputSink`."""
+
+    def __init__(self, control: SpeechControl, client: Client, reply: Callable[[str], None]) -> None:
+        self._control = control
+        self._client = client
+        self._reply = reply
+        self._streams: dict[int, _Stream] = {}
+        self._newest = -1
+        """The greatest number of a speech so far."""
+        self._cleared: deque[int] = deque(maxlen=STREAMS_AT_ONCE)
+        """Speeches that were cleared before they began: `clear` overtakes."""
+        self._malformed = 0
+        self._refused_at: float | None = None
+
+    def input_came(self, label: Label, data: str | bytes) -> None:
+        if self._malformed >= MALFORMED_LIMIT:
+            return
+        try:
+            if isinstance(data, bytes):
+                self._push(parse_frame(data))
+            elif label == "control":
+                self._clear(read_clear(data))
+            else:
+                self._handle(read_speech(data))
+        except InputError as fault:
+            self._note_fault(str(fault))
+
+    def input_lost(self, reason: str) -> None:
+        self._cut_all(reason)
+
+    def _push(self, frame: Frame) -> None:
+        stream = self._streams.get(frame.utterance)
+        if stream is not None:
+            self._control.figures.taken += 1
+            self._on_stream(stream, lambda: stream.push(frame))
+            return
+        self._control.figures.dropped += 1
+        if frame.utterance > self._newest:
+            now = self._control.clock.now()
+            if self._refused_at is None or now - self._refused_at >= _REFUSAL_INTERVAL:
+                self._refused_at = now
+                self._tell(Refused(frame.utterance, "a speech has to begin before its first frame"))
+
+    def _handle(self, message: SpeechMessage) -> None:
+        if isinstance(message, Begin):
+            self._begin(message)
+            return
+        stream = self._streams.get(message.utterance)
+        if stream is not None:
+            self._on_stream(stream, lambda: stream.handle(message))
+        elif message.utterance > self._newest:
+            raise InputError(f"the speech {message.utterance} has not begun")
+
+    def _begin(self, begin: Begin) -> None:
+        if begin.utterance <= self._newest:
+            raise InputError(f"utterance: must be greater than {self._newest}, the number of the last speech")
+        self._newest = begin.utterance
+        reason = self._refusal(begin)
+        if reason:
+            self._control.figures.refused += 1
+            self._tell(Refused(begin.utterance, reason))
+            return
+        stream = self._streams[begin.utterance] = _Stream(begin, self._tell, self._control, self._forget)
+        self._control.play(stream)
+
+    def _refusal(self, begin: Begin) -> str:
+        """Return why a speech cannot begin; empty if it can."""
+        if self._control.holder is not self._client:
+            return f"{self._control.component_ref} has to be bound first"
+        if begin.utterance in self._cleared:
+            return "the speech was cleared"
+        if len(self._streams) >= STREAMS_AT_ONCE:
+            return f"{STREAMS_AT_ONCE} speeches wait already, which is the limit; wait until one has finished"
+        return ""
+
+    def _clear(self, clear: Clear) -> None:
+        stream = self._streams.get(clear.utterance)
+        if stream is not None:
+            stream.utterance.cut("the speech was cleared")
+        elif clear.utterance > self._newest:
+            self._cleared.append(clear.utterance)
+
+    def _on_stream(self, stream: _Stream, act: Callable[[], None]) -> None:
+        """Act on a speech; what breaks a rule ends it."""
+        try:
+            act()
+        except (InputError, SoundOverrun) as fault:
+            stream.utterance.cut(str(fault))
+            self._control.figures.malformed += 1
+
+    def _note_fault(self, fault: str) -> None:
+        self._malformed += 1
+        self._control.figures.malformed += 1
+        if self._malformed >= MALFORMED_LIMIT:
+            self._cut_all(f"{MALFORMED_LIMIT} messages could not be read, the last one: {fault}")
+
+    def _cut_all(self, reason: str) -> None:
+        for stream in tuple(self._streams.values()):
+            stream.utterance.cut(reason)
+
+    def _forget(self, number: int) -> None:
+        self._streams.pop(number, None)
+
+    def _tell(self, told: SpeechTold) -> None:
+        self._reply(json.dumps(told.to_json(), ensure_ascii=False))
