@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from openrois_streaming.network.settings import NetworkSettings
 
     from openrois_media.client.media import Media
+    from openrois_media.client.speaking import SpokenWord
     from openrois_media.command import main
     from openrois_media.running import run, serve
     from openrois_media.streams import Stream
@@ -35,6 +36,7 @@ __all__ = [
     "EncodedSource",
     "Media",
     "NetworkSettings",
+    "SpokenWord",
     "Stream",
     "VideoSource",
     "VideoUplink",
@@ -55,6 +57,7 @@ _PLACES = {
     "EncodedSource": "openrois_streaming.capture.video",
     "Media": "openrois_media.client.media",
     "NetworkSettings": "openrois_streaming.network.settings",
+    "SpokenWord": "openrois_media.client.speaking",
     "Stream": "openrois_media.streams",
     "VideoSource": "openrois_streaming.capture.video",
     "VideoUplink": "openrois_media.uplinks",

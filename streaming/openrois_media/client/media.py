@@ -13,18 +13,21 @@ from numpy.typing import NDArray
 from openrois_signaling.messages import MediaKind
 from openrois_streaming.capture.given import is_source, source_remedy
 from openrois_streaming.clock import MediaClock, SystemClock
+from openrois_streaming.input.speech import RATES, SpeechFormat
 from openrois_streaming.receive.decoded import DecodedPicture
 from openrois_streaming.recording.jpeg import jpeg_of
 from openrois_streaming.source.av_frames import FrameFormat
-from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
+from openrois_streaming.source.source import SAMPLE_RATE, MediaSource, RawAudio, RawVideo
 
 from openrois.aio.tasks import TaskScope
+from openrois.catalog.component_type import ComponentType
 from openrois.client import BadParameter, Client, ComponentProxy, Unsupported
 from openrois.client.components import AudioStreaming, VideoStreaming
-from openrois.types.codes import StreamStatus
+from openrois.types.codes import ComponentFunction, StreamStatus
 from openrois.types.references import engine_of
 from openrois_media.client.readers import Block, Frame, StreamReader, block_of, frame_of
-from openrois_media.client.stream import AUDIO_BLOCKS, ReceivedStream, SentStream
+from openrois_media.client.speaking import Speaking
+from openrois_media.client.stream import AUDIO_BLOCKS, CarrierStream, ClientStream, ReceivedStream, SentStream
 from openrois_media.client.stream_state import Desire
 from openrois_media.client.streams import Streams
 
@@ -40,6 +43,15 @@ _TYPES: Final[dict[MediaKind, type[VideoStreaming] | type[AudioStreaming]]] = {
     "video": VideoStreaming,
     "audio": AudioStreaming,
 }
+SPEECH_STREAM: Final = ComponentType(
+    "SpeechStream",
+    "speech_stream",
+    "The body speaks sound that an application sends.",
+    "",
+    ComponentFunction.ACTUATION,
+    authority="OpenRoIS",
+)
+"""The type of components that speak by sound."""
 _METHODS: Final[dict[MediaKind, str]] = {"video": "frames", "audio": "blocks"}
 
 T = TypeVar("T")
@@ -278,6 +290,87 @@ class Media:
             yield Sending(sent)
 
     @asynccontextmanager
+    async def speech(
+        self,
+        to: str | ComponentProxy | None = None,
+        *,
+        rate: int = SAMPLE_RATE,
+        format: SpeechFormat = "pcm16",
+        timeout: float = CONNECT_TIMEOUT,
+    ) -> AsyncIterator[Speaking]:
+        """Speak by sound through a body: `await speech.push(samples)`, `await speech.finish()`.
+
+        Its component SpeechStream is bound for as long as the block runs. The block ends when all was heard that was
+        pushed; where it fails or is cancelled the body falls silent.
+
+        Args:
+            to: any component of the body, or its engine id; needed where several bodies speak by sound.
+            rate: samples a second of what will be pushed: 16000, 24000 or 48000.
+            format: how it is sent: `pcm16` as it is, `opus` with a tenth of the bits, at 48000.
+            timeout: seconds that connecting may take.
+
+        Raises:
+            ValueError: there is no such rate or format.
+            Unsupported: no component speaks by sound.
+            BadParameter: several do.
+            OutOfResources: another application has it.
+            RoISError: the engine refuses.
+            TimeoutError: it is not connected in time.
+        """
+        streams = self._require_open()
+        if format not in ("pcm16", "opus") or rate not in RATES or (format == "opus" and rate != SAMPLE_RATE):
+            raise ValueError(
+                f"{format!r} at {rate!r} Hz is not possible: use pcm16 at 16000, 24000 or 48000, or opus at 48000"
+            )
+        speaker = await self._speaker(to)
+        carrier = CarrierStream(*await self._carrier_of(speaker.component_ref), streams, self._clock)
+        async with AsyncExitStack() as stack:
+            await stack.enter_async_context(speaker.bound())
+            streams.add(carrier)
+            stack.push_async_callback(streams.remove, carrier)
+            carrier.want(Desire.SUSPENDED)
+            await _established(carrier, timeout)
+            await _opened(carrier, timeout)
+            # What the adapter is asked behind the binding it answers when it knows of that.
+            await speaker.query("streaming")
+            speeches = streams.speeches
+            speaking = Speaking(
+                speaker.component_ref,
+                rate,
+                format,
+                lambda begin, speaking: speeches.begin(begin, speaking, carrier),
+                speeches.next_number,
+            )
+            try:
+                yield speaking
+                await speaking.finish_all()
+            finally:
+                speaking.close()
+
+    async def _speaker(self, to: str | ComponentProxy | None) -> ComponentProxy:
+        """Return the component that speaks by sound."""
+        ref = None if to is None else to if isinstance(to, str) else to.component_ref
+        known = await self._client.find_all(SPEECH_STREAM)
+        found = [each for each in known if ref is None or engine_of(each.component_ref) in (ref, engine_of(ref))]
+        if not found:
+            raise Unsupported(
+                f"no component{'' if ref is None else f' of {ref}'} speaks by sound: it has no SpeechStream"
+            )
+        if len(found) > 1:
+            names = ", ".join(each.component_ref for each in found)
+            raise BadParameter(f"several components speak by sound, say which: {names}")
+        return found[0]
+
+    async def _carrier_of(self, component_ref: str) -> tuple[str, MediaKind]:
+        """Return a streaming component of the same body, and its kind: sound rather than pictures."""
+        kinds: tuple[MediaKind, ...] = ("audio", "video")
+        for kind in kinds:
+            for each in await self._client.find_all(_TYPES[kind]):
+                if engine_of(each.component_ref) == engine_of(component_ref):
+                    return each.component_ref, kind
+        raise Unsupported(f"the body of {component_ref} streams nothing, so there is no way to it")
+
+    @asynccontextmanager
     async def _reading(
         self,
         component: str | ComponentProxy,
@@ -353,7 +446,16 @@ class Media:
         return taking[0]
 
 
-async def _established(stream: ReceivedStream | SentStream, timeout: float) -> None:
+async def _opened(carrier: CarrierStream, timeout: float) -> None:
+    try:
+        async with asyncio.timeout(timeout):
+            await carrier.news.until(lambda: carrier.channel)
+    except TimeoutError:
+        told = carrier.problem or "its data channels are not open"
+        raise TimeoutError(f"there is no way to {carrier.component_ref} within {timeout:g} s: {told}") from None
+
+
+async def _established(stream: ClientStream, timeout: float) -> None:
     try:
         async with asyncio.timeout(timeout):
             await stream.established()

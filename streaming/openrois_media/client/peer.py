@@ -9,6 +9,7 @@ from openrois_signaling.messages import IceServer, Offer
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.errors import SessionError
 from openrois_streaming.viewing.answering import AnsweringConnection, ViewedSection
+from openrois_streaming.viewing.speech_channel import SpeechChannel
 
 from openrois_media.client.path_watch import PathWatch
 
@@ -27,9 +28,11 @@ class MediaPeer:
         clock: the clock of capture times.
         ice_servers: STUN and TURN servers.
         on_candidate: called with candidates of this end that are found after the first answer.
-        on_state: called when the state of the connection has changed.
+        on_state: called when the state of the connection, or of its channels, has changed.
+        on_told: called with what the body tells of speech.
 
     Attributes:
+        speech: the channels of speech as sound, once an offer has some.
         leaving: whether its session has ended, or another peer replaces it: nothing new is negotiated on it.
         closed: whether it is being closed.
     """
@@ -41,12 +44,18 @@ class MediaPeer:
         ice_servers: Sequence[IceServer],
         on_candidate: Callable[[str | None], None],
         on_state: Callable[[], None],
+        on_told: Callable[[str], None],
     ) -> None:
         self.peer_id = peer_id
+        self.speech = SpeechChannel(on_told, on_state)
         self.watch = PathWatch()
         self.leaving = self.closed = False
         self.connection = AnsweringConnection(
-            clock, ice_servers=ice_servers, on_state=lambda _state: on_state(), on_candidate=on_candidate
+            clock,
+            ice_servers=ice_servers,
+            on_state=lambda _state: on_state(),
+            on_candidate=on_candidate,
+            on_channels=self.speech.make,
         )
         self._sections: dict[str, ViewedSection] = {}
 

@@ -9,6 +9,7 @@ from openrois_signaling.messages import Direction, MediaKind
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source.fanout import Subscription
 from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
+from openrois_streaming.viewing.speech_channel import SpeechChannel
 from openrois_streaming.viewing.switched_source import SwitchedSource
 
 from openrois.client import ConnectionLost, RoISError, RpcError, Unsupported
@@ -17,7 +18,7 @@ from openrois_media.client.peer import Attachment, Place
 from openrois_media.client.playout_reports import PlayoutReports
 from openrois_media.client.stream_state import Desire, Failure, Problem, StreamState, Verb
 
-__all__ = ["AUDIO_BLOCKS", "ClientStream", "News", "ReceivedStream", "SentStream", "StreamOperations"]
+__all__ = ["AUDIO_BLOCKS", "CarrierStream", "ClientStream", "News", "ReceivedStream", "SentStream", "StreamOperations"]
 
 AUDIO_BLOCKS: Final = 50
 """Blocks of sound, 20 ms each, that wait for a slow reader; the oldest makes room for the newest."""
@@ -69,6 +70,7 @@ class ClientStream:
         component_ref: its component.
         kind: "video" or "audio".
         direction: seen from the application.
+        speech: whether the engine is asked for channels of speech as sound beside it.
         operations: what it needs of all streams.
         clock: monotonic times.
     """
@@ -80,7 +82,10 @@ class ClientStream:
         direction: Direction,
         operations: StreamOperations,
         clock: MediaClock,
+        *,
+        speech: bool = False,
     ) -> None:
+        self.speech = speech
         self.component_ref = component_ref
         self.kind = kind
         self.direction = direction
@@ -272,6 +277,24 @@ class ReceivedStream(ClientStream):
         following = self.place.next
         if following is not None and following.source is source:
             self.place.promote()
+
+
+class CarrierStream(ClientStream):
+    """A suspended stream, for the peer connection that it has: over its channels the application speaks by sound."""
+
+    def __init__(self, component_ref: str, kind: MediaKind, operations: StreamOperations, clock: MediaClock) -> None:
+        super().__init__(component_ref, kind, "recvonly", operations, clock, speech=True)
+
+    @property
+    def expects_media(self) -> bool:
+        """Whether media should be arriving: none does, it is suspended."""
+        return False
+
+    @property
+    def channel(self) -> SpeechChannel | None:
+        """The newest channels that are open."""
+        channels = [each.peer.speech for each in reversed(self.place.attachments())]
+        return next((each for each in channels if each.is_open), None)
 
 
 class SentStream(ClientStream):

@@ -44,6 +44,7 @@ from openrois_media.client.negotiation import (
 )
 from openrois_media.client.path_watch import FIRST_FRAME_WITHIN, Flow, Verdict
 from openrois_media.client.peer import MediaPeer
+from openrois_media.client.speeches import Speeches
 from openrois_media.client.stream import ClientStream, ReceivedStream
 from openrois_media.client.stream_state import Desire, Problem, Verb
 
@@ -81,6 +82,8 @@ class Streams:
     def __init__(self, client: Client, clock: MediaClock) -> None:
         self._client = client
         self._clock = clock
+        self.speeches = Speeches()
+        """What is spoken by sound, over all peer connections."""
         self._negotiation = Negotiation()
         self._peers: dict[str, MediaPeer] = {}
         self._ice_servers = IceServers(client, clock)
@@ -143,7 +146,9 @@ class Streams:
         await self._ice_servers.refresh()
         parameters = (
             _json_parameter("encoding_parameters", {"codecs": CODECS[stream.kind]}),
-            _json_parameter("transport_parameters", {"direction": stream.direction}),
+            _json_parameter(
+                "transport_parameters", {"direction": stream.direction, **({"speech": True} if stream.speech else {})}
+            ),
         )
         return await self._client.connect_stream(stream.component_ref, parameters)
 
@@ -247,6 +252,7 @@ class Streams:
             self._ice_servers.current,
             lambda candidate: self._run(self._negotiation.gathered(peer_id, candidate)),
             self._state_changed,
+            self.speeches.handle,
         )
         replaced = self._peers.get(effect.replaces or "")
         if replaced is not None:
@@ -255,6 +261,7 @@ class Streams:
     def _state_changed(self) -> None:
         for stream in self._streams:
             stream.news.notify()
+        self.speeches.follow()
         self._soon.set()
 
     async def _apply(self, offer: Offer) -> None:
@@ -291,6 +298,7 @@ class Streams:
         for stream in self._streams:
             stream.place.detach(peer)
         peer.closed = True
+        self.speeches.follow()
         closing = self._tasks.start(peer.close())
         self._closing.add(closing)
         closing.add_done_callback(self._closing.discard)

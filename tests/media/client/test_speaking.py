@@ -1,0 +1,201 @@
+"""An application that speaks by sound: real gateway, real adapter of an avatar, real WebRTC."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from openrois_body.body import Body as AvatarBody
+from openrois_body.components.speech_stream import SpeechStream
+from openrois_body.sound.mixer import BodySound
+from openrois_body.speech.speech_control import SpeechControl
+from openrois_body.speech.voice import Voice
+from openrois_media import Media
+from openrois_media.client.speaking import SpokenWord
+from openrois_streaming.clock import SystemClock
+from openrois_streaming.input.speech import Finished, Started, Starved
+
+from openrois.aio.tasks import TaskScope
+from openrois.client import Aborted, BadParameter, Client, OutOfResources, Unsupported
+from tests.support.loopback import PATIENCE
+from tests.support.media_body import application, body
+from tests.support.operated import operated_avatar
+from tests.support.voice import ScriptedSynthesizer
+
+pytestmark = pytest.mark.media
+
+SOUND = "avatar/audio_streaming"
+
+
+@pytest.fixture
+async def url(tmp_path: Path) -> AsyncIterator[str]:
+    async with operated_avatar(tmp_path) as (running, _):
+        yield running.url.replace("http", "ws")
+
+
+@asynccontextmanager
+async def program(url: str) -> AsyncIterator[tuple[Client, Media]]:
+    async with asyncio.timeout(PATIENCE), Client(url) as client, Media(client) as media:
+        yield client, media
+
+
+def tone(seconds: float, rate: int = 48_000) -> NDArray[np.float32]:
+    return np.asarray(np.sin(2 * np.pi * 300 * np.arange(round(seconds * rate)) / rate) * 0.5, np.float32)
+
+
+class Ear:
+    """What is heard of the avatar."""
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+        """Of loud sound."""
+        self._crossings = 0
+
+    @property
+    def frequency(self) -> float:
+        return self._crossings / 2 / self.seconds
+
+    async def listen(self, media: Media) -> None:
+        async with media.blocks(SOUND) as blocks:
+            async for block in blocks:
+                sound = block.samples[:, 0].astype(float)
+                if np.abs(sound).max() > 4_000:
+                    self.seconds += len(sound) / 48_000
+                    self._crossings += int(np.count_nonzero(np.diff(np.signbit(sound))))
+
+
+@asynccontextmanager
+async def hearing(media: Media) -> AsyncIterator[Ear]:
+    ear = Ear()
+    listening = asyncio.create_task(ear.listen(media))
+    yield ear
+    listening.cancel()
+    await asyncio.wait({listening})
+
+
+@pytest.mark.parametrize(("rate", "format"), [(16_000, "pcm16"), (24_000, "pcm16"), (48_000, "opus")])
+async def test_more_than_the_credit_is_pushed_and_heard_to_its_end(url: str, rate: int, format: str) -> None:
+    async with program(url) as (_, media), hearing(media) as ear:
+        async with media.speech("avatar", rate=rate, format=format) as speech:  # type: ignore[arg-type]
+            await speech.push(tone(2.01, rate), text="Beep")
+            assert speech.played > 0.5
+            spoken = await speech.finish()
+            assert (spoken.reason, spoken.interrupted) == ("", False)
+            assert spoken.seconds == pytest.approx(2.01, abs=0.02)
+        assert ear.seconds == pytest.approx(2.0, abs=0.3)
+        assert ear.frequency == pytest.approx(300, abs=60)
+
+
+async def test_it_is_told_when_it_is_heard_runs_dry_and_ends(url: str) -> None:
+    async with program(url) as (client, media):
+        words = client.component("avatar/speech_progress").event("word_spoken")
+        async with words, media.speech() as speech:
+            events = speech.events()
+            speech.add_words([SpokenWord("beep", 0.1)], text="beep")
+            await speech.push((tone(0.3)[:, np.newaxis] * 30_000).astype(np.int16))
+            assert isinstance(await anext(events), Started)
+            assert await anext(events) == Starved(1, 300)
+            await speech.push(tone(0.2))
+            assert (await speech.finish()).seconds == 0.5
+            assert await anext(events) == Finished(1, 500)
+            assert (await anext(words))["word"] == "beep"
+            await speech.push(tone(0.1))
+        assert [step async for step in events][-1] == Finished(2, 100)
+
+
+async def test_clear_silences_it_and_says_what_was_heard(url: str) -> None:
+    async with program(url) as (_, media), media.speech("avatar") as speech:
+        assert await speech.clear() == await speech.finish()
+        await speech.push(tone(1.2))
+        ended = asyncio.create_task(speech.finish())
+        await anext(speech.events())
+        spoken = await speech.clear()
+        assert spoken.reason.startswith("the speech was cleared")
+        assert 0.1 < spoken.seconds < 1.2
+        assert await ended == spoken
+
+
+async def test_a_push_that_waits_for_credit_fails_when_the_speech_is_interrupted(url: str) -> None:
+    async with program(url) as (client, media), media.speech("avatar") as speech:
+        pushing = asyncio.create_task(speech.push(tone(20)))
+        await anext(speech.events())
+        await client.component(speech.component_ref).command("stop")
+        with pytest.raises(Aborted, match="the speech was stopped"):
+            await pushing
+        await speech.push(tone(0.1))
+        assert (await speech.finish()).seconds == pytest.approx(0.1)
+
+
+async def test_what_fails_inside_the_block_silences_the_body_and_gives_it_back(url: str) -> None:
+    async with program(url) as (client, media):
+
+        async def fail() -> None:
+            async with media.speech("avatar") as speech:
+                await speech.push(tone(1.0))
+                raise ZeroDivisionError
+
+        with pytest.raises(ZeroDivisionError):
+            await fail()
+        ended = client.component("avatar/speech_stream")
+        async with asyncio.timeout(PATIENCE):
+            while (await ended.query("streaming"))["speeches"]:
+                pass
+        async with Client(url) as other, Media(other) as others, others.speech("avatar") as speech:
+            with pytest.raises(OutOfResources):
+                async with media.speech("avatar"):
+                    pass
+            await speech.push(tone(0.1))
+
+
+async def test_a_lost_adapter_ends_it_as_interrupted(tmp_path: Path) -> None:
+    async with operated_avatar(tmp_path) as (running, _):
+        url = running.url.replace("http", "ws")
+        async with program(url) as (_, media), media.speech("avatar") as speech:
+            pushing = asyncio.create_task(speech.push(tone(20)))
+            await anext(speech.events())
+            for peer in media._streams._peers.values():  # type: ignore[union-attr]
+                await peer.connection.close()
+            with pytest.raises(Aborted, match="the connection over which it was spoken was lost"):
+                await pushing
+
+
+@pytest.mark.parametrize(
+    ("wrong", "named"),
+    [
+        (np.zeros((10, 2), np.int16), "mix channels down"),
+        (np.zeros(10, np.int32), "int16, or floats"),
+    ],
+)
+async def test_other_arrays_are_refused(url: str, wrong: NDArray[np.int16], named: str) -> None:
+    async with program(url) as (_, media), media.speech("avatar") as speech:
+        with pytest.raises(ValueError, match=named):
+            await speech.push(wrong)
+
+
+async def test_a_body_that_speaks_no_sound_is_named() -> None:
+    async with body() as robot, application(robot) as (_, media):
+        with pytest.raises(Unsupported, match="no component of robot speaks by sound"):
+            async with media.speech("robot"):
+                pass
+        for rate, format in ((44_100, "pcm16"), (16_000, "opus"), (48_000, "mp3")):
+            with pytest.raises(ValueError, match="is not possible: use"):
+                async with media.speech(rate=rate, format=format):  # type: ignore[arg-type]
+                    pass
+
+
+async def test_of_several_components_one_has_to_be_named() -> None:
+    clock = SystemClock()
+    voice = Voice(ScriptedSynthesizer(), BodySound(clock), AvatarBody(lambda _command: None))
+    async with TaskScope() as tasks:
+        both = [SpeechStream(SpeechControl(f"robot/{name}", voice, clock, tasks)) for name in ("one", "other")]
+        for component, name in zip(both, ("one", "other"), strict=True):
+            component.name = name
+        async with body(others=both) as robot, application(robot) as (_, media):
+            with pytest.raises(
+                BadParameter, match="several components speak by sound, say which: robot/one, robot/other"
+            ):
+                async with media.speech():
+                    pass
