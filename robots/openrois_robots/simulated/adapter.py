@@ -13,6 +13,7 @@ from openrois_body.components.gaze import Gaze
 from openrois_body.components.move import Move
 from openrois_body.components.moving import Figure
 from openrois_body.components.persons import PersonDetection, PersonLocalization
+from openrois_body.components.speech_stream import SpeechStream
 from openrois_body.components.speech_synthesis import SpeechSynthesis
 from openrois_body.components.surroundings import Surroundings
 from openrois_body.components.teleoperation import Teleoperation
@@ -24,6 +25,7 @@ from openrois_body.motion.world import World
 from openrois_body.sensing.changes import Place
 from openrois_body.sensing.figures import SenseFigures
 from openrois_body.sound.mixer import BodySound
+from openrois_body.speech.speech_control import SpeechControl
 from openrois_body.speech.synthesizer import Synthesizer
 from openrois_body.speech.voice import Voice
 from openrois_body.teleoperation.figure_controls import FigureControls
@@ -68,6 +70,7 @@ class Robot:
         camera: its pictures.
         sound: its voice.
         operator_control: which application operates it by hand.
+        speech_control: which application speaks by sound.
         simulation: of the robot and its rooms.
         voice: speaks.
         senses: figures of its senses, by their names.
@@ -77,6 +80,7 @@ class Robot:
     camera: RobotCamera
     sound: BodySound
     operator_control: OperatorControl
+    speech_control: SpeechControl
     simulation: Simulation
     voice: Voice
     senses: Mapping[str, SenseFigures]
@@ -137,6 +141,8 @@ async def simulated_robot(
         senses = camera_senses(engine_id, eye, clock, locate=locate)
         # What else can be sensed with a camera is for the face of an operator before it.
         sensing = tuple(each for each in senses.components if isinstance(each, PersonDetection | PersonLocalization))
+        tasks = await stack.enter_async_context(TaskScope())
+        speech_control = SpeechControl(reference(engine_id, SpeechStream.component_type.name), voice, clock, tasks)
         operator_control = OperatorControl(
             reference(engine_id, Teleoperation.component_type.name),
             clock,
@@ -156,14 +162,15 @@ async def simulated_robot(
             *moving,
             Gaze(body, status),
             SpeechSynthesis(voice),
+            SpeechStream(speech_control),
             Surroundings(world, clock, status),
             Dock(simulation),
             *sensing,
         )
-        tasks = await stack.enter_async_context(TaskScope())
         tasks.start(simulation.run())
         tasks.start(senses.run())
-        yield Robot(components, camera, sound, operator_control, simulation, voice, {"vision": senses.watch.figures})
+        figures = {"vision": senses.watch.figures}
+        yield Robot(components, camera, sound, operator_control, speech_control, simulation, voice, figures)
 
 
 def _report_empty(simulation: Simulation, moving: Sequence[Component]) -> None:
@@ -205,6 +212,7 @@ async def hosted_robot(
         clock=clock,
         network=network,
         operator=robot.operator_control,
+        speech=robot.speech_control,
     )
     robot.voice.playout_delay.observe_sessions(streams.interface.sessions, reference(engine_id, AUDIO))
     requirements = {"the robot: its battery is empty": robot.can_drive}

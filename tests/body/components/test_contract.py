@@ -13,16 +13,19 @@ from openrois_body.components.scene_senses import (
     SceneSoundLocalization,
 )
 from openrois_body.components.speech_progress import SpeechProgress
+from openrois_body.components.speech_stream import SpeechStream
 from openrois_body.components.speech_synthesis import SpeechSynthesis
 from openrois_body.components.system_information import SystemInformation
 from openrois_body.messages import Thing
 from openrois_body.microphone_senses import microphone_senses
 from openrois_body.motion.world import World
 from openrois_body.sound.mixer import BodySound
+from openrois_body.speech.speech_control import SpeechControl
 from openrois_body.speech.voice import Voice
 from openrois_media.components import AudioStreaming, VideoStreaming
 from openrois_media.devices import Camera, Microphone
 
+from openrois.aio.tasks import TaskScope
 from openrois.component.component import Component
 from openrois.testing import ComponentContract
 from openrois.types.codes import ComponentStatus
@@ -94,6 +97,13 @@ class TestSpeechProgress(ComponentContract):
     async def component(self) -> Component:
         voice = Voice(ScriptedSynthesizer(), BodySound(VirtualClock()), Body(lambda _command: None))
         return SpeechProgress(voice, Attention())
+
+
+class TestSpeechStream(ComponentContract):
+    async def component(self) -> Component:
+        clock = VirtualClock()
+        voice = Voice(ScriptedSynthesizer(), BodySound(clock), Body(lambda _command: None))
+        return SpeechStream(SpeechControl("avatar/speech_stream", voice, clock, TaskScope()))
 
 
 class TestReaction(ComponentContract):

@@ -65,6 +65,10 @@ class TestSpeechSynthesis(_OfTheRobot):
     parameters: Mapping[str, str] = {"speech_text": "Hello"}
 
 
+class TestSpeechStream(_OfTheRobot):
+    __test__, name = True, "speech_stream"
+
+
 class TestSurroundings(_OfTheRobot):
     __test__, name = True, "surroundings"
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from openrois_media import Media
 from openrois_robots.simulated.adapter import AUDIO, VIDEO, Robot, hosted_robot, simulated_robot
 from openrois_robots.simulated.camera import RobotCamera
 from openrois_robots.simulated.simulation import SimulationSettings
@@ -92,6 +93,16 @@ async def test_its_voice_is_heard() -> None:
             await speech.set(speech_text="Hello", volume=100)
             await client.run(speech.start())
         assert np.abs(app.media(stream_id).sound()).max() > 0.05
+
+
+async def test_it_speaks_the_sound_of_an_application() -> None:
+    async with house() as home, home.guest() as app, Client(home.url) as client, Media(client) as media:
+        stream_id = await app.play(f"robot/{AUDIO}")
+        await app.news.until(lambda: app.media(stream_id).blocks > 10)
+        async with media.speech("robot", rate=16_000) as speech:
+            await speech.push(np.sin(np.arange(8_000) / 8) * 0.4)
+            assert (await speech.finish()).seconds == 0.5
+        assert np.abs(app.media(stream_id).sound()).max() > 0.2
 
 
 async def test_it_tells_of_persons_that_its_camera_sees_while_that_is_asked_for() -> None:

@@ -53,7 +53,7 @@ export class Captions {
     if (!this.#on || !progress || this.#listening.length > 0) return;
     const listening = [
       progress.speechBegan.subscribe(({ speech_id: id, text, is_ssml: ssml }) =>
-        this.#show(new Caption(id, text, ssml)),
+        this.#show(new Caption(id, text === "" ? null : text, ssml)),
       ),
       progress.wordSpoken.subscribe(({ speech_id: id, word, position, length }) => {
         const caption = this.#caption?.id === id ? this.#caption : new Caption(id, null);
