@@ -43,18 +43,18 @@ Samples = NDArray[np.int16]
 
 
 class Ear:
-    """What a viewer hears: moment and time of hearing of the first and the last loud sample since `begin`."""
+    """What a viewer hears: moment and time of hearing of the first and the last loud sample since `forget_heard`."""
 
     def __init__(self) -> None:
         self.first: tuple[float, float] | None = None
         self.last = (0.0, 0.0)
         self._came = asyncio.Event()
 
-    def begin(self) -> None:
+    def forget_heard(self) -> None:
         """Forget what was heard."""
         self.first = None
 
-    def take(self, media: RawVideo | RawAudio) -> None:
+    def note_block(self, media: RawVideo | RawAudio) -> None:
         """Note a block that is played now."""
         if isinstance(media, RawAudio):
             heard = time.monotonic()
@@ -104,7 +104,7 @@ def tone(seconds: float) -> Samples:
 
 async def cleared(speech: Speaking, ear: Ear, seconds: float) -> Run:
     """Push a second of sound, clear it after so many seconds of hearing it."""
-    ear.begin()
+    ear.forget_heard()
     begun = time.monotonic()
     await speech.push(tone(0.95))
     await ear.loud_for(seconds)
@@ -140,7 +140,7 @@ async def listening(gateway: "Gateway") -> AsyncIterator[Ear]:
     from tests.support.deployment import application  # a wheel has no tests
 
     ear = Ear()
-    async with MeasuringSink(on_media=ear.take) as sink, application(gateway) as app:
+    async with MeasuringSink(on_media=ear.note_block) as sink, application(gateway) as app:
         await app.ask("openrois.hello", version="1", extensions=[])
         assert (
             await app.code("rois.stream.connect_stream", component_ref="avatar/audio_streaming", parameters=[]) == "OK"

@@ -338,7 +338,7 @@ class Media:
                 speaker.component_ref,
                 rate,
                 format,
-                lambda begin, speaking: speeches.begin(begin, speaking, carrier),
+                lambda begin, speaking: speeches.begin_speech(begin, speaking, carrier),
                 speeches.next_number,
             )
             try:

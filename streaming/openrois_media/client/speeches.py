@@ -27,7 +27,7 @@ class Speeches:
         """Return the number of the next speech."""
         return next(self._numbers)
 
-    def begin(self, begin: Begin, speaking: Speaking, carrier: CarrierStream) -> SpeechSender:
+    def begin_speech(self, begin: Begin, speaking: Speaking, carrier: CarrierStream) -> SpeechSender:
         """Begin a speech over the channels of a stream.
 
         Raises:
