@@ -24,10 +24,12 @@ from openrois_body.speech.progress import MarkReached, Progress, SpeechBegan, Sp
 from openrois_body.speech.synthesizer import NamedMark, Word
 from openrois_body.speech.turns import Line, Turn
 
-__all__ = ["MOMENTS_LIMIT", "OpenUtterance"]
+__all__ = ["DRY_LIMIT", "MOMENTS_LIMIT", "OpenUtterance"]
 
 MOMENTS_LIMIT: Final = 4_000
 """Words and marks of one speech that may wait until they are heard."""
+DRY_LIMIT: Final = 30.0
+"""Seconds without sound after which a speech that has not been finished ends: others wait behind it."""
 _STEP: Final = 0.1
 """Seconds between two reports of what was played."""
 _KNOWN: Final = 0.2
@@ -95,6 +97,8 @@ class OpenUtterance:
         self._has_begun = False
         self._dry_at = 0
         """How many samples had come when it was last told that it ran dry."""
+        self._dry_until = 0.0
+        """When it ends unless sound comes."""
         self._last: Word | None = None
         self._late = 0.0
         self._late_at = float("-inf")
@@ -236,6 +240,7 @@ class OpenUtterance:
             heard = False
             try:
                 self._read_before = self._read
+                self._dry_until = self._sound.clock.now() + DRY_LIMIT
                 while self._waiting:
                     self._append(playback, self._waiting.popleft())
                 if self._finished:
@@ -280,12 +285,14 @@ class OpenUtterance:
                 if end is None or now >= end + late:
                     return True
                 due.append(end + late)
+            elif now >= self._dry_until:
+                self.cut(f"no sound came for {DRY_LIMIT:g} s, and the speech ended")
+                return False
+            else:
+                due.append(self._dry_until)
             if self.played < self._pushed:
                 due.append(now + _STEP)
-            if due:
-                await reach(clock, min(due), self._news)
-            else:
-                await self._news.wait()
+            await reach(clock, min(due), self._news)
 
     def _tell_heard(self, playback: OpenPlayback, heard: float) -> list[float]:
         """Tell what is heard by a moment of the sound; returns when the next is, by the clock."""
@@ -346,7 +353,7 @@ class OpenUtterance:
             self._turn.pass_on()
 
     def _append(self, playback: OpenPlayback, samples: NDArray[np.int16]) -> None:
-        playback.push(samples)
+        self._dry_until = playback.push(samples) + len(samples) / SAMPLE_RATE + DRY_LIMIT
         self._read += len(samples)
         self._move(playback, self._mouth.push(samples))
 

@@ -27,6 +27,7 @@ from openrois_streaming.input.speech import (
     read_clear,
     read_speech,
 )
+from openrois_streaming.network.guard import Allowance
 from openrois_streaming.peer.input_channels import InputSink
 
 from openrois.aio.tasks import TaskScope
@@ -40,10 +41,13 @@ from openrois_body.speech.stream_sound import StreamSound
 from openrois_body.speech.synthesizer import NamedMark, Word
 from openrois_body.speech.voice import Voice
 
-__all__ = ["STREAMS_AT_ONCE", "SpeechControl", "SpeechFigures"]
+__all__ = ["FRAMES_AT_ONCE", "FRAMES_PER_SECOND", "STREAMS_AT_ONCE", "SpeechControl", "SpeechFigures"]
 
 STREAMS_AT_ONCE: Final = 8
 """Speeches of one application that may be played or wait for their turn."""
+FRAMES_AT_ONCE: Final = 1_000
+FRAMES_PER_SECOND: Final = 500.0
+"""Frames and messages of one application. One that sends packets of 2.5 ms has 400 frames a second."""
 _REFUSAL_INTERVAL: Final = 1.0
 """Seconds between two notices to an application that frames without a speech are dropped."""
 
@@ -212,10 +216,15 @@ class _ClientSpeech:
         self._cleared: deque[int] = deque(maxlen=STREAMS_AT_ONCE)
         """Speeches that were cleared before they began: `clear` overtakes."""
         self._malformed = 0
+        self._allowance = Allowance(control.clock.now, FRAMES_AT_ONCE, FRAMES_PER_SECOND)
         self._refused_at: float | None = None
 
     def input_came(self, label: Label, data: str | bytes) -> None:
         if self._malformed >= MALFORMED_LIMIT:
+            return
+        if not self._allowance.admits() and label == "speech":
+            self._control.figures.dropped += 1
+            self._cut_all(f"more than {FRAMES_PER_SECOND:g} frames and messages a second came: send longer ones")
             return
         try:
             if isinstance(data, bytes):

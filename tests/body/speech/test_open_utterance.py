@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from openrois_body.messages import Silence
 from openrois_body.sound.mixer import MAX_QUEUED
 from openrois_body.sound.open_playback import SoundOverrun
-from openrois_body.speech.open_utterance import MOMENTS_LIMIT, OpenUtterance
+from openrois_body.speech.open_utterance import DRY_LIMIT, MOMENTS_LIMIT, OpenUtterance
 from openrois_body.speech.playout_delay import PLAYOUT
 from openrois_body.speech.progress import MarkReached, SpeechBegan, SpeechEnded, SpeechStarved, WordSpoken
 from openrois_body.speech.synthesizer import NamedMark, Word
@@ -251,6 +251,20 @@ async def test_what_waits_is_bounded(stage: Stage) -> None:
     stage.voice.interrupt("enough")
     ends = await asyncio.gather(*(task for _, task in many), return_exceptions=True)
     assert [type(each) for each in ends] == [Aborted] * MAX_QUEUED + [OutOfResources]
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.5])
+async def test_one_whose_sound_stays_away_lets_the_next_one_speak(stage: Stage, seconds: float) -> None:
+    utterance, playing = stage.stream()
+    utterance.push(sound(seconds))
+    following = stage.say("two")
+    await stage.clock.advance(DRY_LIMIT + seconds - 0.1)
+    assert not playing.done()
+    await stage.clock.advance(0.2)
+    with pytest.raises(Aborted, match=r"^no sound came for 30 s, and the speech ended"):
+        await playing
+    await stage.clock.advance(2)
+    await following
 
 
 async def test_without_any_sound_it_ends_at_once(stage: Stage) -> None:

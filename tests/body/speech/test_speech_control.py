@@ -10,7 +10,7 @@ import pytest
 from openrois_body.components.speech_stream import SpeechStream
 from openrois_body.speech.playout_delay import PLAYOUT
 from openrois_body.speech.progress import SpeechBegan, SpeechEnded, WordSpoken
-from openrois_body.speech.speech_control import STREAMS_AT_ONCE, SpeechControl
+from openrois_body.speech.speech_control import FRAMES_AT_ONCE, STREAMS_AT_ONCE, SpeechControl
 from openrois_streaming.input.reader import MALFORMED_LIMIT
 from openrois_streaming.input.speech import (
     Begin,
@@ -241,6 +241,20 @@ async def test_after_many_messages_that_cannot_be_read_nothing_more_is(stage: St
     assert finished.reason.startswith("32 messages could not be read, the last one: utterance: must be greater than 1")
     stage.ann.begin(2)
     assert stage.ann.told[-1] is finished
+
+
+async def test_too_many_frames_end_the_speech_and_clear_is_heard_all_the_same(stage: Stage) -> None:
+    stage.ann.begin()
+    for _ in range(FRAMES_AT_ONCE):
+        stage.ann.push(1)
+    await settle()
+    finished = stage.ann.told[-1]
+    assert isinstance(finished, Finished)
+    assert finished.reason.startswith("more than 500 frames and messages a second came: send longer ones")
+    stage.ann.say(Clear(2))
+    await stage.clock.advance(1.0)
+    stage.ann.begin(2)
+    assert stage.ann.told[-1] == Refused(2, "the speech was cleared")
 
 
 async def test_words_may_be_of_sound_that_comes_later_and_text_grows_by_what_it_lacks(stage: Stage) -> None:
