@@ -3,6 +3,8 @@
 import itertools
 import json
 import logging
+from collections import deque
+from typing import Final
 
 from openrois_streaming.input.messages import InputError
 from openrois_streaming.input.speech import Begin, Clear, Finished, read_told
@@ -13,6 +15,7 @@ from openrois_media.client.stream import CarrierStream
 
 __all__ = ["Speeches"]
 
+_MOST_UNCLEAR: Final = 64
 _log = logging.getLogger(__name__)
 
 
@@ -22,6 +25,8 @@ class Speeches:
     def __init__(self) -> None:
         self._numbers = itertools.count(1)
         self._spoken: dict[int, tuple[Speaking, SpeechSender, CarrierStream]] = {}
+        self._unclear: deque[tuple[int, CarrierStream]] = deque(maxlen=_MOST_UNCLEAR)
+        """Speeches that were lost, and are to be cleared where the body waits for the rest of them."""
 
     def next_number(self) -> int:
         """Return the number of the next speech."""
@@ -61,10 +66,12 @@ class Speeches:
             if sender.channel.is_open:
                 continue
             del self._spoken[number]
-            if carrier.channel is not None:
-                # The body would wait for the rest of it.
-                carrier.channel.overtake(json.dumps(Clear(number).to_json()))
+            self._unclear.append((number, carrier))
             speaking.handle(sender, Finished(number, round(sender.played * 1000), LOST))
+        for number, carrier in tuple(self._unclear):
+            if carrier.channel is not None:
+                self._unclear.remove((number, carrier))
+                carrier.channel.overtake(json.dumps(Clear(number).to_json()))
 
 
 def _why(carrier: CarrierStream) -> str:

@@ -1,5 +1,6 @@
 """Speech as a stream: who may speak, what is refused, and what is told, on a clock turned by hand."""
 
+import asyncio
 import json
 from collections.abc import AsyncIterator
 from itertools import pairwise
@@ -7,6 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from openrois_body.components.speech_stream import SpeechStream
 from openrois_body.speech.playout_delay import PLAYOUT
 from openrois_body.speech.progress import SpeechBegan, SpeechEnded, WordSpoken
@@ -37,6 +40,22 @@ from tests.body.speech.test_voice import Speaker
 from tests.support.streaming import settle
 
 REF = "avatar/speech_stream"
+
+
+ANYTHING = st.tuples(st.sampled_from(["speech", "control"]), st.one_of(st.text(max_size=30), st.binary(max_size=30)))
+FEW = st.integers(0, 3)
+SPOKEN = st.one_of(
+    st.builds(Begin, FEW, st.sampled_from(["pcm16", "opus"]), st.sampled_from([16_000, 48_000])),
+    st.builds(Words, FEW, st.just((TimedWord("a", 0),))),
+    st.builds(End, FEW),
+    st.builds(Clear, FEW),
+    st.builds(Frame, FEW, FEW, st.binary(min_size=1, max_size=20)),
+).map(
+    lambda each: (
+        "control" if isinstance(each, Clear) else "speech",
+        pack_frame(each) if isinstance(each, Frame) else json.dumps(each.to_json()),
+    )
+)
 
 
 class Program:
@@ -273,6 +292,23 @@ async def test_too_many_words_end_the_speech(stage: Stage) -> None:
     finished = stage.ann.told[-1]
     assert isinstance(finished, Finished)
     assert "words and marks" in finished.reason
+
+
+@given(st.lists(st.one_of(ANYTHING, SPOKEN), max_size=40))
+@settings(deadline=None)
+def test_whatever_comes_is_spoken_dropped_or_refused(came: list[tuple[Any, str | bytes]]) -> None:
+    async def receive() -> None:
+        async with TaskScope() as tasks:
+            stage = Stage(tasks)
+            for label, data in came:
+                stage.ann.sink.input_came(label, data)
+                await settle()
+                assert stage.control.streams <= STREAMS_AT_ONCE
+            stage.ann.sink.input_lost("the connection was lost")
+            await settle()
+            assert stage.control.streams == 0
+
+    asyncio.run(receive())
 
 
 async def test_the_component_stops_streams_alone_and_counts(stage: Stage) -> None:

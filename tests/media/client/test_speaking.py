@@ -19,7 +19,7 @@ from openrois_streaming.clock import SystemClock
 from openrois_streaming.input.speech import Finished, Started, Starved
 
 from openrois.aio.tasks import TaskScope
-from openrois.client import Aborted, BadParameter, Client, OutOfResources, Unsupported
+from openrois.client import Aborted, BadParameter, Client, ConnectionLost, OutOfResources, Unsupported
 from tests.support.loopback import PATIENCE
 from tests.support.media_body import application, body
 from tests.support.operated import operated_avatar
@@ -160,6 +160,24 @@ async def test_a_lost_adapter_ends_it_as_interrupted(tmp_path: Path) -> None:
                 await peer.connection.close()
             with pytest.raises(Aborted, match="the connection over which it was spoken was lost"):
                 await pushing
+
+
+async def test_a_replaced_connection_ends_it_as_interrupted_and_the_next_one_goes_over_the_new(url: str) -> None:
+    async with program(url) as (client, media), media.speech("avatar") as speech:
+        pushing = asyncio.create_task(speech.push(tone(20)))
+        await anext(speech.events())
+        (peer_id,) = media._streams._peers  # type: ignore[union-attr]
+        await client.call("signaling.restart", peer_id=peer_id)
+        with pytest.raises(Aborted, match="the connection over which it was spoken was lost"):
+            await pushing
+        while True:
+            try:
+                await speech.push(tone(0.1))
+                break
+            except ConnectionLost:
+                await asyncio.sleep(0.05)
+        assert (await speech.finish()).seconds == pytest.approx(0.1)
+        assert (await client.component(speech.component_ref).query("streaming"))["speeches"] == 0
 
 
 @pytest.mark.parametrize(
