@@ -12,6 +12,7 @@ export type { MediaLink, ReceiverOptions, SendingOptions } from "./receiver_opti
 export type { Desire, Problem } from "./reconciler.ts";
 export { RecentMedian } from "./statistics.ts";
 export type { Figures } from "./statistics.ts";
-export { Teleoperation } from "../input/index.ts";
+export { SpeechStream, Teleoperation } from "../input/index.ts";
 export type { CollectorOptions, InputMedia, TeleoperationEvents } from "../input/index.ts";
+export type { SpeechRate, SpeechStreamEvents, Spoken } from "../input/index.ts";
 export type { ControlledStream, EncodingLimits, RemoteStream, StreamEvents } from "./stream.ts";

@@ -24,7 +24,7 @@ export interface ReceiverOptions {
   readonly codecs?: (kind: MediaKind) => string[];
   /** Microphones and cameras; replaced in tests. */
   readonly devices?: Devices;
-  /** Have data channels with the streams, for a `Teleoperation`. */
+  /** Have data channels with the streams, for a `Teleoperation` or a `SpeechStream`. */
   readonly input?: boolean;
 }
 

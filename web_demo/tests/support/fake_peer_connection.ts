@@ -71,17 +71,27 @@ export class FakeReceiver {
 /** A data channel that is open. */
 export class FakeChannel {
   readonly options: object;
+  /** Texts that were sent. */
   readonly sent: string[] = [];
+  /** Binary messages that were sent. */
+  readonly frames: ArrayBuffer[] = [];
   readyState = "open";
   bufferedAmount = 0;
   onmessage: ((event: { data: string }) => void) | null = null;
+  onclose: (() => void) | null = null;
 
   constructor(options: object) {
     this.options = options;
   }
 
-  send(text: string): void {
-    this.sent.push(text);
+  send(data: string | ArrayBuffer): void {
+    if (typeof data === "string") this.sent.push(data);
+    else this.frames.push(data);
+  }
+
+  close(): void {
+    this.readyState = "closed";
+    this.onclose?.();
   }
 }
 

@@ -1,0 +1,134 @@
+import { beforeEach, describe, expect, it } from "vitest";
+import { packFrame, pcm16, readSpeechTold } from "../../sdk/input/speech_messages.ts";
+import { SpeechStream } from "../../sdk/input/speech_stream.ts";
+import { InputChannels } from "../../sdk/input/channels.ts";
+import { Client } from "../../sdk/rois/client.ts";
+import { FakeGateway } from "../support/fake_gateway.ts";
+import { FakePeerConnection } from "../support/fake_peer_connection.ts";
+
+const REF = "avatar/speech_stream";
+
+let gateway: FakeGateway;
+let connection: FakePeerConnection;
+let speech: SpeechStream;
+let steps: unknown[];
+
+const sent = (label = "speech"): Record<string, unknown>[] =>
+  connection.channel(label).sent.map((text) => JSON.parse(text) as Record<string, unknown>);
+const tell = (told: object): void =>
+  connection.channel("speech").onmessage?.({ data: JSON.stringify(told) }) as undefined;
+const number = (): number => sent().at(-1)?.["utterance"] as number;
+const samples = (): number =>
+  connection.channel("speech").frames.reduce((sum, frame) => sum + (frame.byteLength - 8) / 2, 0);
+const settle = (): Promise<void> => new Promise((resolve) => setTimeout(resolve));
+
+beforeEach(async () => {
+  gateway = new FakeGateway();
+  for (const name of ["bind", "release"]) gateway.on(`rois.command.${name}`, () => ({}));
+  gateway.on("rois.query.query", () => ({ results: [] }));
+  const client = new Client("ws://test/", { webSocket: gateway.webSocket });
+  await client.connect();
+  connection = new FakePeerConnection({});
+  const channels = new InputChannels(connection as unknown as RTCPeerConnection);
+  speech = new SpeechStream(client, { inputs: () => (channels.open ? [channels] : []) }, REF, 16_000);
+  steps = [];
+  for (const name of ["started", "starved", "finished"] as const)
+    speech.on(name, (value) => steps.push([name, value]));
+  await speech.start();
+});
+
+describe("SpeechStream", () => {
+  it("binds the component, and asks it something behind that", () => {
+    const methods = gateway.calls.map(({ method }) => method);
+    expect(methods.indexOf("rois.query.query")).toBeGreaterThan(methods.indexOf("rois.command.bind"));
+    expect(connection.channel("speech").options).toEqual({ negotiated: true, id: 2 });
+  });
+
+  it("begins with the first push, sends a second at once, and more as it is played", async () => {
+    let pushed = false;
+    const pushing = speech.push(new Int16Array(20_000), "Hello").then(() => (pushed = true));
+    await settle();
+    expect(sent()).toEqual([
+      { event: "begin", utterance: number(), format: "pcm16", rate: 16_000, text: "Hello" },
+    ]);
+    expect([samples() <= 16_000, samples() > 13_900, pushed]).toEqual([true, true, false]);
+    tell({ event: "credit", utterance: number(), samples: 22_000, played: 6_000 });
+    await pushing;
+    expect(samples()).toBe(20_000);
+    const sequences = connection.channel("speech").frames.map((frame) => new DataView(frame).getUint32(4));
+    expect(sequences).toEqual(sequences.map((_, index) => index));
+  });
+
+  it("tells what becomes of it, and a next one begins behind it", async () => {
+    await speech.push(new Float32Array(10));
+    const first = number();
+    speech.addWords([["Hello", 0.25]]);
+    const finishing = speech.finish();
+    await settle();
+    expect(sent().slice(1)).toEqual([
+      { event: "words", utterance: first, words: [["Hello", 250]] },
+      { event: "end", utterance: first },
+    ]);
+    tell({ event: "started", utterance: first, speech_id: "s1" });
+    tell({ event: "starved", utterance: first, position: 500 });
+    await speech.push(new Float32Array(10));
+    expect(number()).toBe(first + 1);
+    tell({ event: "finished", utterance: first, position: 500 });
+    expect(await finishing).toEqual({ seconds: 0.5, reason: "" });
+    expect(steps).toEqual([
+      ["started", "s1"],
+      ["starved", 0.5],
+      ["finished", { seconds: 0.5, reason: "" }],
+    ]);
+    expect(await new SpeechStream({} as Client, { inputs: () => [] }, REF).finish()).toEqual({
+      seconds: 0,
+      reason: "",
+    });
+  });
+
+  it("clears past the sound, and says what was heard", async () => {
+    await speech.push(new Int16Array(8_000));
+    const clearing = speech.clear();
+    expect(sent("control")).toEqual([{ event: "clear", utterance: number() }]);
+    tell({ event: "finished", utterance: number(), position: 120, reason: "the speech was cleared" });
+    expect(await clearing).toEqual({ seconds: 0.12, reason: "the speech was cleared" });
+  });
+
+  it("fails a push that waits when the speech is interrupted, refused, or lost with its channels", async () => {
+    for (const [end, reason] of [
+      [() => tell({ event: "refused", utterance: number(), reason: "not bound" }), "not bound"],
+      [() => connection.channel("speech").close(), "the connection over which it was spoken was lost"],
+    ] as const) {
+      const pushing = speech.push(new Int16Array(20_000));
+      await settle();
+      end();
+      await expect(pushing).rejects.toThrow(reason);
+    }
+    await expect(speech.push(new Int16Array(1))).rejects.toThrow(
+      "there is no connection to avatar/speech_stream now",
+    );
+  });
+
+  it("gives the component back when it stops", async () => {
+    await speech.stop();
+    expect(gateway.calls.at(-1)?.method).toBe("rois.command.release");
+  });
+});
+
+describe("Frames of speech", () => {
+  it("are laid out as the page says", () => {
+    expect([...new Uint8Array(packFrame(0x01020304, 5, Int16Array.of(0x2010, -2)))]).toEqual([
+      1, 2, 3, 4, 0, 0, 0, 5, 0x10, 0x20, 0xfe, 0xff,
+    ]);
+  });
+
+  it("take floats from -1 to 1", () => {
+    expect([...pcm16(Float32Array.of(0, 1, -1, 7))]).toEqual([0, 32_767, -32_767, 32_767]);
+  });
+
+  it("leave out what the body tells and this end does not know", () => {
+    expect(readSpeechTold("{")).toBeNull();
+    expect(readSpeechTold('{"event": "applause", "utterance": 1}')).toBeNull();
+    expect(readSpeechTold('{"event": "starved", "utterance": "1"}')).toBeNull();
+  });
+});
