@@ -224,7 +224,7 @@ class OpenUtterance:
 
     def _fall_silent(self) -> None:
         if self._turn is not None:
-            self._turn.settle(False)
+            self._turn.give_up()
         if self._playback is not None:
             self._playback.stop()
         self._news.set()
@@ -234,7 +234,7 @@ class OpenUtterance:
         """Play from the first sound that waits on; returns whether all was heard."""
         turn = self._turn = self._line.join()
         try:
-            if not await turn.comes() or self._cut_off or not self._going_on.is_set():
+            if not await turn.comes():
                 return False
             playback = self._playback = self._sound.play_open()
             heard = False
@@ -350,7 +350,7 @@ class OpenUtterance:
         playback.finish()
         self._move(playback, self._mouth.finish())
         if self._turn is not None:
-            self._turn.pass_on()
+            self._turn.set_end(playback.end or self._sound.clock.now())
 
     def _append(self, playback: OpenPlayback, samples: NDArray[np.int16]) -> None:
         self._dry_until = playback.push(samples) + len(samples) / SAMPLE_RATE + DRY_LIMIT

@@ -113,7 +113,7 @@ class Utterance:
 
     def _fall_silent(self) -> None:
         if self._turn is not None:
-            self._turn.settle(False)
+            self._turn.give_up()
         if self._playback is not None:
             self._playback.stop()
 
@@ -121,12 +121,17 @@ class Utterance:
         """Play a speech; return its rest when it is stopped, None when all of it was heard."""
         turn = self._turn = self._line.join()
         try:
-            if not await turn.comes() or self._cut_off or not self._going_on.is_set():
+            if not await turn.comes():
                 return speech
             playback = self._playback = self._sound.play(speech.samples)
+            turn.set_end(playback.end)
+            return await self._follow(playback, speech)
         finally:
             self._turn = None
             turn.pass_on()
+
+    async def _follow(self, playback: Playback, speech: Speech) -> Speech | None:
+        """Tell what is heard until all was, or it is stopped; returns the rest of the speech."""
         self._body.speak(self.speech_id, speech.mouth(self.speech_id, playback.start_ns))
         coming = deque(speech.moments)
         played = False

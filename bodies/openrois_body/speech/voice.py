@@ -34,7 +34,7 @@ class Voice(Speaker):
         """Called with each word when the viewers hear it, each mark, and the end of each speech."""
         self._sound = sound
         self._body = body
-        self._line = Line()
+        self._line = Line(sound.clock)
         self._utterances: list[Utterance | OpenUtterance] = []
 
     async def say(self, text: str, *, ssml: bool, language: str, character: str, volume: int) -> None:

@@ -50,13 +50,13 @@ class Stage:
         self.synthesizer = ScriptedSynthesizer()
         self.attention = Attention()
         self.commands: list[Command] = []
-        voice = Voice(self.synthesizer, BodySound(self.clock), Body(self.commands.append))
+        self.voice = voice = Voice(self.synthesizer, BodySound(self.clock), Body(self.commands.append))
         self.component = SpeechProgress(voice, hearing or self.attention)
         self.registry = LocalRegistry("avatar", [SpeechSynthesis(voice), self.component])
         self.events: list[tuple[str, dict[str, str]]] = []
 
     async def subscribe(self) -> None:
-        for event_type in ("speech_began", "word_spoken", "mark_reached", "speech_ended"):
+        for event_type in ("speech_began", "word_spoken", "mark_reached", "speech_starved", "speech_ended"):
             await self.registry.subscribe(PROGRESS, event_type, self._take)
 
     def _take(self, event: Event | SubscriptionLost) -> None:
@@ -213,3 +213,18 @@ async def test_the_standards_component_stays_the_standards(stage: Stage) -> None
         "language",
         "character",
     }
+
+
+async def test_a_stream_is_told_of_as_a_text_is_and_where_it_runs_dry(stage: Stage) -> None:
+    stream = stage.voice.make_open("one two")
+    speaking = asyncio.ensure_future(stage.voice.utter(stream))
+    stream.push(np.full(24_000, 8_000, np.int16))
+    await stage.clock.advance(1.0)
+    stage.voice.interrupt("a person spoke, and the speech stopped")
+    with pytest.raises(Aborted):
+        await speaking
+    kinds, values = zip(*stage.events, strict=True)
+    assert kinds == ("speech_began", "speech_starved", "speech_ended")
+    assert len({each["speech_id"] for each in values}) == 1
+    assert (values[0]["text"], values[1]["heard_ms"], values[2]["heard_ms"]) == ("one two", "500", "500")
+    assert (values[2]["status"], "word" in values[2]) == ("ABORT", False)

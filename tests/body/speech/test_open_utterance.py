@@ -178,11 +178,29 @@ async def test_texts_and_streams_wait_for_each_other_without_a_pause_between_the
     assert before.done() is False
     assert len(stage.speaks()) == 2
     utterance.finish()
-    await settle()
+    await stage.clock.advance(0.2)
     text, stream, last = stage.speaks()
     assert [each.start_ns - text.start_ns for each in (stream, last)] == [1_000_000_000, 1_500_000_000]
     await stage.clock.advance(3)
     await asyncio.gather(before, playing, after)
+
+
+async def test_what_waits_is_heard_at_once_when_what_is_spoken_is_cut_off(stage: Stage) -> None:
+    first, playing = stage.stream()
+    first.push(sound(10))
+    first.finish()
+    second, waiting = stage.stream()
+    second.push(sound(0.5))
+    second.finish()
+    await stage.clock.advance(1)
+    cut_at = stage.clock.now()
+    first.cut("enough")
+    await settle()
+    assert stage.speaks()[-1].start_ns / 1e9 - cut_at <= 0.06
+    with pytest.raises(Aborted):
+        await playing
+    await stage.clock.advance(1)
+    await waiting
 
 
 async def test_a_pause_is_silence_and_it_goes_on_where_it_was(stage: Stage) -> None:

@@ -56,7 +56,9 @@ class Hearing:
 
     def utterance(self) -> Utterance:
         body = Body(lambda command: self.silences.append(self.clock.now()) if command == Silence() else None)
-        return Utterance(self.sound, body, self.playout_delay, self.progress.append, Line(), "", is_ssml=False)
+        return Utterance(
+            self.sound, body, self.playout_delay, self.progress.append, Line(self.clock), "", is_ssml=False
+        )
 
     def loud(self) -> list[tuple[float, float]]:
         """The moments of samples that are heard, by the media clock, and when the last of its block was played."""
@@ -182,7 +184,7 @@ async def test_a_viewer_that_becomes_slower_meanwhile_is_waited_for(monkeypatch:
     hum = Speech(bursts(1).samples, (), ())
     begun = clock.now()
     utterance = Utterance(
-        sound, Body(lambda _command: None), playout_delay, lambda _told: None, Line(), "", is_ssml=False
+        sound, Body(lambda _command: None), playout_delay, lambda _told: None, Line(clock), "", is_ssml=False
     )
     await utterance.play(hum)
     assert clock.now() >= begun + hum.duration + 0.3
