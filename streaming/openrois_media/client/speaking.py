@@ -162,6 +162,7 @@ class Speaking:
         self._begin = begin
         self._number = number
         self._current: SpeechSender | None = None
+        self._latest: SpeechSender | None = None
         self._spoken: list[SpeechSender] = []
         """Speeches that are not over, the present one last."""
         self._packets: _Packets | None = None
@@ -210,21 +211,13 @@ class Speaking:
             sender.send(Words(sender.number, tuple(timed[first : first + _WORDS_AT_ONCE])))
 
     async def finish(self) -> Spoken:
-        """End the present speech, and wait until all of it was heard; returns at once if there is none."""
+        """End the present speech, and wait until all of it was heard; without one, until the last one is over."""
         async with self._turn:
             sender = self._current
-            if sender is None:
-                return Spoken(0.0)
-            try:
-                if self._packets is not None:
-                    for part, count in self._packets.finish():
-                        await sender.push(part, count)
-            except Aborted:
-                pass
-            finally:
-                self._leave(sender)
-            sender.send(End(sender.number))
-        return await sender.over()
+            if sender is not None:
+                await self._end(sender)
+            latest = self._latest
+        return Spoken(0.0) if latest is None else await latest.over()
 
     async def clear(self) -> Spoken:
         """Silence all that was pushed, at once; returns what was heard of the present speech, or of the last one."""
@@ -232,8 +225,10 @@ class Speaking:
         for sender in senders:
             sender.clear()
             self._leave(sender)
-        ends = [await sender.over() for sender in senders]
-        return ends[-1] if ends else Spoken(0.0)
+        latest = self._latest
+        for sender in senders:
+            await sender.over()
+        return Spoken(0.0) if latest is None else await latest.over()
 
     async def finish_all(self) -> None:
         """End the present speech, and wait until all speeches are over."""
@@ -272,9 +267,20 @@ class Speaking:
 
     def _begin_speech(self, text: str) -> SpeechSender:
         self._packets = _Packets() if self._format == "opus" else None
-        sender = self._current = self._begin(Begin(self._number(), self._format, self.rate, text), self)
+        sender = self._current = self._latest = self._begin(Begin(self._number(), self._format, self.rate, text), self)
         self._spoken.append(sender)
         return sender
+
+    async def _end(self, sender: SpeechSender) -> None:
+        try:
+            if self._packets is not None:
+                for part, count in self._packets.finish():
+                    await sender.push(part, count)
+            sender.send(End(sender.number))
+        except Aborted:
+            pass  # What became of it says why.
+        finally:
+            self._leave(sender)
 
     def _leave(self, sender: SpeechSender) -> None:
         if self._current is sender:

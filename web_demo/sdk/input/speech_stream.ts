@@ -11,6 +11,8 @@ import type { InputMedia } from "./teleoperation.ts";
 
 const LOST = "the connection over which it was spoken was lost";
 
+const NOTHING: Spoken = { seconds: 0, reason: "" };
+
 /** Number of the last speech of the page: each has a greater one than those before. */
 let newest = 0;
 
@@ -31,6 +33,7 @@ export class SpeechStream {
   readonly #events = new Emitter<SpeechStreamEvents>();
   readonly #spoken = new Map<number, Utterance>();
   #current: Utterance | null = null;
+  #latest: Utterance | null = null;
   #turn: Promise<unknown> = Promise.resolve();
 
   /**
@@ -98,7 +101,7 @@ export class SpeechStream {
       });
   }
 
-  /** Ends the present speech; resolves when all of it was heard, or it was interrupted. */
+  /** Ends the present speech; resolves when it is over, heard or interrupted; without one, when the last one is. */
   async finish(): Promise<Spoken> {
     const utterance = await this.#inTurn(() => {
       const ended = this.#current;
@@ -106,7 +109,7 @@ export class SpeechStream {
       this.#current = null;
       return Promise.resolve(ended);
     });
-    return utterance?.over ?? { seconds: 0, reason: "" };
+    return (utterance ?? this.#latest)?.over ?? NOTHING;
   }
 
   /** Silences all that was pushed, at once; resolves to what was heard of the present speech, or of the last one. */
@@ -114,8 +117,8 @@ export class SpeechStream {
     const cleared = [...this.#spoken.values()];
     for (const utterance of cleared) utterance.clear();
     this.#current = null;
-    const ends = await Promise.all(cleared.map(({ over }) => over));
-    return ends.at(-1) ?? { seconds: 0, reason: "" };
+    await Promise.all(cleared.map(({ over }) => over));
+    return this.#latest?.over ?? NOTHING;
   }
 
   #begin(text: string): Utterance {
@@ -129,7 +132,7 @@ export class SpeechStream {
       () => this.#handle(utterance, utterance.lost),
     );
     this.#spoken.set(utterance.number, utterance);
-    this.#current = utterance;
+    this.#current = this.#latest = utterance;
     return utterance;
   }
 
