@@ -173,7 +173,8 @@ async def serve_scene(
         scene.pauses.changed.add(lambda on: _pause(sessions, reference(engine_id, VIDEO), on))
         senses = {"vision": eyes.watch.figures, "hearing": ears.recognition.figures}
         operator_figures = None if scene.operator_control is None else scene.operator_control.figures
-        more = partial(body_figures, senses, operator_figures)
+        speech_figures = None if scene.speech_control is None else scene.speech_control.figures
+        more = partial(body_figures, senses, operator_figures, speech_figures)
         yield Avatar(host, video, audio, streams.collector(more).snapshot)
 
 

@@ -1,4 +1,4 @@
-"""Metrics of senses and of teleoperation."""
+"""Metrics of senses, of teleoperation and of speech as sound."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, replace
@@ -8,9 +8,10 @@ from openrois_media.metrics.figures import FigureGroup
 
 from openrois.metrics.figure import Figure
 from openrois_body.sensing.figures import SenseFigures
+from openrois_body.speech.speech_control import SpeechFigures
 from openrois_body.teleoperation.operator_control import OperatorFigures
 
-__all__ = ["INPUT", "INPUT_LABELS", "SENSE", "SENSE_LABELS", "body_figures"]
+__all__ = ["INPUT", "INPUT_LABELS", "SENSE", "SENSE_LABELS", "SPEECH", "SPEECH_LABELS", "body_figures"]
 
 SENSE_LABELS: Final = ("sense",)
 
@@ -43,19 +44,36 @@ INPUT: Final[tuple[Figure[int], ...]] = (
     ),
 )
 
+SPEECH_LABELS: Final = ("outcome",)
+
+SPEECH: Final[tuple[Figure[int], ...]] = (
+    Figure(
+        "openrois_speech_frames_total",
+        "counter",
+        "Frames and messages of applications that speak by sound, by what became of them.",
+        lambda count: count,
+    ),
+)
+
 
 def body_figures(
-    senses: Mapping[str, SenseFigures] | None = None, operator: OperatorFigures | None = None
+    senses: Mapping[str, SenseFigures] | None = None,
+    operator: OperatorFigures | None = None,
+    speech: SpeechFigures | None = None,
 ) -> tuple[FigureGroup, ...]:
     """Return a copy of the figures.
 
     Args:
         senses: the figures of each sense, by its name; None without senses.
         operator: the figures of input; None where the body cannot be operated.
+        speech: the figures of speech as sound; None where the body plays none.
     """
     return (
         FigureGroup(SENSE, SENSE_LABELS, tuple(((name,), replace(each)) for name, each in (senses or {}).items())),
         FigureGroup(
             INPUT, INPUT_LABELS, tuple(((name,), n) for name, n in (asdict(operator) if operator else {}).items())
+        ),
+        FigureGroup(
+            SPEECH, SPEECH_LABELS, tuple(((name,), n) for name, n in (asdict(speech) if speech else {}).items())
         ),
     )

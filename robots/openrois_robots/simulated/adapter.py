@@ -218,7 +218,7 @@ async def hosted_robot(
     requirements = {"the robot: its battery is empty": robot.can_drive}
 
     def figures() -> tuple[FigureGroup, ...]:
-        return body_figures(robot.senses, robot.operator_control.figures)
+        return body_figures(robot.senses, robot.operator_control.figures, robot.speech_control.figures)
 
     async with hosted_with_streams(engine_id, robot.components, streams, figures, requirements) as running:
         yield running

@@ -3,8 +3,9 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from openrois_body.metrics import INPUT, SENSE, body_figures
+from openrois_body.metrics import INPUT, SENSE, SPEECH, body_figures
 from openrois_body.sensing.figures import SenseFigures
+from openrois_body.speech.speech_control import SpeechFigures
 from openrois_body.teleoperation.operator_control import OperatorFigures
 from openrois_media.metrics import exposition
 from openrois_media.metrics.exposition import written
@@ -63,7 +64,9 @@ SNAPSHOT = Snapshot(
     (STREAM_1,),
     (("strangers", 3), ("malformed", 0)),
     body_figures(
-        {"vision": SenseFigures(40, 2, None, 1.5), "hearing": SenseFigures(3, 0, 1, 0.5)}, OperatorFigures(9, 1)
+        {"vision": SenseFigures(40, 2, None, 1.5), "hearing": SenseFigures(3, 0, 1, 0.5)},
+        OperatorFigures(9, 1),
+        SpeechFigures(50, 2),
     ),
 )
 FIGURES: tuple[Figure[Any], ...] = (
@@ -71,6 +74,7 @@ FIGURES: tuple[Figure[Any], ...] = (
     *GUARD,
     *SENSE,
     *INPUT,
+    *SPEECH,
     *SOURCE,
     *RENDITION,
     *STREAM,
@@ -111,6 +115,12 @@ def test_every_figure_of_a_stream_a_rendition_and_a_source_is_there() -> None:
     assert found["openrois_sense_analysed_total"] == {("vision",): 40, ("hearing",): 3}
     assert found["openrois_sense_lost_total"] == {("hearing",): 1}
     assert found["openrois_sense_analysis_seconds_total"][("vision",)] == 1.5
+    assert found["openrois_speech_frames_total"] == {
+        ("taken",): 50,
+        ("dropped",): 2,
+        ("refused",): 0,
+        ("malformed",): 0,
+    }
     assert found["openrois_input_messages_total"] == {
         ("taken",): 9,
         ("refused",): 1,
