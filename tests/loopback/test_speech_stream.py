@@ -192,6 +192,26 @@ async def test_only_the_application_that_has_bound_it_speaks_and_its_release_end
         assert await bob.until_told(Finished) == Finished(2, 100)
 
 
+async def test_a_flood_of_one_without_the_right_to_speak_does_not_interrupt_the_one_that_has_it(house: House) -> None:
+    async with house.program() as ann, house.program() as bob:
+        await ann.bind()
+        ann.say(Begin(1, "pcm16", 48_000))
+        for number in range(1, 1_200):
+            bob.say(Begin(number, "pcm16", 48_000))
+            bob.push(number, 0, bytes(2_000))
+        bob.channels.speak(b"\xff" * 4_096)
+        for sequence, part in enumerate(np.array_split(tone(0.5, 48_000), 25)):
+            ann.push(1, sequence, part.tobytes())
+        ann.say(End(1))
+        assert await ann.until_told(Finished) == Finished(1, 500)
+        await bob.until_told(Refused)
+        condition = f"component_ref = '{REF}'"
+        told = await ann.app.ask("rois.query.query", query_type="streaming", condition=condition)
+        figures = {each["name"]: int(each["value"]) for each in told["results"]}
+        assert figures["taken"] == 25
+        assert figures["refused"] > 0
+
+
 async def test_a_speech_ends_with_the_connection_of_its_application(house: House) -> None:
     async with house.program() as listener, house.program() as ann:
         await ann.bind()
