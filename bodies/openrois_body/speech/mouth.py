@@ -1,24 +1,60 @@
-"""Mouth shapes from sound alone, for speech without phonemes."""
+"""Mouth shapes from sound alone, for speech without phonemes. Pure.
+
+A small network (`mouth_weights`) says of every 10 ms of sound which of the mouth shapes it goes with; `tools/mouth`
+fits it to sentences of which the phonemes are known. How far the mouth opens is decided first, the shape within that
+second: lips that close at the wrong moment are seen, `ih` in the place of `nn` is not.
+"""
+
+from __future__ import annotations
 
 from collections.abc import Sequence
-from math import log10
+from enum import IntEnum
 from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from openrois_streaming.source.source import SAMPLE_RATE
 
-from openrois_body.messages import Viseme
-from openrois_body.speech.visemes import CLOSED
+from openrois_body.messages import VISEMES, Viseme
+from openrois_body.speech.mouth_features import HOP_MS, LOOK_AHEAD_MS, SoundFeatures, as_float
+from openrois_body.speech.mouth_weights import HIDDEN, SHAPES
+from openrois_body.speech.visemes import CLOSED, Shape
 
-__all__ = ["LoudnessMouth", "MouthReader", "Shapes"]
+__all__ = ["LABELS", "MouthReader", "Opening", "Shapes", "SoundMouth", "opening"]
 
-_FRAME: Final = SAMPLE_RATE // 50
-_QUIET: Final = -45.0
-_LOUD: Final = -18.0
-"""Root mean squares in dBFS at which the mouth begins to open, and at which it is open."""
-_STEPS: Final = 8
-"""Openings that are told apart: of others the engine would be told for every 20 ms of sound."""
+
+class Opening(IntEnum):
+    """How far a mouth is open: lips that touch each other or the teeth, a gap, or clearly open."""
+
+    CLOSED = 0
+    HALF = 1
+    OPEN = 2
+
+
+_LIPS_TOUCH: Final = frozenset((CLOSED, "PP", "FF"))
+_WIDE: Final = frozenset(("aa", "E", "oh"))
+_WEAK: Final = 0.5
+"""Weight below which an open shape is half open: a vowel that is hardly said."""
+
+
+def opening(shape: str, weight: float) -> Opening:
+    """Return how far the mouth is open with a shape of this weight."""
+    if shape in _LIPS_TOUCH:
+        return Opening.CLOSED
+    return Opening.OPEN if shape in _WIDE and weight >= _WEAK else Opening.HALF
+
+
+LABELS: Final = (*(Shape(shape, 0.9 if shape in _WIDE else 1.0) for shape in VISEMES), Shape("E", 0.48))
+"""The shapes that are told apart; the last one is the vowel of an unstressed syllable."""
+
+_OPENING_OF: Final = np.array([opening(*label) for label in LABELS])
+_SILENT: Final = VISEMES.index(CLOSED)
+_NEW: Final = np.float32(0.7)
+"""The share of each new moment in what is likely: a single odd one moves nothing."""
+_CLEARLY: Final = 3.0
+"""How much likelier another shape of the same opening has to be."""
+_ENOUGH_MS: Final = LOOK_AHEAD_MS + HOP_MS
+"""Of silence behind the end, so that all moments before it are known."""
 
 
 class Shapes(NamedTuple):
@@ -43,41 +79,67 @@ class MouthReader(Protocol):
         ...
 
 
-class LoudnessMouth:
-    """Opens the mouth with the loudness of each 20 ms; a `MouthReader`."""
+class SoundMouth:
+    """Reads mouth shapes from the spectrum of speech; a `MouthReader`.
 
-    def __init__(self) -> None:
-        self._rest = np.zeros(0, np.int16)
-        self._frames = 0
-        self._last = Viseme(0.0, CLOSED, 1.0)
+    A shape is known when `LOOK_AHEAD_MS` of sound behind its beginning have come. The mouth is closed in pauses, in
+    noise that goes on, and at the end.
 
-    def push(self, samples: NDArray[np.int16]) -> Shapes:
-        """Read on."""
-        sound = np.concatenate((self._rest, samples))
-        count = len(sound) // _FRAME
-        self._rest = sound[count * _FRAME :]
-        return self._read(sound[: count * _FRAME].reshape(count, _FRAME))
+    Args:
+        rate: samples a second, 16,000 to 48,000.
+    """
+
+    def __init__(self, rate: int = SAMPLE_RATE) -> None:
+        self._rate = rate
+        self._features = SoundFeatures(rate)
+        self._samples = 0
+        self._moments = 0
+        self._shown = _SILENT
+        self._likely = np.zeros(len(LABELS), np.float32)
+        """How likely each label was lately."""
+
+    def push(self, samples: NDArray[np.int16] | NDArray[np.float32]) -> Shapes:
+        """Read on; mono, int16 or floats between -1 and 1.
+
+        Raises:
+            ValueError: the samples are not mono, or neither int16 nor float.
+        """
+        sound = as_float(samples)
+        self._samples += len(sound)
+        return self._read(sound)
 
     def finish(self) -> Shapes:
-        """Read what does not fill a frame."""
-        rest, self._rest = self._rest, self._rest[:0]
-        return self._read(np.pad(rest, (0, _FRAME - len(rest))).reshape(1, _FRAME) if len(rest) else rest.reshape(0, 1))
+        """Return the shapes up to the end of the sound, where the mouth closes."""
+        end = self._samples * 1000 / self._rate
+        rest = self._read(np.zeros(round(self._rate * _ENOUGH_MS / 1000), np.float32))
+        visemes = [viseme for viseme in rest.visemes if viseme.offset_ms < end]
+        return Shapes([*visemes, Viseme(round(end, 1), CLOSED, 1.0)], end)
 
-    def _read(self, frames: NDArray[np.int16]) -> Shapes:
-        first = self._frames
-        found = [Viseme(first * 20.0, self._last.shape, self._last.weight)]
-        for power in np.mean(np.square(frames, dtype=np.float32), axis=1) if len(frames) else ():
-            viseme = _opening(self._frames * 20.0, float(power))
-            if (viseme.shape, viseme.weight) != (self._last.shape, self._last.weight):
-                found.append(viseme)
-                self._last = viseme
-            self._frames += 1
-        if len(found) > 1 and found[1].offset_ms == found[0].offset_ms:
-            del found[0]
-        return Shapes(found, self._frames * 20.0)
+    def _read(self, sound: NDArray[np.float32]) -> Shapes:
+        found = [self._shape()]
+        for moment in self._features.add(sound):
+            shown = _SILENT if moment.is_pause else self._decide(moment.features)
+            if shown != self._shown:
+                self._shown = shown
+                found = [*(each for each in found if each.offset_ms < self._moments * HOP_MS), self._shape()]
+            self._moments += 1
+        return Shapes(found, self._moments * HOP_MS)
+
+    def _decide(self, features: NDArray[np.float32]) -> int:
+        """Return the likeliest label of the likeliest opening; of two that are nearly as likely, the shown one."""
+        self._likely += _NEW * (_likelihoods(features) - self._likely)
+        chosen = int(np.bincount(_OPENING_OF, self._likely).argmax())
+        among = np.where(np.equal(_OPENING_OF, chosen), self._likely, 0)
+        best = int(among.argmax())
+        return self._shown if among[self._shown] * _CLEARLY > among[best] else best
+
+    def _shape(self) -> Viseme:
+        shape, weight = LABELS[self._shown]
+        return Viseme(self._moments * HOP_MS, shape, weight)
 
 
-def _opening(offset_ms: float, power: float) -> Viseme:
-    level = 10 * log10(max(power, 1e-3) / 32_768.0**2)
-    opening = round(min(1.0, max(0.0, (level - _QUIET) / (_LOUD - _QUIET))) * _STEPS) / _STEPS
-    return Viseme(offset_ms, "aa", opening) if opening else Viseme(offset_ms, CLOSED, 1.0)
+def _likelihoods(features: NDArray[np.float32]) -> NDArray[np.float32]:
+    hidden = np.tanh(HIDDEN[:, :-1] @ features + HIDDEN[:, -1])
+    scores = SHAPES[:, :-1] @ hidden + SHAPES[:, -1]
+    likely = np.exp(scores - scores.max())
+    return np.asarray(likely / likely.sum(), np.float32)

@@ -18,7 +18,7 @@ from openrois_body.body import Body
 from openrois_body.messages import MAX_VISEMES, Speak, Viseme
 from openrois_body.sound.mixer import BodySound, SoundBusy
 from openrois_body.sound.open_playback import AHEAD_LIMIT, OpenPlayback, SoundOverrun, reach
-from openrois_body.speech.mouth import LoudnessMouth, MouthReader, Shapes
+from openrois_body.speech.mouth import MouthReader, Shapes, SoundMouth
 from openrois_body.speech.playout_delay import PlayoutDelay
 from openrois_body.speech.progress import MarkReached, Progress, SpeechBegan, SpeechEnded, SpeechStarved, WordSpoken
 from openrois_body.speech.synthesizer import NamedMark, Word
@@ -79,7 +79,7 @@ class OpenUtterance:
         self._playout_delay = playout_delay
         self._on_progress = on_progress
         self._line = line
-        self._mouth = mouth or LoudnessMouth()
+        self._mouth = mouth or SoundMouth()
         self._on_played = on_played
         self._waiting: deque[NDArray[np.int16]] = deque()
         """Sound that has no place in time yet."""

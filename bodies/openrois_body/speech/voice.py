@@ -64,7 +64,7 @@ class Voice(Speaker):
         Args:
             text: what is spoken, as far as it is known.
             ssml: whether `text` is SSML.
-            mouth: reads mouth shapes from the sound; by its loudness unless given.
+            mouth: reads mouth shapes from the sound; `SoundMouth` unless given.
             on_played: called with the number of samples that were played, ten times a second.
             on_progress: called with each step of this speech, before `progress` is; must not raise.
         """
