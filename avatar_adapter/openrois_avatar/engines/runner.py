@@ -26,7 +26,6 @@ from openrois_avatar.engines.animation.idle import blink
 from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.animation.reactions import REACTIONS
 from openrois_avatar.engines.animation.visemes import SHAPES, Track
-from openrois_avatar.engines.animation.voice_mouth import loudness
 from openrois_avatar.engines.room.life import Life
 from openrois_avatar.engines.room.plan import HOME
 from openrois_avatar.engines.room.scene import AT_HOME, Scene
@@ -303,7 +302,7 @@ class Runner:
         self._waiting = []
         self._begin(due)
         if heard := self._link.poll_audio():
-            self._animator.follow_voice(due, loudness(heard))
+            self._animator.follow_voice(due, heard)
         scene = self._life.advance(due, self._animator.is_expressive(due))
         if self._wanted:
             self._send_picture(self._renderer.draw(self._animator.pose(due, self._life.walking), scene), due)

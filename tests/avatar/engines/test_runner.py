@@ -42,6 +42,8 @@ from openrois_avatar.link.messages import (
 )
 from openrois_avatar.link.protocol import PixelFormat
 
+from tests.support.hearing import stereo_48k, voice
+
 SIZE = Picture(32, 16, 30)
 
 
@@ -434,9 +436,10 @@ def test_settings_that_make_no_sense_are_refused(arguments: list[str], capsys: p
 def test_the_mouth_follows_the_operator() -> None:
     clock = Clock()
     link, drawing = Link(clock, 1.0), Drawing(clock)
-    link.voice = {100.2 + number / 50: np.full((960, 1), 8000, np.int16) for number in range(15)}
+    blocks = stereo_48k(voice(0.4))[:, :1].reshape(-1, 960, 1)
+    link.voice = {100.2 + number / 50: block for number, block in enumerate(blocks)}
     Runner(link, drawing, SIZE, clock).run()
     jaws = [pose.mouth.jaw for pose in drawing.poses]
     assert jaws[:6] == [0.0] * 6
-    assert max(jaws[6:16]) > 0.3
+    assert max(jaws[6:20]) > 0.2
     assert jaws[-1] < 0.05

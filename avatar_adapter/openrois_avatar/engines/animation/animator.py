@@ -1,16 +1,19 @@
 """The animator: commands go in with their time, poses and finished reactions come out."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from openrois_avatar.engines.animation import idle
 from openrois_avatar.engines.animation.curves import settling, settling_speed, smooth
 from openrois_avatar.engines.animation.gaze import Gaze
 from openrois_avatar.engines.animation.pose import Pose, channels, from_channels
 from openrois_avatar.engines.animation.reactions import REACTIONS, Reaction
-from openrois_avatar.engines.animation.visemes import Track, blended
+from openrois_avatar.engines.animation.visemes import Track, blended, mixed
 from openrois_avatar.engines.animation.voice_mouth import VoiceMouth
 
 MAX_TRACKS: Final = 64
@@ -79,9 +82,9 @@ class Animator:
         """Move the mouth along a track from its own start on."""
         self._tracks = [*(known for known in self._tracks if not known.over(time)), track][-MAX_TRACKS:]
 
-    def follow_voice(self, time: float, loudness: float) -> None:
-        """Follow the operator's voice of this loudness (0..1) with the mouth where the avatar does not speak itself."""
-        self._heard.set_loudness(time, loudness)
+    def follow_voice(self, time: float, blocks: Sequence[NDArray[np.int16]]) -> None:
+        """Follow the operator's voice, as it arrives, with the mouth where the avatar does not speak itself."""
+        self._heard.hear(time, blocks)
 
     def silence(self, time: float) -> None:
         """Close the mouth now; tracks that have not begun are dropped."""
@@ -166,15 +169,15 @@ class Animator:
     def _speaking(self, time: float) -> dict[str, float]:
         playing = [track for track in self._tracks if not track.over(time)]
         shares = [track.share(time) for track in playing]
-        mouth = blended(shares)
-        opening = self._heard.opening(time) * max(0.0, 1 - sum(share.presence for share in shares))
+        free = max(0.0, 1 - sum(share.presence for share in shares))
+        mouth = mixed(blended(shares), self._heard.shape(time), free)
         accent = max((track.accent(time) for track in playing), default=0.0)
         return {
-            "mouth.jaw": mouth.jaw + 0.70 * opening,
+            "mouth.jaw": mouth.jaw,
             "mouth.wide": mouth.wide,
             "mouth.round": mouth.round,
-            "mouth.upper": mouth.upper + 0.20 * opening,
-            "mouth.lower": mouth.lower + 0.35 * opening,
+            "mouth.upper": mouth.upper,
+            "mouth.lower": mouth.lower,
             "mouth.press": mouth.press,
             "mouth.bite": mouth.bite,
             "mouth.tongue": mouth.tongue,

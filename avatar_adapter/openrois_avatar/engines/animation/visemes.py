@@ -49,7 +49,7 @@ _ACCENT_GAP: Final = 0.50
 _ACCENT_LENGTH: Final = 0.42
 CUT: Final = 0.08
 """Seconds in which the mouth closes on `Silence`."""
-_PARTS: Final = tuple(part.name for part in fields(Mouth))
+PARTS: Final = tuple(part.name for part in fields(Mouth))
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,14 +111,14 @@ class Track:
         """Return the track's contribution to the mouth at a time."""
         at, loudness = time - self.start + EARLY, self._loudness(time)
         first, last = bisect_left(self._ends, at - _SPREAD / 2), bisect_right(self._starts, at + _SPREAD / 2)
-        total, firmness, presence = [0.0] * len(_PARTS), 0.0, 0.0
+        total, firmness, presence = [0.0] * len(PARTS), 0.0, 0.0
         for voiced in self._voiced[first:last]:
             amount = (_risen(at - voiced.start) - _risen(at - voiced.end)) * loudness
             firm = amount * _FIRMNESS.get(voiced.shape, 1.0)
             firmness += firm
             presence += amount
             shape = SHAPES[voiced.shape]
-            for index, name in enumerate(_PARTS):
+            for index, name in enumerate(PARTS):
                 total[index] += firm * voiced.weight * getattr(shape, name)
         return Share(tuple(total), firmness, presence)
 
@@ -139,7 +139,12 @@ def blended(shares: Sequence[Share]) -> Mouth:
     """Return the mouth shape of several tracks; without any it is at rest."""
     rest = max(0.0, 1 - sum(share.presence for share in shares))
     firmness = rest + sum(share.firmness for share in shares)
-    return Mouth(*(sum(share.shape[index] for share in shares) / firmness for index in range(len(_PARTS))))
+    return Mouth(*(sum(share.shape[index] for share in shares) / firmness for index in range(len(PARTS))))
+
+
+def mixed(mouth: Mouth, other: Mouth, share: float) -> Mouth:
+    """Return a mouth shape with a share (0..1) of another one added."""
+    return Mouth(*(getattr(mouth, part) + share * getattr(other, part) for part in PARTS))
 
 
 def _risen(since: float) -> float:

@@ -1,51 +1,48 @@
-"""A mouth that follows the loudness of the operator's voice."""
+"""A mouth that follows the operator's voice: its shapes are read from the sound as it arrives."""
 
 from collections.abc import Sequence
-from math import exp, log10
+from math import exp
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from openrois_body.speech.mouth import SoundMouth
 
-QUIET: Final = -45.0
-LOUD: Final = -15.0
-"""Root mean squares in dBFS at which the mouth begins to open, and at which it is open."""
-_OPENING: Final = 0.03
-_CLOSING: Final = 0.09
-"""Time constants in seconds."""
+from openrois_avatar.engines.animation.pose import Mouth
+from openrois_avatar.engines.animation.visemes import PARTS, SHAPES
+
+_FOLLOWING: Final = 0.035
+"""Time constant in seconds with which the mouth takes a shape."""
 HOLD: Final = 0.12
-"""Seconds without a new loudness after which the mouth closes."""
-
-
-def loudness(blocks: Sequence[NDArray[np.int16]]) -> float:
-    """Return the loudness of blocks of sound of any shape together, 0 (quiet) to 1 (loud)."""
-    values = np.concatenate([block.ravel() for block in blocks]).astype(np.float64) if blocks else np.zeros(0)
-    power = float(np.mean(np.square(values))) if len(values) else 0.0
-    if power <= 0.0:
-        return 0.0
-    level = 10 * log10(power / 32_768.0**2)
-    return min(1.0, max(0.0, (level - QUIET) / (LOUD - QUIET)))
+"""Seconds without sound after which the mouth closes."""
+_REST: Final = (0.0,) * len(PARTS)
 
 
 class VoiceMouth:
-    """The opening of the mouth. Times are seconds on one clock and never go back."""
+    """The shape of the mouth. Times are seconds on one clock and never go back."""
 
     def __init__(self) -> None:
+        self._reader = SoundMouth()
         self._time = 0.0
-        self._value = 0.0
-        self._goal = 0.0
+        self._from = self._goal = _REST
 
-    def set_loudness(self, time: float, loudness: float) -> None:
-        """Set the loudness from now on, 0 to 1."""
-        self._value = self.opening(time)
-        self._time, self._goal = time, loudness
+    def hear(self, time: float, blocks: Sequence[NDArray[np.int16]]) -> None:
+        """Follow sound that has arrived by now: blocks of shape (n, 1) at 48 kHz, in order."""
+        shown = self._reader.push(np.concatenate([block[:, 0] for block in blocks])).visemes[-1]
+        self._from = self._parts(time)
+        self._time = time
+        self._goal = tuple(shown.weight * getattr(SHAPES[shown.shape], part) for part in PARTS)
 
-    def opening(self, time: float) -> float:
-        """Return the opening of the mouth at a time, 0 to 1."""
+    def shape(self, time: float) -> Mouth:
+        """Return the shape of the mouth at a time."""
+        return Mouth(*self._parts(time))
+
+    def _parts(self, time: float) -> tuple[float, ...]:
         since = time - self._time
-        reached = self._towards(self._value, self._goal, min(since, HOLD))
-        return reached if since <= HOLD else self._towards(reached, 0.0, since - HOLD)
+        reached = _towards(self._from, self._goal, min(since, HOLD))
+        return reached if since <= HOLD else _towards(reached, _REST, since - HOLD)
 
-    @staticmethod
-    def _towards(value: float, goal: float, seconds: float) -> float:
-        return goal + (value - goal) * exp(-seconds / (_OPENING if goal > value else _CLOSING))
+
+def _towards(parts: tuple[float, ...], goal: tuple[float, ...], seconds: float) -> tuple[float, ...]:
+    left = exp(-seconds / _FOLLOWING)
+    return tuple(end + (part - end) * left for part, end in zip(parts, goal, strict=True))
