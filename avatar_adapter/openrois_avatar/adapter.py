@@ -1,7 +1,7 @@
 """The avatar adapter: one engine with its components and its streams."""
 
 import logging
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -13,8 +13,10 @@ from openrois_body.components.speech_progress import SpeechProgress
 from openrois_body.components.speech_stream import SpeechStream
 from openrois_body.components.speech_synthesis import SpeechSynthesis
 from openrois_body.components.system_information import SystemInformation
+from openrois_body.host_body import HostBody
 from openrois_body.metrics import body_figures
 from openrois_body.microphone_senses import microphone_senses
+from openrois_body.speech_options import EarsChoice
 from openrois_media.components import AudioStreaming, VideoStreaming
 from openrois_media.devices import Camera, Microphone
 from openrois_media.metrics.figures import Snapshot
@@ -28,8 +30,10 @@ from openrois_streaming.publish.passthrough import EncodedPublisher, SwitchingPu
 from openrois_streaming.publish.publisher import AudioPublisher, VideoPublisher
 from openrois_streaming.session.sessions import StreamSessions
 
+from openrois.adapter.loading import make_components
 from openrois.adapter.running import hosted
 from openrois.aio.tasks import TaskScope
+from openrois.component.component import Component
 from openrois.contract import Client
 from openrois.session.session import EngineHost
 from openrois.types.references import reference
@@ -71,13 +75,14 @@ async def run_avatar(settings: AvatarSettings) -> AsyncIterator[Avatar]:
         NoGameEngine: the game engine does not run here; the text says what to install.
         LinkError: it did not start, and the text has its last output; or its address cannot be listened on.
         UnsupportedLibrary: the installed version of aiortc is not supported.
+        ValueError: voice, ears or a component of the user cannot be made; a sentence for a person.
     """
     clock = SystemClock()
     async with AsyncExitStack() as stack:
         if settings.engine == "synthetic":
             scene = synthetic_scene(clock, stamped=settings.stamp)
         elif settings.engine == "external":
-            awaited = external_scene(settings.engine_id, settings.link, settings.link_secret, clock)
+            awaited = external_scene(settings.engine_id, settings.link, settings.link_secret, clock, settings.voice)
             scene = await stack.enter_async_context(awaited)
         else:
             name, missing = choose_game_engine(settings.engine)
@@ -85,7 +90,9 @@ async def run_avatar(settings: AvatarSettings) -> AsyncIterator[Avatar]:
                 _log.warning("%s", missing)
             module = f"openrois_avatar.engines.{name}"
             scene = await stack.enter_async_context(
-                embedded_scene(settings.engine_id, module, clock, link_address(name), _of_engine(name, settings))
+                embedded_scene(
+                    settings.engine_id, module, clock, link_address(name), _of_engine(name, settings), settings.voice
+                )
             )
         caps = Caps(max_bitrate=settings.max_viewer_bitrate)
         yield await stack.enter_async_context(
@@ -97,6 +104,8 @@ async def run_avatar(settings: AvatarSettings) -> AsyncIterator[Avatar]:
                 lambda _: caps,
                 settings.pixel_streaming,
                 settings.max_encoders,
+                settings.ears,
+                settings.components,
             )
         )
 
@@ -117,6 +126,8 @@ async def serve_scene(
     cap: Callable[[Client], Caps] | None = None,
     streamer: PixelStreaming | None = None,
     max_encoders: int = ENCODERS_LIMIT,
+    ears: EarsChoice | None = None,
+    added: Sequence[type[Component]] = (),
 ) -> AsyncIterator[Avatar]:
     """Make an engine of a scene: its components, and the streams of its picture and sound.
 
@@ -128,9 +139,12 @@ async def serve_scene(
         cap: returns the limits of a client's streams; None: as much as its path carries.
         streamer: the signaling server of Pixel Streaming that it also serves; None for none.
         max_encoders: encoders of its picture at a time.
+        ears: what recognises speech; None: what is installed.
+        added: the classes of components that the user adds.
 
     Raises:
         UnsupportedLibrary: the installed version of aiortc is not supported.
+        ValueError: the recogniser or an added component cannot be made; a sentence for a person.
     """
     video, audio = _publisher(scene, clock, EncoderLimit(max_encoders)), AudioPublisher(scene.audio, clock=clock)
     microphone, camera = Microphone(clock), Camera()
@@ -148,10 +162,13 @@ async def serve_scene(
     )
     showing = streams.components[VIDEO]
     information, operator = SystemInformation(engine_id, scene.status, scene.place), Operator(microphone, camera)
-    eyes, ears = camera_senses(engine_id, camera, clock), microphone_senses(engine_id, microphone, clock)
-    progress = () if scene.voice is None else (SpeechProgress(scene.voice, ears.speech),)
-    sensing = (*eyes.components, *ears.components)
-    components = (information, *streams.components.values(), operator, *progress, *sensing, *scene.components)
+    listening = ears or EarsChoice()
+    eyes = camera_senses(engine_id, camera, clock)
+    hearing = microphone_senses(engine_id, microphone, clock, listening.make(), listening.may_send)
+    progress = () if scene.voice is None else (SpeechProgress(scene.voice, hearing.speech),)
+    sensing = (*eyes.components, *hearing.components)
+    own = (information, *streams.components.values(), operator, *progress, *sensing, *scene.components)
+    components = (*own, *make_components(added, HostBody(engine_id, clock, own, scene.voice, scene.body), own))
     # A voice is heard also while nothing moves.
     moving = tuple(each for each in scene.components if not isinstance(each, SpeechSynthesis | SpeechStream))
     streams.supervised["engine"] = Supervised(scene.engine, scene.observe, (showing, *moving))
@@ -164,14 +181,14 @@ async def serve_scene(
         tasks = await stack.enter_async_context(TaskScope())
         tasks.start(microphone.listen())
         tasks.start(eyes.run())
-        tasks.start(ears.run())
+        tasks.start(hearing.run())
         if streamer is not None:
             shown = tuple(reference(engine_id, name) for name in streams.components)
             tasks.start(serve_pixel_streaming(streamer, interface, shown, scene, clock))
         microphone.sound_received.add(scene.send_audio)
         scene.announced.add(lambda shape: _expect(shape, video, showing))
         scene.pauses.changed.add(lambda on: _pause(sessions, reference(engine_id, VIDEO), on))
-        senses = {"vision": eyes.watch.figures, "hearing": ears.recognition.figures}
+        senses = {"vision": eyes.watch.figures, "hearing": hearing.recognition.figures}
         operator_figures = None if scene.operator_control is None else scene.operator_control.figures
         speech_figures = None if scene.speech_control is None else scene.speech_control.figures
         more = partial(body_figures, senses, operator_figures, speech_figures)

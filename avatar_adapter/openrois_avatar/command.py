@@ -6,12 +6,22 @@ from collections.abc import Sequence
 from contextlib import AsyncExitStack
 
 import uvloop
+from openrois_body.speech.contract import DEFAULT_SYNTHESIZER
+from openrois_body.speech_options import (
+    EarsChoice,
+    VoiceChoice,
+    add_ears_options,
+    add_voice_options,
+    ears_choice,
+    voice_choice,
+)
 from openrois_media.network_options import add_network_options, network_settings
 from openrois_media.process import serve_process
 from openrois_media.running import prepare_process
 from openrois_streaming.adaptation.rung import MIN_BITRATE
 from openrois_streaming.aiortc_internals.trial import UnsupportedLibrary
 
+from openrois.adapter.loading import add_component_option, load_components
 from openrois.adapter.process import run_until_stopped
 from openrois.cli.command_line import CommandLine
 from openrois.errors import BadParameter
@@ -72,6 +82,9 @@ def main(arguments: Sequence[str]) -> int:
         metavar="N",
         help="encoders of the picture at a time; viewers then share what runs (%(default)s)",
     )
+    add_component_option(parser)
+    add_voice_options(parser)
+    add_ears_options(parser)
     add_network_options(parser)
     add_pixel_streaming_options(parser)
     parser.add_argument("--verbose", action="store_true", help="log more")
@@ -83,6 +96,8 @@ def main(arguments: Sequence[str]) -> int:
         metrics = None if chosen.metrics is None else metrics_address(chosen.metrics)
         network = network_settings(chosen)
         secret = link_secret(chosen)
+        voice, ears, components = voice_choice(chosen), ears_choice(chosen), load_components(chosen.own_components)
+        _refuse_speech(chosen, voice, ears)
         streamer = pixel_streaming(chosen)
         if streamer is not None and chosen.engine in FACADES:
             raise ValueError(
@@ -118,13 +133,31 @@ def main(arguments: Sequence[str]) -> int:
         max_encoders=chosen.max_encoders,
         pixel_streaming=streamer,
         credentials=shown,
+        voice=voice,
+        ears=ears,
+        components=components,
     )
     try:
         uvloop.run(run_until_stopped(_serve(settings)))
-    except (NoGameEngine, LinkError, UnsupportedLibrary, BadParameter, FacadeUnavailable, MetricsUnavailable) as error:
+    except (
+        *(NoGameEngine, LinkError, UnsupportedLibrary, BadParameter, FacadeUnavailable, MetricsUnavailable),
+        ValueError,
+    ) as error:
         print(f"openrois avatar: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+def _refuse_speech(chosen: argparse.Namespace, voice: VoiceChoice, ears: EarsChoice) -> None:
+    """Refuse what is said of voice and ears where the adapter has none."""
+    if voice.name != DEFAULT_SYNTHESIZER and (chosen.engine in FACADES or chosen.engine == "synthetic"):
+        raise ValueError(
+            f"--voice {voice.name} cannot be used with --engine {chosen.engine}, which has no voice of ours"
+        )
+    if ears.name and chosen.engine in FACADES:
+        raise ValueError(
+            f"--ears {ears.name} cannot be used with --engine {chosen.engine}: sound does not pass through the adapter"
+        )
 
 
 def _bitrate(text: str) -> int:

@@ -25,8 +25,8 @@ from openrois_body.motion.wayfinding import Ways
 from openrois_body.motion.world import World
 from openrois_body.sound.mixer import BodySound
 from openrois_body.speech.speech_control import SpeechControl
-from openrois_body.speech.synthesizer import Synthesizer
 from openrois_body.speech.voice import Voice
+from openrois_body.speech_options import VoiceChoice
 from openrois_body.teleoperation.figure_controls import FigureControls
 from openrois_body.teleoperation.operator_control import OperatorControl
 from openrois_media.health import Health, Observed
@@ -99,6 +99,7 @@ class Scene:
         world: what is known of the scene; None without a figure.
         legs: move the figure in the scene; None without a figure.
         voice: the figure's voice; None without a figure.
+        body: the figure's mouth, eyes and reactions; None without a figure.
         announced: called with the pictures to be expected when another game engine has connected.
         operator_control: which application operates the figure by hand; None without a figure.
         speech_control: which application speaks by sound; None without a figure.
@@ -118,6 +119,7 @@ class Scene:
     world: World | None = None
     legs: Legs | None = None
     voice: Voice | None = None
+    body: Body | None = None
     announced: Listeners[VideoShape] = field(default_factory=Listeners)
     operator_control: OperatorControl | None = None
     encoded: EngineEncoded | None = None
@@ -163,7 +165,12 @@ def synthetic_scene(
 
 
 def embedded_scene(
-    engine_id: str, module: str, clock: MediaClock, address: str | None = None, arguments: Sequence[str] = ()
+    engine_id: str,
+    module: str,
+    clock: MediaClock,
+    address: str | None = None,
+    arguments: Sequence[str] = (),
+    voice: VoiceChoice | None = None,
 ) -> AbstractAsyncContextManager[Scene]:
     """Show the avatar of an embedded game engine for as long as the block runs.
 
@@ -173,14 +180,17 @@ def embedded_scene(
         clock: the media clock.
         address: where the engine link listens, as `LinkServer.listen` has it; a private Unix socket if not given.
         arguments: of the game engine.
+        voice: what speaks; None: espeak-ng.
 
     Raises:
         LinkError: on entering: the game engine did not start; the text has its last output.
     """
-    return _engine_scene(engine_id, partial(EmbeddedEngine, module, *arguments, address=address), clock)
+    return _engine_scene(engine_id, partial(EmbeddedEngine, module, *arguments, address=address), clock, voice)
 
 
-def external_scene(engine_id: str, address: str, secret: str, clock: MediaClock) -> AbstractAsyncContextManager[Scene]:
+def external_scene(
+    engine_id: str, address: str, secret: str, clock: MediaClock, voice: VoiceChoice | None = None
+) -> AbstractAsyncContextManager[Scene]:
     """Show the avatar of a game engine that connects to an address, for as long as the block runs.
 
     Args:
@@ -188,12 +198,13 @@ def external_scene(engine_id: str, address: str, secret: str, clock: MediaClock)
         address: where it is awaited, `tcp:host:port` or `unix:/path`.
         secret: that it has to send; empty: any will do.
         clock: the media clock.
+        voice: what speaks; None: espeak-ng.
 
     Raises:
         LinkError: on entering: the address cannot be listened on.
     """
     return _engine_scene(
-        engine_id, partial(ExternalEngine, address, secret), clock, f"no game engine is connected to {address}"
+        engine_id, partial(ExternalEngine, address, secret), clock, voice, f"no game engine is connected to {address}"
     )
 
 
@@ -206,7 +217,11 @@ def _pass_on(event: LinkEvent, parts: Iterable[Callable[[Event], None]]) -> None
 
 @asynccontextmanager
 async def _engine_scene(
-    engine_id: str, make: Callable[..., LinkedEngine], clock: MediaClock, last_words: str = "the game engine is gone"
+    engine_id: str,
+    make: Callable[..., LinkedEngine],
+    clock: MediaClock,
+    speaking: VoiceChoice | None,
+    last_words: str = "the game engine is gone",
 ) -> AsyncIterator[Scene]:
     """Show the avatar of a game engine; `last_words` say why there are no pictures before it has connected."""
     async with AsyncExitStack() as stack:
@@ -239,7 +254,7 @@ async def _engine_scene(
 
         engine = make(on_audio=sound.feed, on_event=told, on_lost=lost, on_back=back, clock=clock)
         await stack.enter_async_context(engine)
-        synthesizer = await stack.enter_async_context(Synthesizer(clock))
+        synthesizer = await stack.enter_async_context((speaking or VoiceChoice()).make(clock))
 
         def observe() -> Observed:
             failure = "" if engine.hello is not None else last_words
@@ -297,6 +312,7 @@ async def _engine_scene(
             world,
             legs,
             voice,
+            body,
             announced,
             operator_control,
             engine.encoded,

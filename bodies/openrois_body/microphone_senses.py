@@ -1,24 +1,27 @@
 """The senses of the operator's microphone: three components of the standard and one of OpenRoIS."""
 
 import asyncio
+import logging
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from openrois_media.devices import Microphone
 from openrois_streaming.clock import MediaClock
 
 from openrois.component.component import Component
-from openrois_body.backends import chosen
 from openrois_body.components.hearing import Hearing
 from openrois_body.components.sound_detection import SoundDetection
 from openrois_body.components.sound_localization import SoundLocalization
 from openrois_body.components.speech_recognition import SpeechRecognition
 from openrois_body.hearing.ear import Ear
 from openrois_body.hearing.recognition import Recognition
-from openrois_body.hearing.recognizer import RECOGNIZERS, SpeechRecognizer
+from openrois_body.hearing.recognizer import SpeechRecognizer
 from openrois_body.hearing.speech_detector import SpeechDetector
-from openrois_body.hearing.sphinx import Sphinx
 
 __all__ = ["MicrophoneSenses", "microphone_senses"]
+
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +42,11 @@ class MicrophoneSenses:
 
 
 def microphone_senses(
-    engine_id: str, microphone: Microphone, clock: MediaClock, recognizer: SpeechRecognizer | None = None
+    engine_id: str,
+    microphone: Microphone,
+    clock: MediaClock,
+    recognizer: SpeechRecognizer,
+    may_send: Callable[[], bool] | None = None,
 ) -> MicrophoneSenses:
     """Return the senses of a microphone.
 
@@ -47,12 +54,14 @@ def microphone_senses(
         engine_id: leads every ref.
         microphone: source of the sound.
         clock: the media clock.
-        recognizer: recognises speech; None for the best that is installed.
+        recognizer: recognises speech.
+        may_send: whether sound may be sent to the recogniser, as `Recognition` asks it.
     """
-    recognizer = recognizer or chosen(RECOGNIZERS, Sphinx)
+    if recognizer.destination:
+        _log.warning("recognised words: the sound of the microphone is sent to %s", recognizer.destination)
     ear = Ear(microphone, clock)
     speech = SpeechDetector(ear)
-    recognition = Recognition(speech, recognizer, clock)
+    recognition = Recognition(speech, recognizer, clock, may_send)
     components = (
         SoundDetection(ear, clock),
         SoundLocalization(engine_id, ear, clock),

@@ -14,7 +14,7 @@ def test_the_smallest_extra_is_named_that_brings_the_module(monkeypatch: pytest.
     error = ModuleNotFoundError("No module named 'aiohttp'", name="aiohttp.web")
     assert name_missing_extra(error) == "aiohttp is not installed: run `pip install 'openrois[gateway]'`"
     assert name_missing_extra(error, "avatar") == "aiohttp is not installed: run `pip install 'openrois[avatar]'`"
-    assert name_missing_extra(error, "hearing") == "aiohttp is not installed: run `pip install 'openrois[gateway]'`"
+    assert name_missing_extra(error, "streaming") == "aiohttp is not installed: run `pip install 'openrois[gateway]'`"
 
 
 @pytest.mark.parametrize(

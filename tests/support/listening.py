@@ -1,7 +1,7 @@
 """A microphone that is fed by hand, the senses behind it, and a recogniser with scripted results."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 
 import numpy as np
@@ -17,6 +17,7 @@ class ScriptedRecognizer:
     """Returns the results in `understands`, in English and German, and records the expected phrases."""
 
     languages = ("en", "de")
+    destination = ""
 
     def __init__(self) -> None:
         self.understands: tuple[str, ...] = ("hello", "hollow")
@@ -56,7 +57,7 @@ class ScriptedRecognizer:
         self._samples += len(samples)
         return self.understands[0][: 1 + self._samples // 8000] if self.understands else ""
 
-    async def finish(self) -> tuple[str, ...]:
+    async def finish(self, guess: Callable[[str], None]) -> tuple[str, ...]:
         await self._answer()
         self.heard.append(self._samples)
         return self.understands

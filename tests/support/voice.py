@@ -2,11 +2,21 @@
 
 import asyncio
 import re
-from collections.abc import Sequence
+from collections.abc import AsyncGenerator, AsyncIterator, Sequence
+from contextlib import aclosing, asynccontextmanager
+from types import TracebackType
+from typing import Self
 
 import numpy as np
 from openrois_body.messages import Viseme
-from openrois_body.speech.synthesizer import NamedMark, Speech, SpeechRefused, SpeechUnavailable, Word
+from openrois_body.speech.contract import (
+    NamedMark,
+    SpeechChunk,
+    SpeechRefused,
+    SpeechRequest,
+    SpeechUnavailable,
+    Word,
+)
 
 
 class ScriptedSynthesizer:
@@ -15,6 +25,8 @@ class ScriptedSynthesizer:
     Each of its words takes as long as the others; one in `<>` is a mark.
     """
 
+    destination = ""
+
     def __init__(self, seconds: float = 1.0) -> None:
         self.seconds = seconds
         self.asked: list[tuple[str, str, str | None, int, bool]] = []
@@ -22,6 +34,14 @@ class ScriptedSynthesizer:
         self.refuses = False
         self.ready = asyncio.Event()
         self.ready.set()
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        pass
 
     def available(self) -> tuple[bool, str]:
         return self.installed, "" if self.installed else "install it"
@@ -34,19 +54,23 @@ class ScriptedSynthesizer:
         self._require()
         return ("f1", "m1")
 
-    async def synthesize(
-        self, text: str, *, language: str = "en", voice: str | None = None, volume: int = 50, ssml: bool = False
-    ) -> Speech:
+    @asynccontextmanager
+    async def speak(self, request: SpeechRequest) -> AsyncIterator[AsyncIterator[SpeechChunk]]:
+        async with aclosing(self._chunks(request)) as chunks:
+            yield chunks
+
+    async def _chunks(self, request: SpeechRequest) -> AsyncGenerator[SpeechChunk, None]:
         self._require()
         await self.ready.wait()
         if self.refuses:
             raise SpeechRefused("not available")
-        self.asked.append((text, language, voice, volume, ssml))
+        text = request.text
+        self.asked.append((text, request.language, request.voice, request.volume, request.ssml))
         samples = np.full(round(self.seconds * 48_000), 1000, dtype=np.int16)
         found = list(re.finditer(r"\S+", text))
         share = self.seconds * 1000 / max(1, len(found))
         moments = [(number * share, match[0], match.start()) for number, match in enumerate(found)]
-        return Speech(
+        yield SpeechChunk(
             samples,
             tuple(Word(*moment) for moment in moments if "<" not in moment[1]),
             (Viseme(0.0, "aa", 1.0), Viseme(self.seconds * 1000, "sil", 0.0)),

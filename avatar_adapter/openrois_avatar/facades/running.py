@@ -13,6 +13,7 @@ from typing import Final
 from openrois_body.components.speech_synthesis import SpeechSynthesis
 from openrois_body.components.system_information import SystemInformation
 from openrois_body.components.teleoperation import Teleoperation
+from openrois_body.host_body import HostBody
 from openrois_body.metrics import body_figures
 from openrois_media.components import AudioStreaming, VideoStreaming
 from openrois_media.health import Health, Observed
@@ -21,6 +22,7 @@ from openrois_media.supervision import Supervised, supervise
 from openrois_signaling.messages import MediaKind
 from openrois_streaming.clock import SystemClock
 
+from openrois.adapter.loading import make_components
 from openrois.adapter.running import hosted
 from openrois.aio.tasks import TaskScope
 from openrois.session.session import EngineHost
@@ -64,7 +66,7 @@ async def run_facade(settings: AvatarSettings) -> AsyncIterator[FacadeAvatar]:
     Raises:
         FacadeUnavailable: the address of the facade cannot be listened on.
         LinkError: the address of the engine link cannot be listened on.
-        ValueError: the address of the facade is malformed.
+        ValueError: the address of the facade is malformed, or a component of the user cannot be made.
     """
     clock = SystemClock()
     host, port = facade_address(settings.facade)
@@ -103,8 +105,10 @@ async def run_facade(settings: AvatarSettings) -> AsyncIterator[FacadeAvatar]:
         showing = (VideoStreaming((), _DIRECTIONS, status), AudioStreaming((), _DIRECTIONS, status))
         information = SystemInformation(settings.engine_id, status, scene.place)
         supervised = (Supervised(engine, observe, showing), Supervised(scene.engine, scene.observe, acting))
+        own = (information, *showing, *acting)
+        added = make_components(settings.components, HostBody(settings.engine_id, clock, own, figure=scene.body), own)
         async with (
-            hosted(settings.engine_id, information, *showing, *acting, extension=streams) as engine_host,
+            hosted(settings.engine_id, *own, *added, extension=streams) as engine_host,
             server.listening(host, port) as url,
             TaskScope() as tasks,
         ):

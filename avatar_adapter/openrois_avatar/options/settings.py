@@ -3,9 +3,11 @@
 from dataclasses import dataclass, field
 from typing import Final
 
+from openrois_body.speech_options import EarsChoice, VoiceChoice
 from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT
 
+from openrois.component.component import Component
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois_avatar.options.picture_size import PictureSize
 from openrois_avatar.options.pixel_streaming import PixelStreaming
@@ -43,6 +45,9 @@ class AvatarSettings:
         max_encoders: encoders of the picture at a time, of all sizes, paces and codecs.
         pixel_streaming: the signaling server of Pixel Streaming that it also serves; None for none.
         credentials: for the gateways.
+        voice: what speaks.
+        ears: what recognises speech.
+        components: the classes of those that the user adds.
     """
 
     gateways: tuple[str, ...] = ("ws://127.0.0.1:8765/adapter",)
@@ -60,3 +65,6 @@ class AvatarSettings:
     max_encoders: int = ENCODERS_LIMIT
     pixel_streaming: PixelStreaming | None = None
     credentials: Credentials = NO_CREDENTIALS
+    voice: VoiceChoice = field(default_factory=VoiceChoice)
+    ears: EarsChoice = field(default_factory=EarsChoice)
+    components: tuple[type[Component], ...] = ()

@@ -27,6 +27,16 @@ class MicrophoneResult(Payload):
     speaking: bool
 
 
+class RecognizerResult(Payload):
+    """Where the sound of speech is sent to be recognised, as `https://host`; empty where it stays with the adapter.
+
+    It is sent only while `allowed`: the person who speaks has agreed, or it stays with the adapter.
+    """
+
+    sent_to: str
+    allowed: bool
+
+
 class Hearing(Sense, components.BasicComponent, authority="OpenRoIS", function="sensing"):
     """Announces partial results of SpeechRecognition, with the grammar and language that are set there.
 
@@ -71,6 +81,11 @@ class Hearing(Sense, components.BasicComponent, authority="OpenRoIS", function="
     async def microphone(self) -> MicrophoneResult:
         """Return the state of the microphone; speech is detected only while a component needs it."""
         return MicrophoneResult(channels=self._ear.channels, speaking=self._speech.speaking)
+
+    @query
+    async def recognizer(self) -> RecognizerResult:
+        """Return where speech is recognised."""
+        return RecognizerResult(sent_to=self._recognition.destination, allowed=not self._recognition.withheld)
 
     def _on_guessed(self, text: str) -> None:
         if self.activity.works:

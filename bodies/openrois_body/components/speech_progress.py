@@ -4,7 +4,7 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from typing import Any, Protocol
 
-from openrois.adapter import Component, ComponentStatus, event, parameter
+from openrois.adapter import Component, ComponentStatus, event, parameter, query
 from openrois.aio.listeners import Listeners
 from openrois.types.codes import CompletedStatus
 from openrois_body.speech.progress import (
@@ -131,6 +131,11 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation", part
             position: of that word
             heard_ms: of its sound, in milliseconds
         """
+
+    @query(result="sent_to")
+    async def synthesizer(self) -> str:
+        """Return where texts are sent to be spoken, as `https://host`; empty where they stay with the adapter."""
+        return self._voice.destination
 
     def _spoken_to(self, _at: float) -> None:
         if self.barge_in:

@@ -60,6 +60,10 @@ class SpeechRecognition(Sense, components.SpeechRecognition):
         """Return READY where a recogniser is installed and works, else ERROR."""
         return ComponentStatus.READY if self._works and not self._recognition.failure else ComponentStatus.ERROR
 
+    def problem(self) -> str:
+        """Return why speech is not recognised now, or what to install."""
+        return self._recognition.failure or self._recognizer.available()[1]
+
     def accept_parameters(self, changes: dict[str, Any]) -> dict[str, Any]:
         """Refuse an unknown language and an unusable grammar."""
         languages = changes.get("languages", self.languages)

@@ -11,7 +11,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-__all__ = ["MAX_TOKENS", "Grammar", "GrammarError", "read_grammar"]
+__all__ = ["MAX_GRAMMAR", "MAX_TOKENS", "Grammar", "GrammarError", "chosen_grammar", "read_grammar"]
+
+MAX_GRAMMAR: Final = 16_384
+"""Characters of a grammar."""
 
 MAX_TOKENS: Final = 2000
 """Words of a rule with all its references written out: what is longer would take a recogniser too long."""
@@ -139,6 +142,24 @@ class _Said:
 
     def _from(self, places: frozenset[int], part: _Part) -> frozenset[int]:
         return frozenset().union(*(self.after(part, at) for at in places))
+
+
+def chosen_grammar(grammar: str, rule: str) -> tuple[Grammar | None, str]:
+    """Return the grammar and the name of its rule that an application has set; None for open dictation.
+
+    Raises:
+        GrammarError: the grammar or rule does not exist, or is not supported.
+    """
+    if grammar in ("default", ""):
+        if rule not in ("default", ""):
+            raise GrammarError("the grammar `default` is open dictation; its only rule is `default`")
+        return None, ""
+    if not grammar.lstrip("\ufeff").startswith("#JSGF"):
+        raise GrammarError("the grammar must be `default` or a text in JSGF that begins with `#JSGF V1.0;`")
+    if len(grammar) > MAX_GRAMMAR:
+        raise GrammarError(f"the grammar has {len(grammar)} characters, and at most {MAX_GRAMMAR} are allowed")
+    read = read_grammar(grammar)
+    return read, read.rule(rule or "default")
 
 
 def read_grammar(text: str) -> Grammar:

@@ -35,9 +35,16 @@ _LOUDER: Final = 30.0
 _log = logging.getLogger(__name__)
 
 
+class _Withheld(Exception):
+    """An utterance must not be sent to the recogniser; the text says why."""
+
+
 @dataclass(eq=False)
 class Utterance:
-    """Speech as it arrives, in parts of 16 kHz; its expectation was set when it began."""
+    """Speech as it arrives, in parts of 16 kHz; its expectation was set when it began.
+
+    `withheld`: a part of it must not be sent to the recogniser, and so none of it is.
+    """
 
     began_at: float
     expected: Expectation
@@ -45,10 +52,19 @@ class Utterance:
     parts: list[NDArray[np.int16]] = field(default_factory=list)
     ended_at: float | None = None
     attempts: int = 0
+    withheld: bool = False
     changed: asyncio.Event = field(default_factory=asyncio.Event)
+
+    def withhold(self) -> None:
+        """Forget the sound: it must not be sent."""
+        self.withheld = True
+        self.parts.clear()
+        self.changed.set()
 
     def add(self, samples: NDArray[np.int16]) -> None:
         """Add the next part. The first one, by which the speech was noticed, sets the amplification."""
+        if self.withheld:
+            return
         if not self.parts:
             loudness = float(np.sqrt(np.mean(samples.astype(np.float64) ** 2))) if len(samples) else 0.0
             self.gain = min(_LOUDER, max(1.0, _LOUDNESS / max(loudness, 1.0)))
@@ -68,9 +84,17 @@ class Recognition:
         speech: tells when the operator speaks.
         recognizer: the backend.
         clock: the media clock.
+        may_send: whether the sound of this very moment may be sent to the recogniser's `destination`; it is asked
+            with each block of sound, and before each request. None: only where that is this machine.
     """
 
-    def __init__(self, speech: SpeechDetector, recognizer: SpeechRecognizer, clock: MediaClock) -> None:
+    def __init__(
+        self,
+        speech: SpeechDetector,
+        recognizer: SpeechRecognizer,
+        clock: MediaClock,
+        may_send: Callable[[], bool] | None = None,
+    ) -> None:
         self.expected: Callable[[], Expectation] = lambda: Expectation(recognizer.languages[:1])
         """Returns the expectation of the next utterance."""
         self.guessed: Listeners[str] = Listeners()
@@ -82,6 +106,9 @@ class Recognition:
         self.failure = ""
         """Why speech cannot be recognised now; empty if it can."""
         self.figures = SenseFigures(lost=0)
+        self._may_send = may_send or (lambda: not recognizer.destination)
+        self._is_withholding = False
+        """Whether the last utterance was withheld."""
         self._speech = speech
         self._recognizer = recognizer
         self._clock = clock
@@ -92,6 +119,18 @@ class Recognition:
         """The utterance that is being recognised; the first in the queue unless it was lost meanwhile."""
         self._waiting: deque[Utterance] = deque(maxlen=WAITING)
         self._changed = asyncio.Event()
+
+    @property
+    def destination(self) -> str:
+        """Where sound is sent, as `https://host`; empty where it stays on this machine."""
+        return self._recognizer.destination
+
+    @property
+    def withheld(self) -> str:
+        """Why the sound of this moment is not sent to the recogniser, a sentence; empty if it is."""
+        if self._may_send():
+            return ""
+        return f"the person who speaks has not agreed that the sound is sent to {self.destination or 'a recogniser'}"
 
     def want(self) -> Callable[[], None]:
         """Recognise speech from now on; return a function that ends that, and may be called repeatedly."""
@@ -129,33 +168,55 @@ class Recognition:
                 return
             utterance = self._tried = self._waiting[0]
             utterance.attempts += 1
-            await self._write_down(transcriber, utterance)
+            try:
+                await self._write_down(transcriber, utterance)
+                self._is_withholding = False
+            except _Withheld as withheld:
+                if not self._is_withholding:
+                    self._is_withholding = True
+                    self.failed.notify_all(str(withheld))
             self._done()
 
     async def _write_down(self, transcriber: Transcriber, utterance: Utterance) -> None:
+        self._require_consent(utterance)
         with self._spending():
             await transcriber.begin(utterance.expected)
         taken, guess = 0, ""
         while True:
+            self._require_consent(utterance)
             parts = utterance.parts[taken:]
             taken += len(parts)
             sound = np.concatenate([np.zeros(0, np.int16), *parts])
             for start in range(0, len(sound), _PART):
+                self._require_consent(utterance)
                 with self._spending():
                     understood = await transcriber.hear(sound[start : start + _PART])
-                if understood != guess and self._leave:
+                if understood != guess:
                     guess = understood
-                    self.guessed.notify_all(guess)
+                    self._guess(guess)
             if taken == len(utterance.parts):
                 if utterance.ended_at is not None:
                     break
                 utterance.changed.clear()
                 await utterance.changed.wait()
+        self._require_consent(utterance)
         with self._spending():
-            candidates = await transcriber.finish()
+            candidates = await transcriber.finish(self._guess)
+        self._require_consent(utterance)
         self.figures.analysed += 1
         if candidates and self._leave:
             self.recognized.notify_all(candidates, utterance.ended_at)
+
+    def _guess(self, text: str) -> None:
+        if self._leave and self._may_send():
+            self.guessed.notify_all(text)
+
+    def _require_consent(self, utterance: Utterance) -> None:
+        """Raise `_Withheld` for an utterance of which a part must not be sent, or must not any more."""
+        if not self._may_send():
+            utterance.withhold()
+        if utterance.withheld:
+            raise _Withheld(self.withheld or "an utterance was withheld: not all of it might be sent")
 
     @contextmanager
     def _spending(self) -> Iterator[None]:
@@ -211,6 +272,8 @@ class Recognition:
 
     def _add_sound(self, samples: NDArray[np.int16]) -> None:
         if self._current is not None:
+            if not self._may_send():
+                self._current.withhold()
             self._current.add(samples)
 
     def _end_utterance(self, at: float) -> None:

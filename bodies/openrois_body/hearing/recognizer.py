@@ -1,22 +1,40 @@
 """The interface of speech recognisers, for other backends than the offline one."""
 
+from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrois_body.backends import Backend
+from openrois_body.services.address import ServiceAddress
 
-__all__ = ["RECOGNIZERS", "Expectation", "RecognizerFailed", "SpeechRecognizer", "Transcriber"]
+__all__ = ["RECOGNIZERS", "EarsSettings", "Expectation", "RecognizerFailed", "SpeechRecognizer", "Transcriber"]
 
 RECOGNIZERS: Final = "openrois.speech_recognizers"
-"""The group of entry points; each is called without arguments and returns a `SpeechRecognizer`."""
+"""The group of entry points; each is called with `EarsSettings` and returns a `SpeechRecognizer`."""
 
 
 class RecognizerFailed(Exception):
     """A transcriber has failed; the text says why. Another one can be opened."""
+
+
+@dataclass(frozen=True, slots=True)
+class EarsSettings:
+    """What the options of the command line say of recognition; a recogniser takes what it needs of them.
+
+    Attributes:
+        url: of the server that recognises; None: none was named.
+        model: that recognises there; empty: the recogniser's own choice.
+        key_file: holds the key for the server.
+    """
+
+    url: ServiceAddress | None = None
+    model: str = ""
+    key_file: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,13 +64,22 @@ class Transcriber(Protocol):
         """Add the next part of the utterance, 16 kHz mono of shape (n,), and return the partial result."""
         ...
 
-    async def finish(self) -> tuple[str, ...]:
-        """End the utterance and return its candidates, the likeliest first; empty if it was no such speech."""
+    async def finish(self, guess: Callable[[str], None]) -> tuple[str, ...]:
+        """End the utterance and return its candidates, the likeliest first; empty if it was no such speech.
+
+        Args:
+            guess: called with each partial result that comes before.
+        """
         ...
 
 
 class SpeechRecognizer(Backend, Protocol):
     """A backend of speech recognition."""
+
+    @property
+    def destination(self) -> str:
+        """Where sound is sent, as `https://host`; empty where it stays on this machine."""
+        ...
 
     @property
     def languages(self) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 import asyncio
 import importlib.util
 from asyncio.subprocess import Process
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any, Final
@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from openrois_streaming.clock import SystemClock
 
 from openrois_body.hearing.dictionary import has_word
-from openrois_body.hearing.jsgf import Grammar, GrammarError, read_grammar
-from openrois_body.hearing.recognizer import Expectation, RecognizerFailed, Transcriber
+from openrois_body.hearing.jsgf import Grammar, GrammarError, chosen_grammar
+from openrois_body.hearing.recognizer import EarsSettings, Expectation, RecognizerFailed, Transcriber
 from openrois_body.processes.child import Output, child_process, write_message
 from openrois_body.processes.framing import HEADER, FramingError, decode_body, decode_header, encode
 
@@ -24,8 +24,6 @@ START_TIMEOUT: Final = 20.0
 """Seconds for the process to load its models; it takes about one."""
 ANSWER_TIMEOUT: Final = 10.0
 """Seconds for an answer; a second of open dictation takes about a quarter of one."""
-MAX_GRAMMAR: Final = 16_384
-"""Characters of a grammar."""
 CANDIDATES: Final = 5
 """Most candidates of an utterance."""
 _WORST: Final = -28_000.0
@@ -48,6 +46,10 @@ class Sphinx:
     """
 
     languages = ("en",)
+    destination = ""
+
+    def __init__(self, _settings: EarsSettings | None = None) -> None:
+        """It needs no settings: its model is a part of it."""
 
     def available(self) -> tuple[bool, str]:
         """Return whether PocketSphinx is installed; if not, the sentence that says what to do."""
@@ -57,7 +59,7 @@ class Sphinx:
     def refusal(self, expected: Expectation) -> str:
         """Return why this cannot be expected; the words of a grammar are looked up in the dictionary."""
         try:
-            grammar, rule = _chosen(expected)
+            grammar, rule = chosen_grammar(expected.grammar, expected.rule)
         except GrammarError as error:
             return str(error)
         if grammar is None:
@@ -88,7 +90,7 @@ class _Transcriber:
         self._rule = ""
 
     async def begin(self, expected: Expectation) -> None:
-        self._grammar, self._rule = _chosen(expected)
+        self._grammar, self._rule = chosen_grammar(expected.grammar, expected.rule)
         text = None if self._grammar is None else self._grammar.text(self._rule)
         await self._conversation.ask({"do": "begin", "grammar": text})
 
@@ -96,7 +98,7 @@ class _Transcriber:
         answer = await self._conversation.ask({"do": "hear"}, samples.astype("<i2").tobytes())
         return str(answer["partial"])
 
-    async def finish(self) -> tuple[str, ...]:
+    async def finish(self, _guess: Callable[[str], None]) -> tuple[str, ...]:
         answer = await self._conversation.ask({"do": "end"})
         candidates = tuple(str(each) for each in answer["candidates"])
         if self._grammar is not None:
@@ -139,24 +141,6 @@ class _Conversation:
         await write_message(self._process, message)
         lengths = decode_header(await stdout.readexactly(HEADER.size))
         return decode_body(await stdout.readexactly(lengths.body))
-
-
-def _chosen(expected: Expectation) -> tuple[Grammar | None, str]:
-    """Return the grammar and the name of its rule; None for open dictation.
-
-    Raises:
-        GrammarError: the grammar or rule does not exist, or is not supported.
-    """
-    if expected.grammar in ("default", ""):
-        if expected.rule not in ("default", ""):
-            raise GrammarError("the grammar `default` is open dictation; its only rule is `default`")
-        return None, ""
-    if not expected.grammar.lstrip("\ufeff").startswith("#JSGF"):
-        raise GrammarError("the grammar must be `default` or a text in JSGF that begins with `#JSGF V1.0;`")
-    if len(expected.grammar) > MAX_GRAMMAR:
-        raise GrammarError(f"the grammar has {len(expected.grammar)} characters, and at most {MAX_GRAMMAR} are allowed")
-    grammar = read_grammar(expected.grammar)
-    return grammar, grammar.rule(expected.rule or "default")
 
 
 def _dictionary() -> bytes:

@@ -1,7 +1,7 @@
 """The framing of messages between a child process and its parent over pipes. Pure.
 
 Each message is two little-endian u32, the lengths of a JSON object and of the sound behind it, then both. The parent
-sends requests without sound, the child answers each with one message.
+sends requests, the child answers each with one message, or with several of which the last says so.
 """
 
 from __future__ import annotations

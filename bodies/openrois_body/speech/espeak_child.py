@@ -5,9 +5,10 @@ It reads requests from stdin and answers each on stdout (`framing`), until stdin
     {"do": "voices"}
         -> {"languages": [BCP 47 tags], "voices": [names]}
     {"do": "speak", "text", "ssml": bool, "language", "voice": name or null, "volume": 0-100, "rate": words a minute}
-        -> {"words": [[ms, start, length]], "marks": [[ms, name]], "phonemes": [[ms, ipa]], "text"} and s16 mono sound
-           at 48 kHz; `start` and `length` are characters of the text or SSML that was asked for, and of the `text` that
-           is given back, which is the same without control characters
+        -> one answer for each piece of the speech, as it is made:
+           {"words": [[ms, word, start]], "marks": [[ms, name]], "phonemes": [[ms, ipa]], "last": bool} and s16 mono
+           sound at 48 kHz. `start` is the word's first character in the text or SSML that was asked for. What is told
+           of a piece has its place in the sound of this piece, or behind it; a phoneme without a shape is no end of one
     what cannot be done
         -> {"refused": reason}
 
@@ -21,19 +22,23 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from ctypes import POINTER, Structure, Union, c_char, c_char_p, c_int, c_short, c_size_t, c_ubyte, c_uint, c_void_p
+from math import inf
 from typing import Any, Final
 
 import espeakng_loader
 import numpy as np
+from numpy.typing import NDArray
 
 from openrois_body.processes.framing import HEADER, FramingError, decode_body, decode_header, encode
-from openrois_body.speech.markup import MarkupError, plain_text, safe_ssml
-from openrois_body.speech.resample import SOURCE_RATE, to_48k
-from openrois_body.speech.words import Place, words
+from openrois_body.speech.markup import MAX_SECONDS, MarkupError, Script, plain_text, safe_ssml
+from openrois_body.speech.resample import SOURCE_RATE, TARGET_RATE, Resampler
+from openrois_body.speech.visemes import is_sound
+from openrois_body.speech.words import Place, WordFinder
 
-MAX_SECONDS: Final = 600
-"""Longest speech; SSML can ask for pauses without end."""
-
+_FIRST_MS: Final = 200
+"""Least sound of the first piece of a speech."""
+_PIECE_MS: Final = 500
+"""Least sound of each other piece but the last."""
 _SYNCHRONOUS: Final = 2
 _BLOCK_MS: Final = 20
 _PHONEME_EVENTS_IPA: Final = 1 | 2
@@ -43,6 +48,7 @@ _BY_CHARACTER: Final = 1
 _RATE: Final = 1
 _VARIANT: Final = "!v/"
 _LAST_EVENT, _WORD, _MARK, _PHONEME = 0, 1, 3, 7
+_NOTHING: Final = np.zeros(0, np.int16)
 
 
 class _EventId(Union):
@@ -80,6 +86,10 @@ _OnSound = ctypes.CFUNCTYPE(c_int, POINTER(c_short), c_int, POINTER(_Event))
 _OnUri = ctypes.CFUNCTYPE(c_int, c_int, c_char_p, c_char_p)
 
 
+Send = Callable[[bytes], None]
+"""Writes an answer."""
+
+
 class Refused(Exception):
     """A refused request; the text says why."""
 
@@ -105,39 +115,27 @@ class Espeak:
         self._languages = dict(_by_language(self._list(None)))
         variant = _Voice(languages=ctypes.cast(c_char_p(b"variant"), c_void_p))
         self._voices = {identifier.removeprefix(_VARIANT) for identifier, _ in self._list(variant)}
-        self._sound = bytearray()
-        self._words: list[Place] = []
-        self._marks: list[tuple[float, int]] = []
-        self._phonemes: list[tuple[float, str]] = []
+        self._pieces: _Pieces | None = None
 
-    def voices(self, _request: Mapping[str, Any]) -> tuple[dict[str, Any], bytes]:
+    def voices(self, _request: Mapping[str, Any], send: Send) -> None:
         """Answer the request `voices`."""
-        return {"languages": sorted(self._languages), "voices": sorted(self._voices)}, b""
+        send(encode({"languages": sorted(self._languages), "voices": sorted(self._voices)}))
 
-    def speak(self, request: Mapping[str, Any]) -> tuple[dict[str, Any], bytes]:
+    def speak(self, request: Mapping[str, Any], send: Send) -> None:
         """Answer the request `speak`."""
         ssml = bool(request["ssml"])
         script = (safe_ssml if ssml else plain_text)(str(request["text"]))
         self._select(str(request["language"]), request["voice"])
         self._library.espeak_SetParameter(_RATE, min(450, max(80, int(request["rate"]))), 0)
-        self._sound, self._words, self._marks, self._phonemes = bytearray(), [], [], []
+        pieces = self._pieces = _Pieces(script, min(100, max(0, int(request["volume"]))), send)
         encoded = script.spoken.encode() + b"\0"
         flags = _UTF8 | (_SSML if ssml else 0)
         status = self._library.espeak_Synth(encoded, len(encoded), 0, _BY_CHARACTER, 0, flags, None, None)
+        if pieces.failure is not None:
+            raise pieces.failure
         if status != 0:
             raise Refused(f"espeak-ng cannot speak this text (status {status}); try another text")
-        if self._is_too_long():
-            raise Refused(f"the speech would be longer than {MAX_SECONDS} seconds; split the text")
-        sound = to_48k(np.frombuffer(self._sound, np.int16))
-        volume = min(100, max(0, int(request["volume"])))
-        loud = np.rint(sound * np.float32(volume / 100)).astype("<i2")
-        told = {
-            "words": words(self._words, script.spoken, script.origins),
-            "marks": [(offset, script.marks[number]) for offset, number in self._marks],
-            "phonemes": self._phonemes,
-            "text": script.source,
-        }
-        return told, loud.tobytes()
+        pieces.finish()
 
     def _select(self, language: str, voice: object) -> None:
         identifier = self._languages.get(_known(language, self._languages))
@@ -151,23 +149,20 @@ class Espeak:
 
     def _on_block(self, sound: Any, count: int, events: Any) -> int:
         """Add the library's next block, as its callback; 1 stops the library."""
-        if sound and count > 0:
-            self._sound += ctypes.string_at(sound, 2 * count)
-        for number in range(4096):
-            event = events[number]
-            if event.type == _LAST_EVENT:
-                break
-            offset = round(event.sample * 1000 / SOURCE_RATE, 1)
-            if event.type == _WORD:
-                self._words.append(Place(offset, event.text_position - 1, event.length))
-            elif event.type == _MARK:
-                self._marks.append((offset, int(ctypes.string_at(event.id.name))))
-            elif event.type == _PHONEME:
-                self._phonemes.append((offset, event.id.string.decode(errors="ignore")))
-        return int(self._is_too_long())
-
-    def _is_too_long(self) -> bool:
-        return len(self._sound) > 2 * SOURCE_RATE * MAX_SECONDS
+        pieces = self._pieces
+        if pieces is None:
+            return 1
+        try:
+            for number in range(4096):
+                if events[number].type == _LAST_EVENT:
+                    break
+                pieces.note(events[number])
+            pieces.add(np.frombuffer(ctypes.string_at(sound, 2 * count), np.int16) if sound and count > 0 else _NOTHING)
+        except (OSError, Refused) as error:
+            # An exception does not leave a callback: it is raised when the library has returned.
+            pieces.failure = error
+            return 1
+        return 0
 
     def _list(self, kind: _Voice | None) -> Iterator[tuple[str, list[tuple[int, str]]]]:
         voices = self._library.espeak_ListVoices(None if kind is None else ctypes.byref(kind))
@@ -176,6 +171,88 @@ class Espeak:
             voice = voices[number].contents
             yield voice.identifier.decode(), list(_languages(voice.languages))
             number += 1
+
+
+class _Pieces:
+    """The speech of one text, sent in pieces. A piece ends where a phoneme begins, so that all before it is known.
+
+    Args:
+        script: that is spoken.
+        volume: 0 to 100.
+        send: writes an answer.
+    """
+
+    def __init__(self, script: Script, volume: int, send: Send) -> None:
+        self.failure: Exception | None = None
+        self._script = script
+        self._loudness = np.float32(volume / 100)
+        self._send = send
+        self._finder = WordFinder(script.spoken, script.origins)
+        self._resampler = Resampler(SOURCE_RATE)
+        self._sound: list[NDArray[np.int16]] = []
+        self._words: list[Place] = []
+        self._marks: list[tuple[float, str]] = []
+        self._phonemes: list[tuple[float, str]] = []
+        self._made = 0
+        """Samples that the library has made."""
+        self._sent = 0
+        """Samples that were sent."""
+        self._sent_ms = 0.0
+        self._least_ms = _FIRST_MS
+
+    def note(self, event: _Event) -> None:
+        """Note an event of the library."""
+        offset = round(event.sample * 1000 / SOURCE_RATE, 1)
+        if event.type == _WORD:
+            self._words += self._finder.add([Place(offset, event.text_position - 1, event.length)])
+        elif event.type == _MARK:
+            self._marks.append((offset, self._script.marks[int(ctypes.string_at(event.id.name))]))
+        elif event.type == _PHONEME:
+            self._phonemes.append((offset, event.id.string.decode(errors="ignore")))
+
+    def add(self, sound: NDArray[np.int16]) -> None:
+        """Add the library's next sound, whose events were noted, and send what is complete.
+
+        Raises:
+            Refused: the speech is too long.
+            OSError: there is no reader any more.
+        """
+        self._made += len(sound)
+        if self._made > SOURCE_RATE * MAX_SECONDS:
+            raise Refused(f"the speech would be longer than {MAX_SECONDS} seconds; split the text")
+        self._sound.append(self._resampler.add(sound))
+        until = max((at for at, ipa in self._phonemes if at <= self._finder.pending_ms and is_sound(ipa)), default=0.0)
+        if until - self._sent_ms >= self._least_ms:
+            self._put(until, last=False)
+            self._sent_ms, self._least_ms = until, _PIECE_MS
+
+    def finish(self) -> None:
+        """Send the rest."""
+        self._sound.append(self._resampler.finish())
+        self._words += self._finder.finish()
+        self._put(inf, last=True)
+
+    def _put(self, until_ms: float, *, last: bool) -> None:
+        """Send what there is until a moment, with the phoneme that begins then."""
+        sound = np.concatenate(self._sound)
+        count = len(sound) if last else round(until_ms * TARGET_RATE / 1000) - self._sent
+        # The sound of the resampler comes a little later than the library's.
+        sound, self._sound = sound[:count], [sound[count:]]
+        self._sent += len(sound)
+        told = {
+            "words": [
+                (at, self._script.source[start : start + length], start)
+                for at, start, length in self._words
+                if at < until_ms
+            ],
+            "marks": [mark for mark in self._marks if mark[0] < until_ms],
+            "phonemes": [phoneme for phoneme in self._phonemes if phoneme[0] <= until_ms],
+            "last": last,
+        }
+        self._words = [word for word in self._words if word.offset_ms >= until_ms]
+        self._marks = [mark for mark in self._marks if mark[0] >= until_ms]
+        self._phonemes = [phoneme for phoneme in self._phonemes if phoneme[0] > until_ms]
+        self._send(encode(told, np.rint(sound * self._loudness).astype("<i2").tobytes()))
 
 
 def _languages(place: int) -> Iterator[tuple[int, str]]:
@@ -201,16 +278,16 @@ def _known(language: str, languages: Mapping[str, str]) -> str:
     return tag
 
 
-def answer(espeak: Espeak, request: Mapping[str, Any]) -> bytes:
-    """Return the answer to one request; a wrong request is refused."""
-    doing: Mapping[str, Callable[[Mapping[str, Any]], tuple[dict[str, Any], bytes]]]
+def answer(espeak: Espeak, request: Mapping[str, Any], send: Send) -> None:
+    """Answer one request; a wrong request is refused."""
+    doing: Mapping[str, Callable[[Mapping[str, Any], Send], None]]
     doing = {"voices": espeak.voices, "speak": espeak.speak}
     try:
-        return encode(*doing[request["do"]](request))
+        doing[request["do"]](request, send)
     except (Refused, MarkupError) as error:
-        return encode({"refused": str(error)})
+        send(encode({"refused": str(error)}))
     except (KeyError, TypeError, ValueError) as error:
-        return encode({"refused": f"a malformed request: {error!r}"})
+        send(encode({"refused": f"a malformed request: {error!r}"}))
 
 
 def _read(stream: Any, size: int) -> bytes:
@@ -226,12 +303,16 @@ def main() -> None:
     replies = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     espeak = Espeak()
+
+    def send(message: bytes) -> None:
+        replies.write(message)
+        replies.flush()
+
     try:
         while True:
             lengths = decode_header(_read(sys.stdin.buffer, HEADER.size))
             request = decode_body(_read(sys.stdin.buffer, lengths.body))
-            replies.write(answer(espeak, request))
-            replies.flush()
+            answer(espeak, request, send)
     except (EOFError, BrokenPipeError):
         return
     except FramingError as error:

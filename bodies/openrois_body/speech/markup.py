@@ -16,6 +16,8 @@ from xml.sax.saxutils import escape, quoteattr
 
 MAX_TEXT: Final = 4_000
 """Longest text or SSML document, in characters."""
+MAX_SECONDS: Final = 600
+"""Longest speech; SSML can ask for pauses without end, and a server can send sound without end."""
 MAX_DEPTH: Final = 8
 MAX_MARK: Final = 100
 """Characters of a mark's name that are kept."""
@@ -29,6 +31,8 @@ _ELEMENTS: Final[Mapping[str, tuple[str, ...]]] = {
     "break": ("time", "strength"),
     "say-as": ("interpret-as", "format"),
 }
+_APART: Final = frozenset({"p", "s", "break"})
+"""Elements that keep words apart."""
 _CONTROL: Final = re.compile(r"[\x00-\x08\x0b-\x1f\x7f\u0080-\u009f\ud800-\udfff\ufffe\uffff]")
 _VALUE: Final = re.compile(r"[\w .,+%:'-]{1,100}")
 
@@ -73,6 +77,25 @@ def safe_ssml(document: str) -> Script:
         MarkupError: it is too long, not well-formed, too deep, or declares a document type.
     """
     return _Rebuild(_clean(document)).run()
+
+
+def spoken_text(text: str, *, ssml: bool) -> str:
+    """Return what a voice that knows no markup says: one line, without control characters.
+
+    Raises:
+        MarkupError: as `plain_text` and `safe_ssml`.
+    """
+    parts: list[str] = []
+    if ssml:
+        parser = expat.ParserCreate(encoding="utf-8")
+        parser.CharacterDataHandler = parts.append
+        # A pause is a space.
+        parser.StartElementHandler = lambda name, _: parts.append(" " if name in _APART else "")
+        parser.EndElementHandler = lambda name: parts.append(" " if name in _APART else "")
+        parser.Parse(safe_ssml(text).spoken.encode(), True)
+    else:
+        parts.append(plain_text(text).spoken)
+    return " ".join("".join(parts).split())
 
 
 def _clean(text: str) -> str:

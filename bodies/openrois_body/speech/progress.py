@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from openrois.types.codes import CompletedStatus
-from openrois_body.speech.synthesizer import Word
+from openrois_body.speech.contract import Word
 
 __all__ = ["MarkReached", "Progress", "SpeechBegan", "SpeechEnded", "SpeechStarved", "WordSpoken"]
 

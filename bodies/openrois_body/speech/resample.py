@@ -1,13 +1,15 @@
-"""Resampling to the 48,000 Hz of all media: whole from espeak's 22,050 Hz, and piece by piece from a part of it. Pure.
+"""Resampling of speech to the 48,000 Hz of all media, piece by piece. Pure.
 
-48,000 / 22,050 = 320 / 147: every 147 samples become 320. As the weights of the band-limiting filter repeat with every
-such group, all groups are computed at once, as one product of matrices. From 16,000 or 24,000 Hz every sample becomes 3
-or 2, and each of these is one convolution: products of small matrices would wake threads that wait for each other.
+From espeak's 22,050 Hz, 48,000 / 22,050 = 320 / 147: every 147 samples become 320. As the weights of the band-limiting
+filter repeat with every such group, all groups are computed at once, as one product of matrices. From 16,000 or 24,000
+Hz every sample becomes 3 or 2, and of small pieces each of these is one convolution: products of small matrices would
+wake threads that wait for each other.
 """
 
 from __future__ import annotations
 
 from functools import cache
+from math import gcd
 from typing import Final
 
 import numpy as np
@@ -15,22 +17,52 @@ from numpy.typing import NDArray
 
 SOURCE_RATE: Final = 22_050
 TARGET_RATE: Final = 48_000
-_IN: Final = 147
-_OUT: Final = 320
+RATES: Final = (8_000, 11_025, 12_000, 16_000, 22_050, 24_000, 32_000, 44_100, 48_000)
+"""The rates from which sound is resampled, in Hz."""
+_LEAST: Final = 128
+"""Least samples of a group: products of many tiny matrices would be slow."""
 _REACH: Final = 32
 """Source samples to either side that a target sample depends on; 64 taps leave images 80 dB below, from 12 kHz on."""
 _KAISER_BETA: Final = 9.0
 
 
-def to_48k(samples: NDArray[np.int16]) -> NDArray[np.int16]:
-    """Resample mono sound; n samples become ceil(n * 320 / 147)."""
-    length = -(-len(samples) * _OUT // _IN)
-    groups = max(1, -(-length // _OUT))
-    padded = np.zeros(groups * _IN + 2 * _REACH, np.float32)
-    padded[_REACH : _REACH + len(samples)] = samples
-    windows = np.lib.stride_tricks.sliding_window_view(padded, _IN + 2 * _REACH)[::_IN]
-    mixed: NDArray[np.float32] = (windows @ _weights(_IN, _OUT)).reshape(-1)[:length]
-    return np.clip(np.rint(mixed), -32768, 32767).astype(np.int16)
+class Resampler:
+    """Resamples mono sound in pieces of any length, with a delay of `_REACH` samples and the rest of a group.
+
+    Args:
+        rate: of the sound that is added, one of `RATES`.
+    """
+
+    def __init__(self, rate: int) -> None:
+        shared = gcd(rate, TARGET_RATE)
+        times = -(-_LEAST // (rate // shared))
+        self._in, self._out = times * rate // shared, times * TARGET_RATE // shared
+        self._before = np.zeros(_REACH, np.float32)
+        """Samples from `_REACH` before the next group on."""
+        self._added = self._made = 0
+
+    def add(self, samples: NDArray[np.int16]) -> NDArray[np.int16]:
+        """Return what can be computed once `samples` is known."""
+        self._added += len(samples)
+        return self._compute(np.concatenate((self._before, samples.astype(np.float32))))
+
+    def finish(self) -> NDArray[np.int16]:
+        """Return the rest: of n samples there are ceil(n * 48,000 / rate) in all."""
+        length = -(-self._added * self._out // self._in) - self._made
+        groups = -(-length // self._out)
+        missing = groups * self._in + 2 * _REACH - len(self._before)
+        return self._compute(np.concatenate((self._before, np.zeros(max(0, missing), np.float32))))[:length]
+
+    def _compute(self, known: NDArray[np.float32]) -> NDArray[np.int16]:
+        width = self._in + 2 * _REACH
+        groups = max(0, (len(known) - 2 * _REACH) // self._in)
+        self._before = known[groups * self._in :]
+        self._made += groups * self._out
+        if not groups:
+            return np.zeros(0, np.int16)
+        windows = np.lib.stride_tricks.sliding_window_view(known, width)[:: self._in][:groups]
+        mixed: NDArray[np.float32] = (windows @ _weights(self._in, self._out)).reshape(-1)
+        return np.clip(np.rint(mixed), -32768, 32767).astype(np.int16)
 
 
 class Upsampler:
@@ -67,10 +99,10 @@ class Upsampler:
 
 
 @cache
-def _weights(group: int, becomes: int) -> NDArray[np.float32]:
+def _weights(group: int, made: int) -> NDArray[np.float32]:
     """Return the weight of each source sample around a group (rows) in each of its target samples (columns)."""
     source = np.arange(group + 2 * _REACH)[:, None] - _REACH
-    target = np.arange(becomes)[None, :] * group / becomes
+    target = np.arange(made)[None, :] * group / made
     distance = source - target
     window = np.i0(_KAISER_BETA * np.sqrt(np.clip(1 - (distance / _REACH) ** 2, 0, None))) / np.i0(_KAISER_BETA)
     weights = np.where(np.abs(distance) < _REACH, np.sinc(distance) * window, 0)

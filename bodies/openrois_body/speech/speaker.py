@@ -2,37 +2,21 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Protocol
 
 from openrois.errors import BadParameter, ComponentFailed
-from openrois_body.speech.synthesizer import Speech, SpeechRefused, SpeechUnavailable
+from openrois_body.speech.contract import (
+    Speech,
+    SpeechRefused,
+    SpeechRequest,
+    SpeechSynthesizer,
+    SpeechUnavailable,
+    collect_speech,
+)
 
-__all__ = ["DEFAULT_CHARACTER", "Speaker", "Synthesis"]
+__all__ = ["DEFAULT_CHARACTER", "Speaker"]
 
 DEFAULT_CHARACTER = "default"
 """The character with the language's own voice."""
-
-
-class Synthesis(Protocol):
-    """Speech synthesis; see `openrois_body.speech.synthesizer.Synthesizer`."""
-
-    def available(self) -> tuple[bool, str]:
-        """Return whether it is installed; if not, what to do."""
-        ...
-
-    async def languages(self) -> Sequence[str]:
-        """Return the available languages; raises SpeechUnavailable."""
-        ...
-
-    async def voices(self) -> Sequence[str]:
-        """Return the available voices; raises SpeechUnavailable."""
-        ...
-
-    async def synthesize(
-        self, text: str, *, language: str = ..., voice: str | None = ..., volume: int = ..., ssml: bool = ...
-    ) -> Speech:
-        """Synthesize a text; raises SpeechRefused and SpeechUnavailable."""
-        ...
 
 
 class Speaker(ABC):
@@ -42,8 +26,13 @@ class Speaker(ABC):
         synthesizer: synthesizes texts.
     """
 
-    def __init__(self, synthesizer: Synthesis) -> None:
+    def __init__(self, synthesizer: SpeechSynthesizer) -> None:
         self._synthesizer = synthesizer
+
+    @property
+    def destination(self) -> str:
+        """Where texts are sent, as `https://host`; empty where they stay on this machine."""
+        return self._synthesizer.destination
 
     def available(self) -> tuple[bool, str]:
         """Return whether texts can be spoken now; if not, why, or what to install."""
@@ -72,7 +61,7 @@ class Speaker(ABC):
             raise ComponentFailed(str(error)) from error
 
     async def make_speech(self, text: str, *, ssml: bool, language: str, character: str, volume: int) -> Speech:
-        """Return a text as sound.
+        """Return a text as sound, when all of it is made.
 
         Raises:
             BadParameter: this text, language or character cannot be spoken.
@@ -80,7 +69,8 @@ class Speaker(ABC):
         """
         voice = None if character == DEFAULT_CHARACTER else character
         try:
-            return await self._synthesizer.synthesize(text, language=language, voice=voice, volume=volume, ssml=ssml)
+            async with self._synthesizer.speak(SpeechRequest(text, ssml, language, voice, volume)) as chunks:
+                return await collect_speech(chunks)
         except SpeechRefused as error:
             raise BadParameter(str(error)) from error
         except SpeechUnavailable as error:

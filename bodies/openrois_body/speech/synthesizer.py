@@ -1,4 +1,4 @@
-"""Speech synthesis by the speech process, which is restarted when it dies or hangs."""
+"""Speech synthesis by espeak-ng in the speech process, which is restarted when it dies or hangs."""
 
 from __future__ import annotations
 
@@ -6,25 +6,36 @@ import asyncio
 import importlib.util
 import logging
 from asyncio.subprocess import Process
-from collections.abc import Iterator
-from contextlib import AsyncExitStack
-from dataclasses import dataclass
+from collections import deque
+from collections.abc import AsyncGenerator, AsyncIterator, Callable
+from contextlib import AsyncExitStack, aclosing, asynccontextmanager
 from types import TracebackType
-from typing import Any, Final, NamedTuple, Self
+from typing import Any, Final, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source.source import SAMPLE_RATE
 
-from openrois_body.messages import MAX_VISEMES, Speak, Viseme
+from openrois.aio.tasks import TaskScope
 from openrois_body.processes.child import Output, child_process, write_message
 from openrois_body.processes.framing import HEADER, FramingError, decode_body, decode_header, encode
-from openrois_body.sound.engine_sound import SEAM
-from openrois_body.speech.visemes import Phoneme, visemes
+from openrois_body.speech.contract import (
+    NamedMark,
+    Speech,
+    SpeechChunk,
+    SpeechRefused,
+    SpeechRequest,
+    SpeechUnavailable,
+    VoiceSettings,
+    Word,
+    collect_speech,
+)
+from openrois_body.speech.visemes import Phoneme, VisemeStream
+
+__all__ = ["ANSWER_TIMEOUT", "DEFAULT_RATE", "Synthesizer", "espeak"]
 
 ANSWER_TIMEOUT: Final = 10.0
-"""Seconds for an answer, with the start of the process; ten minutes of speech take about two."""
+"""Seconds for a whole answer, with the start of the process; ten minutes of speech take about two."""
 DEFAULT_RATE: Final = 175
 """Words a minute."""
 _CHILD: Final = "openrois_body.speech.espeak_child"
@@ -34,93 +45,14 @@ _MISSING: Final = "speech synthesis is not installed: run `pip install 'openrois
 _log = logging.getLogger(__name__)
 
 
-class SpeechUnavailable(Exception):
-    """Speech synthesis is not available now; the text says why, and what to install if something is missing."""
-
-
-class SpeechRefused(ValueError):
-    """A refused text: an unknown language or voice, malformed SSML, too long; the text says which."""
-
-
-class Word(NamedTuple):
-    """A word: when it begins, its text, and the position of its first character in the whole text."""
-
-    offset_ms: float
-    text: str
-    position: int
-
-
-class NamedMark(NamedTuple):
-    """A mark of SSML, and when it is reached."""
-
-    offset_ms: float
-    name: str
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Speech:
-    """A text as sound and mouth shapes.
-
-    `samples` is mono at 48 kHz; all else is in order of time, and `visemes` end with the mouth closed.
-    """
-
-    samples: NDArray[np.int16]
-    words: tuple[Word, ...]
-    visemes: tuple[Viseme, ...]
-    marks: tuple[NamedMark, ...] = ()
-
-    @property
-    def duration(self) -> float:
-        """Seconds."""
-        return len(self.samples) / SAMPLE_RATE
-
-    @property
-    def moments(self) -> tuple[Word | NamedMark, ...]:
-        """The words and marks in order of time."""
-        return tuple(sorted((*self.marks, *self.words), key=lambda moment: moment.offset_ms))
-
-    def after(self, samples: int) -> Speech:
-        """Return the rest after so many samples; it fades in within 5 ms."""
-        gone = samples * 1000 / SAMPLE_RATE
-        left = self.samples[samples:].copy()
-        seam = min(SEAM, len(left))
-        left[:seam] = left[:seam] * (np.arange(seam) + 0.5) / SEAM
-        shape = [viseme for viseme in self.visemes if viseme.offset_ms <= gone][-1:]
-        return Speech(
-            left,
-            tuple(word._replace(offset_ms=word.offset_ms - gone) for word in self.words if word.offset_ms >= gone),
-            (
-                *(Viseme(0.0, viseme.shape, viseme.weight) for viseme in shape),
-                *(
-                    Viseme(viseme.offset_ms - gone, viseme.shape, viseme.weight)
-                    for viseme in self.visemes
-                    if viseme.offset_ms > gone
-                ),
-            ),
-            tuple(mark._replace(offset_ms=mark.offset_ms - gone) for mark in self.marks if mark.offset_ms >= gone),
-        )
-
-    def mouth(self, speech_id: str, start_ns: int) -> Iterator[Speak]:
-        """Return the commands for an engine's mouth, for a speech that starts at `start_ns` of CLOCK_MONOTONIC.
-
-        One, or for a very long speech several, each for the part of it that begins at its `start_ns`.
-        """
-        end = self.duration * 1000
-        for first in range(0, len(self.visemes), MAX_VISEMES):
-            part = self.visemes[first : first + MAX_VISEMES]
-            after = self.visemes[first + MAX_VISEMES :]
-            begin = part[0].offset_ms if first else 0.0
-            until = after[0].offset_ms if after else end
-            moved = tuple(Viseme(viseme.offset_ms - begin, viseme.shape, viseme.weight) for viseme in part)
-            yield Speak(speech_id, start_ns + round(begin * 1e6), moved, round(until - begin))
-
-
 class Synthesizer:
-    """Synthesizes texts, one at a time; others wait their turn. Leaving the context ends the process.
+    """Synthesizes texts, one at a time; others wait their turn. A `SpeechSynthesizer`.
 
     The process starts with the first request. A process that died between requests is replaced silently; one that dies
     or hangs over a text fails that request, and the next request gets a new process.
     """
+
+    destination = ""
 
     def __init__(self, clock: MediaClock | None = None) -> None:
         self._clock = clock or SystemClock()
@@ -159,6 +91,29 @@ class Synthesizer:
         """
         return tuple((await self._voices())["voices"])
 
+    @asynccontextmanager
+    async def speak(
+        self, request: SpeechRequest, rate: int = DEFAULT_RATE
+    ) -> AsyncIterator[AsyncIterator[SpeechChunk]]:
+        """Make speech of a text; its pieces come as they are made.
+
+        The process goes on while a piece is waited for by no reader, so that the next text has its turn.
+
+        Args:
+            request: what is spoken. Elements of SSML other than speak, p, s, voice, prosody, emphasis, break, say-as,
+                sub and mark count as their content. The places of words are characters (Unicode code points) of it. Of
+                its language the longest available prefix counts, of `de-AT` here `de`.
+            rate: words a minute, 80 to 450.
+        """
+        found, missing = self.available()
+        if not found:
+            raise SpeechUnavailable(missing)
+        pieces = _Pieces()
+        async with TaskScope() as tasks:
+            tasks.start(self._fetch(request, rate, pieces))
+            async with aclosing(pieces.chunks()) as chunks:
+                yield chunks
+
     async def synthesize(
         self,
         text: str,
@@ -169,50 +124,71 @@ class Synthesizer:
         rate: int = DEFAULT_RATE,
         ssml: bool = False,
     ) -> Speech:
-        """Make speech of a text.
-
-        Args:
-            text: at most 4,000 characters; an SSML document or a fragment of one if `ssml`. Elements other than speak,
-                p, s, voice, prosody, emphasis, break, say-as, sub and mark count as their content. The places of words
-                are characters (Unicode code points) of it.
-            language: a BCP 47 tag; the longest available prefix counts, of `de-AT` here `de`.
-            voice: one of `voices()`; None for the language's own.
-            volume: 0 (silent) to 100 (the loudest without distortion).
-            rate: words a minute, 80 to 450.
-            ssml: whether `text` is SSML.
+        """Return the speech of a text when all of it is made; arguments as those of `SpeechRequest` and `speak`.
 
         Raises:
             SpeechRefused: this text, language or voice cannot be spoken.
             SpeechUnavailable: speech synthesis is not installed, died over this text, or does not answer.
         """
-        request = {"do": "speak", "text": text, "ssml": ssml, "language": language, "voice": voice}
-        answer, sound = await self._ask({**request, "volume": volume, "rate": rate})
-        if "refused" in answer:
-            raise SpeechRefused(answer["refused"])
-        return _speech(answer, sound)
+        async with self.speak(SpeechRequest(text, ssml, language, voice, volume), rate) as chunks:
+            return await collect_speech(chunks)
+
+    async def _fetch(self, request: SpeechRequest, rate: int, pieces: _Pieces) -> None:
+        """Put the pieces of a speech; a failure is raised where they are read."""
+        asked = {
+            "do": "speak",
+            "text": request.text,
+            "ssml": request.ssml,
+            "language": request.language,
+            "voice": request.voice,
+            "volume": request.volume,
+            "rate": rate,
+        }
+        try:
+            await self._ask(asked, pieces.put)
+        except Exception as error:
+            pieces.fail(error)
 
     async def _voices(self) -> dict[str, Any]:
         if self._known is None:
-            self._known, _ = await self._ask({"do": "voices"})
+            found, missing = self.available()
+            if not found:
+                raise SpeechUnavailable(missing)
+            answers: list[dict[str, Any]] = []
+            await self._ask({"do": "voices"}, lambda answer, _sound: answers.append(answer))
+            self._known = answers[0]
         return self._known
 
-    async def _ask(self, request: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
-        found, missing = self.available()
-        if not found:
-            raise SpeechUnavailable(missing)
+    async def _ask(self, request: dict[str, Any], take: Callable[[dict[str, Any], bytes], None]) -> None:
+        """Send a request and have its answers taken; a process that dies before the first one is replaced once."""
+        taken = 0
+
+        def take_one(answer: dict[str, Any], sound: bytes) -> None:
+            nonlocal taken
+            taken += 1
+            take(answer, sound)
+
         async with self._turn:
             for _ in range(2):
                 try:
-                    return await self._exchange(request)
+                    return await self._exchange(request, take_one)
                 except EOFError:
                     _log.info("the speech process has ended and is started again: %s", self._output.last_words)
+                if taken:
+                    break
         raise SpeechUnavailable(f"the speech process died over this text; try another one: {self._output.last_words}")
 
-    async def _exchange(self, request: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
-        """Send a request and return its answer; after a failure the process is ended, as it may be out of step."""
+    async def _exchange(self, request: dict[str, Any], take: Callable[[dict[str, Any], bytes], None]) -> None:
+        """Send a request and have its answers taken; after a failure the process is ended: it may be out of step."""
         try:
             async with asyncio.timeout(ANSWER_TIMEOUT):
-                return await _converse(await self._start_process(), request)
+                process = await self._start_process()
+                await write_message(process, encode(request))
+                last = False
+                while not last:
+                    answer, sound = await _read_answer(process)
+                    last = answer.get("last", True)
+                    take(answer, sound)
         except TimeoutError as error:
             await self._end_process()
             raise SpeechUnavailable(
@@ -239,18 +215,59 @@ class Synthesizer:
         await running.aclose()
 
 
-async def _converse(process: Process, request: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
+class _Pieces:
+    """The pieces of one speech that were made and not read yet: ten minutes at most, as the process makes no more."""
+
+    def __init__(self) -> None:
+        self._lips = VisemeStream()
+        self._waiting: deque[SpeechChunk] = deque()
+        self._samples = 0
+        self._has_ended = False
+        self._failure: Exception | None = None
+        self._changed = asyncio.Event()
+
+    def put(self, answer: dict[str, Any], sound: bytes) -> None:
+        """Add a piece, or take note that there is none, as the process tells it."""
+        if "refused" in answer:
+            self.fail(SpeechRefused(answer["refused"]))
+            return
+        samples = np.frombuffer(sound, dtype="<i2")
+        self._samples += len(samples)
+        visemes = self._lips.add(Phoneme(offset, ipa) for offset, ipa in answer["phonemes"])
+        if answer["last"]:
+            visemes += self._lips.finish(self._samples * 1000 / SAMPLE_RATE)
+            self._has_ended = True
+        words = tuple(Word(offset, text, start) for offset, text, start in answer["words"])
+        marks = tuple(NamedMark(offset, name) for offset, name in answer["marks"])
+        self._waiting.append(SpeechChunk(samples, words, tuple(visemes), marks))
+        self._changed.set()
+
+    def fail(self, error: Exception) -> None:
+        """End the pieces with an error, at once."""
+        self._failure = error
+        self._changed.set()
+
+    async def chunks(self) -> AsyncGenerator[SpeechChunk, None]:
+        """Yield the pieces until the last one."""
+        while True:
+            if self._failure is not None:
+                raise self._failure
+            if self._waiting:
+                yield self._waiting.popleft()
+            elif self._has_ended:
+                return
+            else:
+                self._changed.clear()
+                await self._changed.wait()
+
+
+async def _read_answer(process: Process) -> tuple[dict[str, Any], bytes]:
     assert process.stdout is not None
-    await write_message(process, encode(request))
     lengths = decode_header(await process.stdout.readexactly(HEADER.size))
     body = await process.stdout.readexactly(lengths.body)
     return decode_body(body), await process.stdout.readexactly(lengths.sound)
 
 
-def _speech(answer: dict[str, Any], sound: bytes) -> Speech:
-    samples = np.frombuffer(sound, dtype="<i2")
-    text = answer["text"]
-    words = tuple(Word(offset, text[start : start + length], start) for offset, start, length in answer["words"])
-    phonemes = (Phoneme(offset, ipa) for offset, ipa in answer["phonemes"])
-    marks = tuple(NamedMark(offset, name) for offset, name in answer["marks"])
-    return Speech(samples, words, visemes(phonemes, len(samples) * 1000 / SAMPLE_RATE), marks)
+def espeak(settings: VoiceSettings) -> Synthesizer:
+    """Return the synthesizer of the entry point `espeak`."""
+    return Synthesizer(settings.clock)

@@ -12,9 +12,9 @@ from openrois.errors import Aborted
 from openrois.types.codes import CompletedStatus
 from openrois_body.body import Body
 from openrois_body.sound.mixer import BodySound, Playback, SoundBusy
+from openrois_body.speech.contract import NamedMark, Speech, Word
 from openrois_body.speech.playout_delay import PlayoutDelay
 from openrois_body.speech.progress import MarkReached, Progress, SpeechBegan, SpeechEnded, WordSpoken
-from openrois_body.speech.synthesizer import NamedMark, Speech, Word
 from openrois_body.speech.turns import Line, Turn
 
 __all__ = ["Utterance", "place_of"]

@@ -11,7 +11,6 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
-from itertools import pairwise
 from typing import Final, NamedTuple
 
 from openrois_body.messages import Viseme
@@ -95,20 +94,47 @@ def shapes(ipa: str) -> tuple[Shape, ...]:
     return tuple(_shapes(letters(ipa), full))
 
 
-def visemes(phonemes: Iterable[Phoneme], duration_ms: float) -> tuple[Viseme, ...]:
-    """Return the visemes of phonemes in order of time, the last of which ends at `duration_ms`.
+def is_sound(ipa: str) -> bool:
+    """Return whether a phoneme takes time of its own: it is silence, or has a shape."""
+    return not ipa or bool(shapes(ipa))
 
-    They end with the mouth closed. Marks without a sound of their own, and repeated shapes, are left out.
+
+class VisemeStream:
+    """Makes visemes of phonemes that come piece by piece: of each one when the next has come.
+
+    Marks without a sound of their own, and repeated shapes, are left out.
     """
-    sounds = [phoneme for phoneme in phonemes if not phoneme.ipa or shapes(phoneme.ipa)]
-    found: list[Viseme] = []
-    for phoneme, following in pairwise([*sounds, Phoneme(duration_ms, "")]):
-        for viseme in _spread(phoneme, following.offset_ms):
-            if not found or (viseme.shape, viseme.weight) != (found[-1].shape, found[-1].weight):
+
+    def __init__(self) -> None:
+        self._phoneme: Phoneme | None = None
+        self._shape: Shape | None = None
+        """The last one that was given."""
+
+    def add(self, phonemes: Iterable[Phoneme]) -> list[Viseme]:
+        """Return the visemes that are known with the next phonemes, in order of time."""
+        found: list[Viseme] = []
+        for phoneme in phonemes:
+            if is_sound(phoneme.ipa):
+                found += self._until(phoneme.offset_ms)
+                self._phoneme = phoneme
+        return found
+
+    def finish(self, duration_ms: float) -> list[Viseme]:
+        """Return the last ones; they end at `duration_ms`, with the mouth closed."""
+        found = self._until(duration_ms)
+        if self._shape is None or self._shape.name != CLOSED:
+            found.append(Viseme(round(duration_ms, 1), CLOSED, 1.0))
+        return found
+
+    def _until(self, end_ms: float) -> list[Viseme]:
+        phoneme, self._phoneme = self._phoneme, None
+        found: list[Viseme] = []
+        for viseme in () if phoneme is None else _spread(phoneme, end_ms):
+            shape = Shape(viseme.shape, viseme.weight)
+            if shape != self._shape:
                 found.append(viseme)
-    if not found or found[-1].shape != CLOSED:
-        found.append(Viseme(round(duration_ms, 1), CLOSED, 1.0))
-    return tuple(found)
+                self._shape = shape
+        return found
 
 
 def _plain(letter: str) -> str:

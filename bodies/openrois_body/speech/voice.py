@@ -6,11 +6,12 @@ from openrois.aio.listeners import Listeners
 from openrois.errors import OutOfResources
 from openrois_body.body import Body
 from openrois_body.sound.mixer import BodySound, SoundBusy
+from openrois_body.speech.contract import SpeechSynthesizer
 from openrois_body.speech.mouth import MouthReader
 from openrois_body.speech.open_utterance import OpenUtterance
 from openrois_body.speech.playout_delay import PlayoutDelay
 from openrois_body.speech.progress import Progress
-from openrois_body.speech.speaker import Speaker, Synthesis
+from openrois_body.speech.speaker import Speaker
 from openrois_body.speech.turns import Line
 from openrois_body.speech.utterance import Utterance
 
@@ -26,7 +27,7 @@ class Voice(Speaker):
         body: moves the mouth.
     """
 
-    def __init__(self, synthesizer: Synthesis, sound: BodySound, body: Body) -> None:
+    def __init__(self, synthesizer: SpeechSynthesizer, sound: BodySound, body: Body) -> None:
         super().__init__(synthesizer)
         self.playout_delay = PlayoutDelay()
         """The playout delay of the viewers that hear it."""

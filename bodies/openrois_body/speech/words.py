@@ -8,7 +8,8 @@ places are one character too early (` don't`).
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
+from math import inf
 from typing import Final, NamedTuple
 
 _APOSTROPHES: Final = re.compile(r"\w+(?:['’]\w+)+")  # noqa: RUF001 - both are written
@@ -22,36 +23,63 @@ class Place(NamedTuple):
     length: int
 
 
-def words(told: Iterable[Place], text: str, origins: Sequence[tuple[int, int]]) -> list[Place]:
-    """Return the words of an application's text, in its order and in order of time; none of them twice.
+class WordFinder:
+    """Finds the words of an application's text in espeak's report: in order of time, and none of them twice.
+
+    A word is found when the next one was reported, or the report has ended.
 
     Args:
-        told: espeak's report on its input, in order of time.
         text: espeak's input.
         origins: for each of its characters, the range of the application's text that it stands for.
     """
-    found: list[Place] = []
-    until = 0
-    for offset_ms, first, last in _spans(tuple(told), text):
-        start, end = origins[first][0], origins[last - 1][1]
-        if start >= until and end > start:
-            found.append(Place(offset_ms, start, end - start))
-            until = end
-    return found
 
+    def __init__(self, text: str, origins: Sequence[tuple[int, int]]) -> None:
+        self._text = text
+        self._origins = origins
+        self._contracted = {
+            place: match.span() for match in _APOSTROPHES.finditer(text) for place in range(*match.span())
+        }
+        self._until = 0
+        self._reported: Place | None = None
 
-def _spans(told: Sequence[Place], text: str) -> Iterator[tuple[float, int, int]]:
-    """Return the time, first and last character of each word in espeak's input."""
-    contracted = {place: match.span() for match in _APOSTROPHES.finditer(text) for place in range(*match.span())}
-    exact = {place.start for place in told}
-    for offset_ms, start, length in told:
-        first, last = _trimmed(text, start, start + length)
+    @property
+    def pending_ms(self) -> float:
+        """The moment before which all words are found."""
+        return inf if self._reported is None else self._reported.offset_ms
+
+    def add(self, reported: Iterable[Place]) -> list[Place]:
+        """Return the words that are found with the next part of the report."""
+        found: list[Place] = []
+        for place in reported:
+            found += self._find(place.start)
+            self._reported = place
+        return found
+
+    def finish(self) -> list[Place]:
+        """Return the last word, if there is one: the report has ended."""
+        return self._find(None)
+
+    def _find(self, following: int | None) -> list[Place]:
+        """Return the word that was reported last, where the next one that was begins at `following`."""
+        place, self._reported = self._reported, None
+        span = None if place is None else self._span(place, following)
+        if place is None or span is None:
+            return []
+        start, end = self._origins[span[0]][0], self._origins[span[1] - 1][1]
+        if start < self._until or end <= start:
+            return []
+        self._until = end
+        return [Place(place.offset_ms, start, end - start)]
+
+    def _span(self, place: Place, following: int | None) -> tuple[int, int] | None:
+        """Return the first and last character of a reported word in espeak's input; None if there is none."""
+        first, last = _trimmed(self._text, place.start, place.start + place.length)
         if first == last:
             # A sign or a space; the word right behind it is meant, unless that is reported by itself.
-            if last in exact or not text[last : last + 1].isalnum():
-                continue
+            if last in (place.start, following) or not self._text[last : last + 1].isalnum():
+                return None
             last = first + 1
-        yield offset_ms, *contracted.get(first, (first, last))
+        return self._contracted.get(first, (first, last))
 
 
 def _trimmed(text: str, first: int, last: int) -> tuple[int, int]:

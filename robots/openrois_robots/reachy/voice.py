@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from io import BytesIO
 from typing import Any, Final
 
-from openrois_body.speech.speaker import Speaker, Synthesis
-from openrois_body.speech.synthesizer import Speech, Word
+from openrois_body.speech.contract import Speech, SpeechSynthesizer, Word
+from openrois_body.speech.speaker import Speaker
 from openrois_body.speech.utterance import place_of
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source.source import SAMPLE_RATE
@@ -57,7 +57,7 @@ class RobotVoice(Speaker):
         clock: the media clock.
     """
 
-    def __init__(self, synthesizer: Synthesis, robot: Reachy, clock: MediaClock) -> None:
+    def __init__(self, synthesizer: SpeechSynthesizer, robot: Reachy, clock: MediaClock) -> None:
         super().__init__(synthesizer)
         self._robot = robot
         self._clock = clock

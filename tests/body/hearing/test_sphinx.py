@@ -29,7 +29,7 @@ async def understood(transcriber: Transcriber, sound: NDArray[np.int16], expecte
     await transcriber.begin(expected)
     for start in range(0, len(sound), 4000):
         await transcriber.hear(sound[start : start + 4000])
-    return await transcriber.finish()
+    return await transcriber.finish(lambda _: None)
 
 
 class TestExpectations:
@@ -113,7 +113,7 @@ class TestFailures:
         async with Sphinx().open() as transcriber:
             await transcriber.begin(doing("listen"))
             assert await transcriber.hear(SOUND) == str(len(SOUND))
-            assert await transcriber.finish() == ("stop", "stop")
+            assert await transcriber.finish(lambda _: None) == ("stop", "stop")
 
     @pytest.mark.parametrize(
         ("word", "said"), [("die", "has died: something broke"), ("babble", "has died"), ("hang", "did not answer")]

@@ -3,14 +3,16 @@
 
 import itertools
 import re
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterable
 from contextlib import suppress
 
 import pytest
+from openrois_body.messages import Viseme
 from openrois_body.speech import synthesizer as module
+from openrois_body.speech.contract import SpeechRefused, SpeechRequest
 from openrois_body.speech.markup import MAX_TEXT
-from openrois_body.speech.synthesizer import SpeechRefused, Synthesizer
-from openrois_body.speech.visemes import CONSONANTS, VOWELS, Phoneme, letters
+from openrois_body.speech.synthesizer import Synthesizer
+from openrois_body.speech.visemes import CONSONANTS, VOWELS, Phoneme, VisemeStream, letters
 
 from tests.support.packages import ROOT, packages
 
@@ -42,11 +44,12 @@ async def test_no_phoneme_it_says_is_unmapped(
 ) -> None:
     said: set[str] = set()
 
-    def listen(phonemes: list[Phoneme], _duration: float) -> tuple[()]:
-        said.update(phoneme.ipa for phoneme in phonemes)
-        return ()
+    class Listening(VisemeStream):
+        def add(self, phonemes: Iterable[Phoneme]) -> list[Viseme]:
+            said.update(phoneme.ipa for phoneme in phonemes)
+            return []
 
-    monkeypatch.setattr(module, "visemes", listen)
+    monkeypatch.setattr(module, "VisemeStream", Listening)
     first_letters = ALPHABETS[language]
     words = ["".join(pair) for pair in itertools.product(first_letters, first_letters[:30])]
     for first in range(0, len(words), 1000):
@@ -139,6 +142,44 @@ async def test_marks_are_told_with_their_names(synthesizer: Synthesizer) -> None
     assert [mark.name for mark in said.marks] == ["here & now", "end"]
     assert said.marks[0].offset_ms == pytest.approx(said.words[1].offset_ms, abs=100)
     assert said.words[1].offset_ms < said.marks[1].offset_ms <= said.duration * 1000
+
+
+async def test_a_speech_comes_in_pieces_that_are_complete(synthesizer: Synthesizer) -> None:
+    text = "The second sentence is long, and it costs $5; <mark name='here'/>I don't know why, but <break/> it goes on."
+    async with synthesizer.speak(SpeechRequest(text, ssml=True)) as chunks:
+        pieces = [chunk async for chunk in chunks]
+    assert len(pieces) > 5
+    assert 0.1 < len(pieces[0].samples) / 48_000 < 0.8
+    sent = 0.0
+    for piece in pieces[:-1]:
+        told: list[float] = [each.offset_ms for each in (*piece.words, *piece.marks)]
+        told += [each.offset_ms for each in piece.visemes]
+        # Never later than its sound, and none of a piece to come but of the filter's delay.
+        assert all(sent <= offset_ms + 10 for offset_ms in told)
+        sent += len(piece.samples) / 48
+        assert all(offset_ms < sent + 15 for offset_ms in told)
+    words = [word for piece in pieces for word in piece.words]
+    said = ["The", "second", "sentence", "is", "long", "and", "it", "costs", "5", "I", "don't"]
+    assert [word.text for word in words][: len(said)] == said
+    assert all(text[word.position :].startswith(word.text) for word in words)
+    visemes = [viseme for piece in pieces for viseme in piece.visemes]
+    assert [each.offset_ms for each in visemes] == sorted(each.offset_ms for each in visemes)
+    assert visemes[-1].shape == "sil"
+    assert [mark.name for piece in pieces for mark in piece.marks] == ["here"]
+
+
+async def test_leaving_a_speech_in_its_middle_leaves_the_next_one_alone(synthesizer: Synthesizer) -> None:
+    async with synthesizer.speak(SpeechRequest("one two three. " * 200)) as chunks:
+        assert len((await anext(chunks)).samples) > 0
+    assert [word.text for word in (await synthesizer.synthesize("one two")).words] == ["one", "two"]
+
+
+async def test_a_text_need_not_be_read_before_the_next_one_is_made(synthesizer: Synthesizer) -> None:
+    async with synthesizer.speak(SpeechRequest("one two three. " * 200)) as chunks:
+        first = await anext(chunks)
+        assert [word.text for word in (await synthesizer.synthesize("four")).words] == ["four"]
+        words = [*first.words, *[word async for chunk in chunks for word in chunk.words]]
+    assert len(words) == 600
 
 
 async def test_a_speech_without_end_is_refused(synthesizer: Synthesizer) -> None:

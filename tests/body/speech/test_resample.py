@@ -1,7 +1,13 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from openrois_body.speech.resample import SOURCE_RATE, TARGET_RATE, Upsampler, to_48k
+from openrois_body.speech.resample import RATES, SOURCE_RATE, TARGET_RATE, Resampler, Upsampler
+
+
+def to_48k(samples: NDArray[np.int16], rate: int = SOURCE_RATE, piece: int = 1 << 20) -> NDArray[np.int16]:
+    resampler = Resampler(rate)
+    made = [resampler.add(samples[first : first + piece]) for first in range(0, len(samples), piece)]
+    return np.concatenate([*made, resampler.finish()])
 
 
 def tone(frequency: float, seconds: float = 1.0, rate: int = SOURCE_RATE) -> NDArray[np.int16]:
@@ -24,6 +30,29 @@ def test_a_tone_stays_a_tone(frequency: int) -> None:
     beside = np.abs(frequencies - frequency) > 50
     assert levels[~beside].max() == pytest.approx(0, abs=0.05)
     assert levels[beside].max() < -85
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_a_tone_of_any_rate_stays_a_tone(rate: int) -> None:
+    sound = to_48k(tone(1_000, rate=rate), rate)
+    assert len(sound) == TARGET_RATE
+    frequencies, levels = spectrum(sound)
+    beside = np.abs(frequencies - 1_000) > 50
+    assert levels[~beside].max() == pytest.approx(0, abs=0.05)
+    assert levels[beside].max() < -80
+
+
+@pytest.mark.parametrize("piece", [1, 7, 64, 333, 5_000])
+@pytest.mark.parametrize("rate", [SOURCE_RATE, 24_000, 48_000])
+def test_pieces_of_any_length_become_the_same_sound(piece: int, rate: int) -> None:
+    sound = tone(440, 0.1, rate)
+    assert np.abs(to_48k(sound, rate, piece).astype(int) - to_48k(sound, rate)).max() <= 1
+
+
+def test_sound_is_given_as_soon_as_it_can_be_computed() -> None:
+    resampler = Resampler(24_000)
+    early = resampler.add(tone(440, 0.1, 24_000))
+    assert 0.09 * TARGET_RATE < len(early) < 0.1 * TARGET_RATE
 
 
 @pytest.mark.parametrize(("samples", "expected"), [(0, 0), (1, 3), (147, 320), (148, 323), (22_050, 48_000)])

@@ -8,14 +8,8 @@ import pytest
 import uvloop
 from openrois_body.messages import MAX_VISEMES, Speak, Viseme
 from openrois_body.speech import synthesizer as module
-from openrois_body.speech.synthesizer import (
-    NamedMark,
-    Speech,
-    SpeechRefused,
-    SpeechUnavailable,
-    Synthesizer,
-    Word,
-)
+from openrois_body.speech.contract import NamedMark, Speech, SpeechRefused, SpeechUnavailable, Word
+from openrois_body.speech.synthesizer import Synthesizer
 
 pytestmark = pytest.mark.extra(name="speech")
 

@@ -10,9 +10,10 @@ import pytest
 from openrois_body.body import Body
 from openrois_body.messages import Silence, Viseme
 from openrois_body.sound.mixer import BodySound
+from openrois_body.speech.contract import Speech, Word
 from openrois_body.speech.playout_delay import PLAYOUT, PlayoutDelay
 from openrois_body.speech.progress import Progress, WordSpoken
-from openrois_body.speech.synthesizer import Speech, Synthesizer, Word
+from openrois_body.speech.synthesizer import Synthesizer
 from openrois_body.speech.turns import Line
 from openrois_body.speech.utterance import Utterance
 from openrois_streaming.clock import SystemClock

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from openrois_avatar.link.messages import command_from_json
 from openrois_body.messages import VISEMES, Speak, Viseme
-from openrois_body.speech.visemes import CONSONANTS, VOWELS, Phoneme, Shape, letters, shapes, visemes
+from openrois_body.speech.visemes import CONSONANTS, VOWELS, Phoneme, Shape, VisemeStream, letters, shapes
 
 # What espeak-ng 1.52 says in these languages, collected from every phoneme of their tables and from all triples of
 # their letters; stress marks are left out.
@@ -62,6 +62,12 @@ def test_every_mouth_shape_is_used_and_no_other() -> None:
 )
 def test_a_phoneme_has_the_shapes_of_its_sounds(ipa: str, expected: list[tuple[str, float]]) -> None:
     assert list(shapes(ipa)) == [Shape(*shape) for shape in expected]
+
+
+def visemes(phonemes: list[Phoneme], duration_ms: float) -> tuple[Viseme, ...]:
+    stream = VisemeStream()
+    found = [viseme for phoneme in phonemes for viseme in stream.add([phoneme])]
+    return (*found, *stream.finish(duration_ms))
 
 
 def test_shapes_share_the_time_of_their_phoneme() -> None:

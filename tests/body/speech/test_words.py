@@ -1,10 +1,18 @@
+from math import inf
+
 from hypothesis import given
 from hypothesis import strategies as st
-from openrois_body.speech.words import Place, words
+from openrois_body.speech.words import Place, WordFinder
 
 
 def plain(text: str) -> list[tuple[int, int]]:
     return [(place, place + 1) for place in range(len(text))]
+
+
+def words(reported: list[Place], text: str, origins: list[tuple[int, int]]) -> list[Place]:
+    finder = WordFinder(text, origins)
+    found = [word for place in reported for word in finder.add([place])]
+    return found + finder.finish()
 
 
 def told(text: str, *places: tuple[float, int, int]) -> list[tuple[float, str]]:
@@ -41,6 +49,18 @@ def test_characters_of_one_place_of_the_document_are_one_word() -> None:
     origins = [(24, 26)] * 9
     assert words([Place(0, 0, 5), Place(200, 6, 3)], "World Web", origins) == [Place(0, 24, 2)]
     assert words([Place(0, 0, 5)], "World", [(7, 7)] * 5) == []
+
+
+def test_a_word_is_found_when_the_next_one_is_told() -> None:
+    finder = WordFinder("$5 now", plain("$5 now"))
+    assert finder.pending_ms == inf
+    assert finder.add([Place(0, 0, 1)]) == []
+    assert finder.pending_ms == 0
+    assert finder.add([Place(200, 1, 1)]) == []
+    assert finder.add([Place(400, 3, 3)]) == [Place(200, 1, 1)]
+    assert finder.pending_ms == 400
+    assert finder.finish() == [Place(400, 3, 3)]
+    assert finder.pending_ms == inf
 
 
 @given(

@@ -14,7 +14,7 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 from openrois_body.components.reaction import reaction_ref
-from openrois_body.speech.synthesizer import Speech
+from openrois_body.speech.contract import Speech
 from openrois_robots.reachy.adapter import linked_reachy
 from openrois_robots.reachy.daemon.address import Address
 from openrois_robots.reachy.options import ReachySettings

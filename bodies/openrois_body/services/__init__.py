@@ -1,0 +1,1 @@
+"""Servers of other makers that speak and recognise, by HTTP."""
