@@ -26,6 +26,7 @@ class ScriptedSynthesizer:
     """
 
     destination = ""
+    tells_visemes = True
 
     def __init__(self, seconds: float = 1.0) -> None:
         self.seconds = seconds

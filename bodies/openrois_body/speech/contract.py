@@ -124,6 +124,14 @@ class SpeechSynthesizer(Protocol):
     """Makes speech of texts, while its context lasts."""
 
     @property
+    def tells_visemes(self) -> bool:
+        """Whether the pieces have mouth shapes; where not, the mouth is read from the sound.
+
+        A speech with mouth shapes is played when all of it is made, another one while it comes.
+        """
+        ...
+
+    @property
     def destination(self) -> str:
         """Where texts are sent, as `https://host`; empty where they stay on this machine."""
         ...

@@ -60,6 +60,7 @@ class Piper:
     """
 
     destination = ""
+    tells_visemes = False
 
     def __init__(self, settings: VoiceSettings) -> None:
         self._file = settings.file

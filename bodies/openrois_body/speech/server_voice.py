@@ -50,6 +50,8 @@ class ServerVoice:
         settings: the server, its model and voices, and its key.
     """
 
+    tells_visemes = False
+
     def __init__(self, settings: VoiceSettings) -> None:
         self.destination = "" if settings.url is None else settings.url.destination
         self._settings = settings

@@ -1,11 +1,13 @@
 """What speaks texts, wherever they are heard: its languages and characters, and what a text becomes."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
 
 from openrois.errors import BadParameter, ComponentFailed
 from openrois_body.speech.contract import (
     Speech,
+    SpeechChunk,
     SpeechRefused,
     SpeechRequest,
     SpeechSynthesizer,
@@ -60,21 +62,30 @@ class Speaker(ABC):
         except SpeechUnavailable as error:
             raise ComponentFailed(str(error)) from error
 
-    async def make_speech(self, text: str, *, ssml: bool, language: str, character: str, volume: int) -> Speech:
-        """Return a text as sound, when all of it is made.
+    @asynccontextmanager
+    async def open_speech(
+        self, text: str, *, ssml: bool, language: str, character: str, volume: int
+    ) -> AsyncIterator[AsyncIterator[SpeechChunk]]:
+        """Make a text into sound; its pieces come as they are made, while the context lasts.
 
         Raises:
             BadParameter: this text, language or character cannot be spoken.
-            ComponentFailed: speech synthesis is not available now.
+            ComponentFailed: speech synthesis is not available now, or fails in the middle.
         """
         voice = None if character == DEFAULT_CHARACTER else character
         try:
             async with self._synthesizer.speak(SpeechRequest(text, ssml, language, voice, volume)) as chunks:
-                return await collect_speech(chunks)
+                yield chunks
         except SpeechRefused as error:
             raise BadParameter(str(error)) from error
         except SpeechUnavailable as error:
             raise ComponentFailed(str(error)) from error
+
+    async def make_speech(self, text: str, *, ssml: bool, language: str, character: str, volume: int) -> Speech:
+        """Return a text as sound, when all of it is made; raises as `open_speech`."""
+        opened = self.open_speech(text, ssml=ssml, language=language, character=character, volume=volume)
+        async with opened as chunks:
+            return await collect_speech(chunks)
 
     @abstractmethod
     async def say(self, text: str, *, ssml: bool, language: str, character: str, volume: int) -> None:

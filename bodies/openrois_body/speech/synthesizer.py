@@ -53,6 +53,7 @@ class Synthesizer:
     """
 
     destination = ""
+    tells_visemes = True
 
     def __init__(self, clock: MediaClock | None = None) -> None:
         self._clock = clock or SystemClock()

@@ -1,12 +1,15 @@
 """The voice: texts are synthesized and played, and the mouth moves with the sound."""
 
-from collections.abc import Callable
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager
+from typing import Final
 
 from openrois.aio.listeners import Listeners
-from openrois.errors import OutOfResources
+from openrois.errors import Aborted, OutOfResources, RoISError
 from openrois_body.body import Body
 from openrois_body.sound.mixer import BodySound, SoundBusy
-from openrois_body.speech.contract import SpeechSynthesizer
+from openrois_body.speech.contract import SpeechChunk, SpeechSynthesizer
 from openrois_body.speech.mouth import MouthReader
 from openrois_body.speech.open_utterance import OpenUtterance
 from openrois_body.speech.playout_delay import PlayoutDelay
@@ -15,7 +18,10 @@ from openrois_body.speech.speaker import Speaker
 from openrois_body.speech.turns import Line
 from openrois_body.speech.utterance import Utterance
 
-__all__ = ["Voice"]
+__all__ = ["AHEAD", "Voice"]
+
+AHEAD: Final = 30.0
+"""Seconds of a text's sound that are taken from its synthesizer before they are played."""
 
 
 class Voice(Speaker):
@@ -40,6 +46,10 @@ class Voice(Speaker):
 
     async def say(self, text: str, *, ssml: bool, language: str, character: str, volume: int) -> None:
         """Speak a text until the viewers heard its last sample; cancelling this cuts voice and mouth within 20 ms."""
+        if not self._synthesizer.tells_visemes:
+            opened = self.open_speech(text, ssml=ssml, language=language, character=character, volume=volume)
+            await self._say_as_it_comes(self.make_open(text, ssml=ssml), opened)
+            return
         notify = self.progress.notify_all
         utterance = Utterance(self._sound, self._body, self.playout_delay, notify, self._line, text, is_ssml=ssml)
         self._utterances.append(utterance)
@@ -101,6 +111,24 @@ class Voice(Speaker):
         finally:
             self._utterances.remove(utterance)
 
+    async def _say_as_it_comes(
+        self, utterance: OpenUtterance, opened: AbstractAsyncContextManager[AsyncIterator[SpeechChunk]]
+    ) -> None:
+        """Play a text while its sound is coming; where that fails in the middle the rest is not heard."""
+        feeding = asyncio.create_task(_feed(utterance, opened), name="speech that comes")
+        try:
+            await self.utter(utterance)
+        except Aborted:
+            if feeding.done() and not feeding.cancelled():
+                feeding.result()
+            raise
+        finally:
+            feeding.cancel()
+            await asyncio.wait({feeding})
+            if not feeding.cancelled():
+                # Of its failure `cut` has told.
+                feeding.exception()
+
     def interrupt(self, why: str) -> None:
         """Cut off all speeches, also those that wait: voice and mouth stop within a block of sound (20 ms)."""
         for utterance in self._utterances:
@@ -121,3 +149,19 @@ class Voice(Speaker):
         """Resume where it was paused, in the middle of a word too."""
         for utterance in self._utterances:
             utterance.go_on()
+
+
+async def _feed(utterance: OpenUtterance, opened: AbstractAsyncContextManager[AsyncIterator[SpeechChunk]]) -> None:
+    try:
+        async with opened as chunks:
+            async for chunk in chunks:
+                await utterance.room(AHEAD)
+                utterance.add_moments((*chunk.words, *chunk.marks))
+                utterance.push(chunk.samples)
+    except RoISError as error:
+        utterance.cut(f"{error}; the speech ended")
+        raise
+    except BaseException:
+        utterance.cut("the speech ended")
+        raise
+    utterance.finish()
