@@ -74,7 +74,7 @@ async def linked(address: Address, engine_id: str = "robot", **settings: Any) ->
 
 
 @asynccontextmanager
-async def scripted_synthesizer(_clock: object) -> AsyncIterator[ScriptedSynthesizer]:
+async def scripted_synthesizer(_choice: object, _clock: object) -> AsyncIterator[ScriptedSynthesizer]:
     """Stand in for the speech process."""
     yield ScriptedSynthesizer(0.3)
 

@@ -101,7 +101,7 @@ class Stage:
 
 
 @asynccontextmanager
-async def scripted_synthesizer(_clock: MediaClock) -> AsyncIterator[ScriptedSynthesizer]:
+async def scripted_synthesizer(_choice: object, _clock: MediaClock) -> AsyncIterator[ScriptedSynthesizer]:
     """Stand in for the speech process of a robot."""
     yield ScriptedSynthesizer()
 
@@ -111,7 +111,7 @@ async def staged(plan: Plan = APARTMENT, *, visitor: bool = False, **battery: fl
     """Run a robot without streams for as long as the block does; without a thread for its ways, or a speech process."""
     clock = VirtualClock()
     settings = SimulationSettings(battery=BatterySettings(**battery), visitor=visitor)
-    speechless = patch("openrois_robots.simulated.adapter.Synthesizer", scripted_synthesizer)
+    speechless = patch("openrois_body.speech_options.VoiceChoice.make", scripted_synthesizer)
     with patch.object(wayfinding, "_SMALL", 1000), speechless:
         async with simulated_robot("robot", settings, clock, plan) as robot, harness(*robot.components) as client:
             yield Stage(robot, client, clock)

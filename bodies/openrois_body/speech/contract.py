@@ -79,7 +79,7 @@ class VoiceSettings:
     names: tuple[str, ...] = ()
     key_file: Path | None = None
     file: Path | None = None
-    clock: MediaClock = field(default_factory=SystemClock)
+    clock: MediaClock = field(default_factory=SystemClock, compare=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -98,8 +98,8 @@ class SoundReader:
 
 
 def _mixed(samples: NDArray[np.int16]) -> NDArray[np.int16]:
-    first: NDArray[np.int16] = samples[:, 0]
-    return first if samples.shape[1] == 1 else samples.mean(axis=1).astype(np.int16)
+    mixed: NDArray[np.int16] = samples[:, 0] if samples.shape[1] == 1 else samples.mean(axis=1).astype(np.int16)
+    return mixed
 
 
 def _resampler(rate: int) -> Resampler:

@@ -1,12 +1,16 @@
 """The engine of a robot: its components and its streams, with what is measured of them."""
 
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 
+from openrois_body.host_body import HostBody
+from openrois_body.speech.speaker import Speaker
 from openrois_media.metrics.figures import FigureGroup, Snapshot
 from openrois_media.streams import AdapterStreams
+from openrois_streaming.clock import MediaClock
 
+from openrois.adapter.loading import make_components
 from openrois.adapter.running import hosted
 from openrois.component.component import Component
 from openrois.session.session import EngineHost
@@ -36,6 +40,9 @@ async def hosted_with_streams(
     streams: AdapterStreams,
     figures: Callable[[], tuple[FigureGroup, ...]],
     requirements: Mapping[str, Callable[[], bool]],
+    clock: MediaClock,
+    added: Sequence[type[Component]] = (),
+    voice: Speaker | None = None,
 ) -> AsyncIterator[RunningRobot]:
     """Make an engine of components and streams, for as long as the block runs.
 
@@ -45,11 +52,16 @@ async def hosted_with_streams(
         streams: which have not been entered.
         figures: returns what is measured of the robot beside its streams.
         requirements: what `/readyz` requires beside the gateway.
+        clock: the media clock.
+        added: the classes of components that the user adds.
+        voice: speaks, where that is a voice of ours; for added components.
 
     Raises:
         BadParameter: `engine_id` cannot be part of a reference, or two components have one name.
         UnsupportedLibrary: the installed version of aiortc is not supported.
+        ValueError: an added component cannot be made.
     """
-    parts = (*components, *streams.components.values())
+    own = (*components, *streams.components.values())
+    parts = (*own, *make_components(added, HostBody(engine_id, clock, own, voice), own))
     async with streams as interface, hosted(engine_id, *parts, extension=interface) as host:
         yield RunningRobot(host, streams.collector(figures).snapshot, requirements)

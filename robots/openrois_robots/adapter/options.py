@@ -11,6 +11,8 @@ from typing import Any, Final, TypeVar, cast
 from openrois_media.network_options import add_network_options, network_settings
 from openrois_streaming.network.settings import NetworkSettings
 
+from openrois.adapter.loading import add_component_option, load_components
+from openrois.component.component import Component
 from openrois.metrics.server import LOOPBACK, metrics_address
 from openrois.transport.address import adapter_urls
 from openrois.transport.credential_options import add_credential_options, credentials
@@ -59,6 +61,7 @@ class AdapterSettings:
         network: how its streams use the network.
         credentials: for the gateways.
         metrics: host and port of the metrics for Prometheus; None for nowhere.
+        components: the classes of those that the user adds.
     """
 
     engine_id: str
@@ -66,6 +69,7 @@ class AdapterSettings:
     network: NetworkSettings = field(default_factory=NetworkSettings)
     credentials: Credentials = NO_CREDENTIALS
     metrics: tuple[str, int] | None = None
+    components: tuple[type[Component], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +121,7 @@ def add_adapter_options(parser: argparse.ArgumentParser, engine_id: str, tables:
         metavar="[HOST:]PORT",
         help=f"serve figures for Prometheus there, at /metrics (without it nowhere; HOST is {LOOPBACK} unless given)",
     )
+    add_component_option(parser)
     add_network_options(parser)
     parser.add_argument("--verbose", action="store_true", help="log more")
     parser.add_argument("--log-format", choices=("text", "json"), default="text", help="of log lines (%(default)s)")
@@ -134,6 +139,7 @@ def read_adapter_settings(chosen: argparse.Namespace) -> AdapterSettings:
         network_settings(chosen),
         credentials(chosen),
         None if chosen.metrics is None else metrics_address(chosen.metrics),
+        load_components(chosen.own_components),
     )
 
 

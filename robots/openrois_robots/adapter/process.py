@@ -16,6 +16,7 @@ from openrois_streaming.network.settings import NetworkSettings
 
 from openrois.adapter.process import run_until_stopped
 from openrois.cli.command_line import CommandLine
+from openrois.component.component import Component
 from openrois.errors import BadParameter
 from openrois.metrics.server import MetricsUnavailable
 from openrois.observability.logs import set_up_logging
@@ -39,7 +40,7 @@ class RobotCommand(Generic[_S]):
         tables: of the configuration file, as `add_adapter_options` takes it.
         add_options: adds the options that only this robot has.
         read_settings: returns the settings that only this robot has; `ValueError` says what is wrong.
-        run: runs the robot while a block does; `BadParameter` and `OSError` say why it cannot.
+        run: runs the robot while a block does; `BadParameter`, `OSError` and `ValueError` say why it cannot.
     """
 
     name: str
@@ -73,7 +74,7 @@ class RobotCommand(Generic[_S]):
         prepare_process()
         try:
             uvloop.run(run_until_stopped(self._serve(settings, own)))
-        except (UnsupportedLibrary, BadParameter, MetricsUnavailable, OSError) as error:
+        except (UnsupportedLibrary, BadParameter, MetricsUnavailable, OSError, ValueError) as error:
             print(f"{called}: {error}", file=sys.stderr)
             return 1
         return 0
@@ -92,13 +93,15 @@ class RobotCommand(Generic[_S]):
 
 def run_hosted(
     made: Callable[[str, _S, MediaClock], AbstractAsyncContextManager[_R]],
-    hosted: Callable[[str, _R, MediaClock, NetworkSettings], AbstractAsyncContextManager[RunningRobot]],
+    hosted: Callable[
+        [str, _R, MediaClock, NetworkSettings, Sequence[type[Component]]], AbstractAsyncContextManager[RunningRobot]
+    ],
 ) -> Callable[[AdapterSettings, _S], AbstractAsyncContextManager[RunningRobot]]:
     """Return what runs a robot on the clock of this machine: `run` of its command.
 
     Args:
         made: makes or links the robot, from its engine_id and settings.
-        hosted: makes an engine of it, with the settings of its streams.
+        hosted: makes an engine of it, with the settings of its streams, and the components that the user adds.
     """
 
     @asynccontextmanager
@@ -106,7 +109,7 @@ def run_hosted(
         clock = SystemClock()
         async with (
             made(settings.engine_id, own, clock) as robot,
-            hosted(settings.engine_id, robot, clock, settings.network) as running,
+            hosted(settings.engine_id, robot, clock, settings.network, settings.components) as running,
         ):
             yield running
 

@@ -1,6 +1,6 @@
 """The adapter of a Kachaka: one engine with its components, and the streams of its cameras."""
 
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from typing import Final
@@ -132,7 +132,11 @@ def _of_own_vision(senses: CameraSenses) -> tuple[Component, ...]:
 
 @asynccontextmanager
 async def hosted_kachaka(
-    engine_id: str, robot: Robot, clock: MediaClock, network: NetworkSettings | None = None
+    engine_id: str,
+    robot: Robot,
+    clock: MediaClock,
+    network: NetworkSettings | None = None,
+    added: Sequence[type[Component]] = (),
 ) -> AsyncIterator[RunningRobot]:
     """Make an engine of a robot: its components, and the streams of its cameras.
 
@@ -141,6 +145,7 @@ async def hosted_kachaka(
         robot: that was linked with this engine_id and clock.
         clock: the media clock.
         network: how the streams use the network.
+        added: the classes of components that the user adds.
 
     Raises:
         BadParameter: `engine_id` cannot be part of a reference.
@@ -164,5 +169,7 @@ async def hosted_kachaka(
         of_body = body_figures({"vision": robot.senses.watch.figures}, robot.operator_control.figures)
         return (*of_body, *kachaka_figures(link, robot.commands.figures, robot.driver.figures, cameras))
 
-    async with hosted_with_streams(engine_id, robot.components, streams, figures, requirements) as running:
+    async with hosted_with_streams(
+        engine_id, robot.components, streams, figures, requirements, clock, added
+    ) as running:
         yield running

@@ -1,10 +1,9 @@
 """The adapter of a Reachy Mini: one engine with its components."""
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 
-from openrois_body.speech.synthesizer import Synthesizer
 from openrois_media import NetworkSettings
 from openrois_media.streams import AdapterStreams
 from openrois_streaming.clock import MediaClock
@@ -38,11 +37,13 @@ class Robot:
         components: all that it has.
         state: what is known of it, and the link to it.
         motion: moves it.
+        voice: speaks on it.
     """
 
     components: tuple[Component, ...]
     state: Reachy
     motion: Motion
+    voice: RobotVoice
 
 
 @asynccontextmanager
@@ -58,7 +59,7 @@ async def linked_reachy(engine_id: str, settings: ReachySettings, clock: MediaCl
         daemon = await stack.enter_async_context(Daemon(settings.address))
         state = Reachy(daemon, clock)
         motion = Motion(state, settings.motion, clock)
-        voice = RobotVoice(await stack.enter_async_context(Synthesizer(clock)), state, clock)
+        voice = RobotVoice(await stack.enter_async_context(settings.voice.make(clock)), state, clock)
         directions = Directions(state, clock)
         acting: tuple[Component, ...] = (
             Reaction(state, motion),
@@ -75,12 +76,16 @@ async def linked_reachy(engine_id: str, settings: ReachySettings, clock: MediaCl
         tasks = await stack.enter_async_context(TaskScope())
         for part in (state.socket, state.link, motion, directions):
             tasks.start(part.run())
-        yield Robot(components, state, motion)
+        yield Robot(components, state, motion, voice)
 
 
 @asynccontextmanager
 async def hosted_reachy(
-    engine_id: str, robot: Robot, clock: MediaClock, network: NetworkSettings | None = None
+    engine_id: str,
+    robot: Robot,
+    clock: MediaClock,
+    network: NetworkSettings | None = None,
+    added: Sequence[type[Component]] = (),
 ) -> AsyncIterator[RunningRobot]:
     """Make an engine of a robot.
 
@@ -89,6 +94,7 @@ async def hosted_reachy(
         robot: that was linked with this engine_id and clock.
         clock: the media clock.
         network: how streams would use the network; the robot has none yet.
+        added: the classes of components that the user adds.
 
     Raises:
         BadParameter: `engine_id` cannot be part of a reference.
@@ -97,6 +103,13 @@ async def hosted_reachy(
     streams = AdapterStreams(engine_id, {}, clock=clock, network=network)
     requirements = {"the robot: it does not answer": lambda: link.is_up}
     async with hosted_with_streams(
-        engine_id, robot.components, streams, lambda: reachy_figures(link, robot.motion.figures), requirements
+        engine_id,
+        robot.components,
+        streams,
+        lambda: reachy_figures(link, robot.motion.figures),
+        requirements,
+        clock,
+        added,
+        robot.voice,
     ) as running:
         yield running

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Final
 
+from openrois_body.speech_options import VoiceChoice, add_voice_options, voice_choice
+
 from openrois_robots.adapter.options import RobotTable, add_robot_option, read_config, read_table, robot_address
 from openrois_robots.reachy.daemon.address import PORT, Address, read_address
 from openrois_robots.reachy.postures.limits import MotionLimits
@@ -23,10 +25,12 @@ class ReachySettings:
     Attributes:
         address: of the robot's daemon.
         motion: highest speeds.
+        voice: what speaks.
     """
 
     address: Address
     motion: MotionLimits = field(default_factory=MotionLimits)
+    voice: VoiceChoice = field(default_factory=VoiceChoice)
 
 
 _READ: Final[Mapping[str, Callable[[str, Any], Any]]] = {
@@ -38,6 +42,7 @@ _READ: Final[Mapping[str, Callable[[str, Any], Any]]] = {
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that only this robot has."""
     add_robot_option(parser, PORT)
+    add_voice_options(parser)
 
 
 def read_settings(chosen: argparse.Namespace) -> ReachySettings:
@@ -47,4 +52,4 @@ def read_settings(chosen: argparse.Namespace) -> ReachySettings:
         ValueError: one is wrong or missing, or the file cannot be read; a sentence for a person.
     """
     tables = read_config(chosen.config, _READ)
-    return ReachySettings(read_address(robot_address(chosen, tables["robot"])), tables["motion"])
+    return ReachySettings(read_address(robot_address(chosen, tables["robot"])), tables["motion"], voice_choice(chosen))

@@ -1,6 +1,6 @@
 """The adapter of a robot that speaks ROS 2: its components and its streams, as its mapping file has them."""
 
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
@@ -92,7 +92,11 @@ async def ros_robot(
 
 @asynccontextmanager
 async def hosted_robot(
-    engine_id: str, robot: Robot, clock: MediaClock, network: NetworkSettings | None = None
+    engine_id: str,
+    robot: Robot,
+    clock: MediaClock,
+    network: NetworkSettings | None = None,
+    added: Sequence[type[Component]] = (),
 ) -> AsyncIterator[RunningRobot]:
     """Make an engine of a robot: its components, and the streams of its cameras.
 
@@ -101,6 +105,7 @@ async def hosted_robot(
         robot: that was made with this engine_id and clock.
         clock: the media clock.
         network: how the streams use the network.
+        added: the classes of components that the user adds.
 
     Raises:
         BadParameter: `engine_id` or the name of a camera cannot be part of a reference, or is that of a component.
@@ -114,7 +119,9 @@ async def hosted_robot(
     def figures() -> tuple[FigureGroup, ...]:
         return (*body_figures({}, robot.operator_control.figures), link_figures(robot.link))
 
-    async with hosted_with_streams(engine_id, robot.components, streams, figures, requirements) as running:
+    async with hosted_with_streams(
+        engine_id, robot.components, streams, figures, requirements, clock, added
+    ) as running:
         yield running
 
 

@@ -49,7 +49,7 @@ async def _run(settings: AdapterSettings, mapping: RobotMapping) -> AsyncIterato
     async with (
         backend_of(mapping.ros) as backend,
         ros_robot(settings.engine_id, mapping, backend, clock, called) as robot,
-        hosted_robot(settings.engine_id, robot, clock, settings.network) as running,
+        hosted_robot(settings.engine_id, robot, clock, settings.network, settings.components) as running,
     ):
         yield running
 

@@ -26,7 +26,6 @@ from openrois_body.sensing.changes import Place
 from openrois_body.sensing.figures import SenseFigures
 from openrois_body.sound.mixer import BodySound
 from openrois_body.speech.speech_control import SpeechControl
-from openrois_body.speech.synthesizer import Synthesizer
 from openrois_body.speech.voice import Voice
 from openrois_body.teleoperation.figure_controls import FigureControls
 from openrois_body.teleoperation.operator_control import OperatorControl
@@ -126,7 +125,7 @@ async def simulated_robot(
             return Pose(at.x, at.y, at.th, _FRAME, datetime.fromtimestamp(clock.wall(), UTC))
 
         sound = BodySound(clock)
-        voice = Voice(await stack.enter_async_context(Synthesizer(clock)), sound, body)
+        voice = Voice(await stack.enter_async_context(settings.voice.make(clock)), sound, body)
         camera = await stack.enter_async_context(RobotCamera(plan, simulation.view, clock))
         eye = Camera()
         eye.inlet.plug("own camera", camera)
@@ -189,7 +188,11 @@ def _report_empty(simulation: Simulation, moving: Sequence[Component]) -> None:
 
 @asynccontextmanager
 async def hosted_robot(
-    engine_id: str, robot: Robot, clock: MediaClock, network: NetworkSettings | None = None
+    engine_id: str,
+    robot: Robot,
+    clock: MediaClock,
+    network: NetworkSettings | None = None,
+    added: Sequence[type[Component]] = (),
 ) -> AsyncIterator[RunningRobot]:
     """Make an engine of a robot: its components, and the streams of its camera and its voice.
 
@@ -198,6 +201,7 @@ async def hosted_robot(
         robot: that was made with this engine_id and clock.
         clock: the media clock.
         network: how the streams use the network.
+        added: the classes of components that the user adds.
 
     Raises:
         BadParameter: `engine_id` cannot be part of a reference.
@@ -220,5 +224,7 @@ async def hosted_robot(
     def figures() -> tuple[FigureGroup, ...]:
         return body_figures(robot.senses, robot.operator_control.figures, robot.speech_control.figures)
 
-    async with hosted_with_streams(engine_id, robot.components, streams, figures, requirements) as running:
+    async with hosted_with_streams(
+        engine_id, robot.components, streams, figures, requirements, clock, added, robot.voice
+    ) as running:
         yield running

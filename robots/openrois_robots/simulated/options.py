@@ -6,6 +6,8 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, Final
 
+from openrois_body.speech_options import add_voice_options, voice_choice
+
 from openrois_robots.adapter.options import read_config, read_table
 from openrois_robots.simulated.battery import BatterySettings
 from openrois_robots.simulated.driving import BaseSettings
@@ -37,6 +39,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help=f"charge below which only the dock is a goal ({100 * battery.low:.0f})",
     )
     parser.add_argument("--visitor", action="store_true", help="let a person walk about in the robot's rooms")
+    add_voice_options(parser)
 
 
 def read_settings(chosen: argparse.Namespace) -> SimulationSettings:
@@ -48,7 +51,7 @@ def read_settings(chosen: argparse.Namespace) -> SimulationSettings:
     tables = read_config(chosen.config, _READ)
     base = _replaced(tables["base"], speed=chosen.max_speed, turn=chosen.max_turn)
     battery = _replaced(tables["battery"], charge=_share(chosen.battery), low=_share(chosen.battery_low))
-    return SimulationSettings(base, battery, chosen.visitor)
+    return SimulationSettings(base, battery, chosen.visitor, voice_choice(chosen))
 
 
 def _share(percent: float | None) -> float | None:

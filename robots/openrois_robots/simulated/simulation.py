@@ -10,6 +10,7 @@ from math import hypot, remainder, tau
 from typing import Final
 
 from openrois_body.messages import Command, Completed, Drive, Event, Halt, Look, Place, React, Thing, Things, Walk
+from openrois_body.speech_options import VoiceChoice
 from openrois_streaming.clock import MediaClock
 
 from openrois.aio.listeners import Listeners
@@ -46,11 +47,13 @@ class SimulationSettings:
         base: speeds of the robot.
         battery: its battery.
         visitor: whether a person walks about.
+        voice: what speaks.
     """
 
     base: BaseSettings = field(default_factory=BaseSettings)
     battery: BatterySettings = field(default_factory=BatterySettings)
     visitor: bool = False
+    voice: VoiceChoice = field(default_factory=VoiceChoice)
 
 
 class Simulation:

@@ -152,7 +152,7 @@ async def test_a_speech_comes_in_pieces_that_are_complete(synthesizer: Synthesiz
     assert 0.1 < len(pieces[0].samples) / 48_000 < 0.8
     sent = 0.0
     for piece in pieces[:-1]:
-        told: list[float] = [each.offset_ms for each in (*piece.words, *piece.marks)]
+        told = [word.offset_ms for word in piece.words] + [mark.offset_ms for mark in piece.marks]
         told += [each.offset_ms for each in piece.visemes]
         # Never later than its sound, and none of a piece to come but of the filter's delay.
         assert all(sent <= offset_ms + 10 for offset_ms in told)

@@ -127,6 +127,7 @@ async def test_what_is_missing_is_named(folder: Path, monkeypatch: pytest.Monkey
     voice = folder / "ann.onnx"
     assert reason(None) == "a voice of Piper needs its file: --voice-file VOICE.onnx"
     assert reason(folder / "none.onnx") == f"--voice-file: there is no file {folder / 'none.onnx'}"
+    wrong: dict[str, object]
     for wrong in ({"audio": {}}, {"audio": 1}, {"speaker_id_map": {"a": "b"}}, {"language": 1}):
         describe(voice, **wrong)
         assert reason(voice) == f"--voice-file: {voice}.json is no description of a voice of Piper"

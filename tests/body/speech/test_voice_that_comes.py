@@ -26,7 +26,7 @@ from openrois_streaming.clock import SystemClock
 
 from openrois.errors import Aborted, BadParameter, ComponentFailed
 from openrois.types.codes import CompletedStatus
-from tests.support.speech_server import early_end, first_half, says, silent, speech_server
+from tests.support.speech_server import Behaviour, SpeechServer, early_end, first_half, says, silent, speech_server
 from tests.support.streaming import VirtualClock, settle
 from tests.support.voice import ScriptedSynthesizer
 
@@ -178,6 +178,9 @@ async def test_no_more_is_taken_than_may_wait(stage: Stage) -> None:
 class TestServer:
     """The sound of a real server, heard at the body's sound by the real clock."""
 
+    behaviour: Behaviour
+    server: SpeechServer
+
     @asynccontextmanager
     async def spoken(self) -> AsyncIterator[tuple[Voice, asyncio.Event, list[Progress], ServerVoice]]:
         """Run a voice; the event is set when something loud leaves the body."""
@@ -224,8 +227,8 @@ class TestServer:
     @pytest.mark.parametrize(
         ("behaviour", "said"), [(early_end, "closed the connection"), (says(429, ""), "takes no more now")]
     )
-    async def test_what_the_server_does_wrong_is_the_reason_of_the_end(self, behaviour: object, said: str) -> None:
-        self.behaviour = behaviour  # type: ignore[assignment]
+    async def test_what_the_server_does_wrong_is_the_reason_of_the_end(self, behaviour: Behaviour, said: str) -> None:
+        self.behaviour = behaviour
         async with self.spoken() as (voice, _, progress, _):
             with pytest.raises(ComponentFailed, match=said):
                 await voice.say("Good morning.", ssml=False, language="en", character="default", volume=100)

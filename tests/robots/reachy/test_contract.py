@@ -23,7 +23,7 @@ class _OfTheRobot(ComponentContract):
     name: ClassVar[str]
 
     async def try_rule(self, rule: Callable[[LocalSubject], Awaitable[None]]) -> None:
-        with patch("openrois_robots.reachy.adapter.Synthesizer", scripted_synthesizer):
+        with patch("openrois_body.speech_options.VoiceChoice.make", scripted_synthesizer):
             async with (
                 simulated(has_media=True, sound_from=1.0) as (_, address),
                 linked(address) as self._robot,

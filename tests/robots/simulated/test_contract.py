@@ -23,7 +23,7 @@ class _OfTheRobot(ComponentContract):
     name: ClassVar[str]
 
     async def try_rule(self, rule: Callable[[LocalSubject], Awaitable[None]]) -> None:
-        with patch("openrois_robots.simulated.adapter.Synthesizer", scripted_synthesizer):
+        with patch("openrois_body.speech_options.VoiceChoice.make", scripted_synthesizer):
             async with simulated_robot("robot", SimulationSettings(), VirtualClock()) as self._robot:
                 told = HolderNotification(component_ref="robot/teleoperation", holds=True, epoch=1)
                 self._robot.operator_control.apply_holder(told, Client("1", lambda _method, _params: None))

@@ -45,10 +45,10 @@ async def speaking(seconds: float = 0.4, **options: Any) -> AsyncIterator[tuple[
     synthesizer = ScriptedSynthesizer(seconds)
 
     @asynccontextmanager
-    async def made(_clock: object) -> AsyncIterator[ScriptedSynthesizer]:
+    async def made(_choice: object, _clock: object) -> AsyncIterator[ScriptedSynthesizer]:
         yield synthesizer
 
-    with patch("openrois_robots.reachy.adapter.Synthesizer", made):
+    with patch("openrois_body.speech_options.VoiceChoice.make", made):
         async with staged(has_media=True, **options) as stage:
             yield stage, synthesizer
 
