@@ -36,14 +36,19 @@ DESCRIPTION = {
 }
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder in PATH with a program `piper`, and a voice."""
-    program = tmp_path / "piper"
+def fake_piper(folder: Path, environment: pytest.MonkeyPatch) -> None:
+    """Put a program `piper` into a folder, and that into PATH."""
+    program = folder / "piper"
     program.write_text(f'#!/bin/sh\nexec {sys.executable} -m tests.support.piper_child "$@"\n')
     program.chmod(0o755)
-    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
-    monkeypatch.setenv("PYTHONPATH", f"{ROOT}:{os.environ.get('PYTHONPATH', '')}")
+    environment.setenv("PATH", f"{folder}:{os.environ['PATH']}")
+    environment.setenv("PYTHONPATH", f"{ROOT}:{os.environ.get('PYTHONPATH', '')}")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a program `piper`, and a voice."""
+    fake_piper(tmp_path, monkeypatch)
     voice = tmp_path / "ann.onnx"
     voice.write_bytes(b"a model")
     describe(voice)
