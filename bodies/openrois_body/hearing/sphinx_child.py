@@ -57,7 +57,8 @@ class Ears:
             case "begin":
                 return self._begin(request["grammar"])
             case "hear":
-                self._decoder.process_raw(sound, no_search=False, full_utt=False)
+                if sound:
+                    self._decoder.process_raw(sound, no_search=False, full_utt=False)
                 found = self._decoder.hyp()
                 return {"partial": found.hypstr if found else ""}
             case "end":

@@ -63,7 +63,8 @@ class SoundReader:
         return self._loud(self._resampler.finish())
 
     def _loud(self, samples: NDArray[np.int16]) -> NDArray[np.int16]:
-        return np.rint(samples * self._loudness).astype(np.int16)
+        loud: NDArray[np.int16] = np.rint(samples * self._loudness).astype(np.int16)
+        return loud
 
     def _begin(self) -> bool:
         """Read the header, if there is one; returns whether the sound has begun."""

@@ -132,9 +132,9 @@ async def test_what_is_missing_is_named(folder: Path, monkeypatch: pytest.Monkey
     voice = folder / "ann.onnx"
     assert reason(None) == "a voice of Piper needs its file: --voice-file VOICE.onnx"
     assert reason(folder / "none.onnx") == f"--voice-file: there is no file {folder / 'none.onnx'}"
-    wrong: dict[str, object]
-    for wrong in ({"audio": {}}, {"audio": 1}, {"speaker_id_map": {"a": "b"}}, {"language": 1}):
-        describe(voice, **wrong)
+    wrong: list[dict[str, object]] = [{"audio": {}}, {"audio": 1}, {"speaker_id_map": {"a": "b"}}, {"language": 1}]
+    for description in wrong:
+        describe(voice, **description)
         assert reason(voice) == f"--voice-file: {voice}.json is no description of a voice of Piper"
     voice.with_name("ann.onnx.json").unlink()
     assert "ann.onnx.json, which has to be beside it: No such file" in reason(voice)
