@@ -2,7 +2,7 @@
 
 import argparse
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
@@ -20,7 +20,9 @@ __all__ = [
     "VoiceChoice",
     "add_ears_options",
     "add_voice_options",
+    "ears_arguments",
     "ears_choice",
+    "voice_arguments",
     "voice_choice",
 ]
 
@@ -178,6 +180,31 @@ def ears_choice(chosen_options: argparse.Namespace) -> EarsChoice:
     if name:
         _require(RECOGNIZERS, "--ears", name, settings)
     return EarsChoice(name, settings, options.ears_consented)
+
+
+def voice_arguments(chosen_options: argparse.Namespace) -> Sequence[str]:
+    """Return the options of the voice, for another command line."""
+    return _arguments(
+        chosen_options,
+        *("voice", "voice_url", "voice_model", "voice_name", "voice_key_file", "voice_file", "speech_unencrypted"),
+    )
+
+
+def ears_arguments(chosen_options: argparse.Namespace) -> Sequence[str]:
+    """Return the options of the ears, for another command line."""
+    return _arguments(chosen_options, "ears", "ears_url", "ears_model", "ears_key_file", "ears_consented")
+
+
+def _arguments(chosen_options: argparse.Namespace, *names: str) -> Sequence[str]:
+    """Return the options that were given."""
+    found: list[str] = []
+    for name in names:
+        value, option = getattr(chosen_options, name), f"--{name.replace('_', '-')}"
+        if value is True:
+            found.append(option)
+        elif value:
+            found += (option, str(value))
+    return found
 
 
 def _address(text: str | None, option: str, path: str, *, unencrypted: bool) -> ServiceAddress | None:

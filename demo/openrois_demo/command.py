@@ -15,8 +15,17 @@ from typing import Final
 
 from openrois_avatar.options.engine_options import add_engine_options, engine_arguments
 from openrois_avatar.options.link_options import add_facade_option, add_link_options, link_arguments
+from openrois_body.speech_options import (
+    add_ears_options,
+    add_voice_options,
+    ears_arguments,
+    ears_choice,
+    voice_arguments,
+    voice_choice,
+)
 from openrois_media.network_options import add_host_options, add_session_options, host_arguments, session_arguments
 
+from openrois.adapter.loading import add_component_option, component_arguments, load_components
 from openrois.cli.command_line import CommandLine, port_number
 from openrois.observability.logs import set_up_logging
 from openrois.transport.credential_options import add_credential_options, credential_arguments, credentials
@@ -67,6 +76,9 @@ def main(arguments: Sequence[str]) -> int:
     add_engine_options(parser)
     add_link_options(parser, when=" if it is external or a facade")
     add_facade_option(parser)
+    add_component_option(parser)
+    add_voice_options(parser)
+    add_ears_options(parser)
     add_host_options(parser)
     add_session_options(parser)
     add_credential_options(parser)
@@ -76,6 +88,11 @@ def main(arguments: Sequence[str]) -> int:
     try:
         access = demo_access(chosen)
         of_engine = (*engine_arguments(chosen), *session_arguments(chosen))
+        # What is wrong is said here, once, and not by each body.
+        for read in (voice_choice, ears_choice):
+            read(chosen)
+        load_components(chosen.own_components)
+        of_avatar = (*component_arguments(chosen), *voice_arguments(chosen), *ears_arguments(chosen))
     except ValueError as error:
         parser.error(str(error))
     set_up_logging(verbose=chosen.verbose)
@@ -94,8 +111,11 @@ def main(arguments: Sequence[str]) -> int:
         url = access.url("ws", chosen.port)
         gateway = ("gateway", "--port", str(chosen.port), "--drain", "0", *access.gateway_arguments(), *more)
         bodies = {
-            _AVATAR: ("avatar", *of_engine, *link_arguments(chosen)),
-            _ROBOT: ("robot", "simulated", *(("--visitor",) if chosen.visitor else ()), *session_arguments(chosen)),
+            _AVATAR: ("avatar", *of_engine, *of_avatar, *link_arguments(chosen)),
+            _ROBOT: (
+                *("robot", "simulated", *(("--visitor",) if chosen.visitor else ())),
+                *(*session_arguments(chosen), *voice_arguments(chosen)),
+            ),
         }
         demo = _Demo(
             Program(gateway, announces="listening "),

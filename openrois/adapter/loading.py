@@ -7,7 +7,7 @@ from importlib import import_module
 
 from openrois.component.component import Component
 
-__all__ = ["add_component_option", "load_components", "make_components"]
+__all__ = ["add_component_option", "component_arguments", "load_components", "make_components"]
 
 _SEPARATOR = ":"
 _BODY = "body"
@@ -23,6 +23,11 @@ def add_component_option(parser: argparse.ArgumentParser) -> None:
         metavar="PACKAGE:CLASS",
         help="add a component of your own; given again for each one",
     )
+
+
+def component_arguments(chosen: argparse.Namespace) -> Sequence[str]:
+    """Return the options as they were given, for another command line."""
+    return [part for name in chosen.own_components for part in ("--component", name)]
 
 
 def load_components(names: Iterable[str]) -> tuple[type[Component], ...]:

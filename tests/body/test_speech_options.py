@@ -17,7 +17,9 @@ from openrois_body.speech_options import (
     VoiceChoice,
     add_ears_options,
     add_voice_options,
+    ears_arguments,
     ears_choice,
+    voice_arguments,
     voice_choice,
 )
 
@@ -56,6 +58,20 @@ def test_the_address_of_a_server_chooses_it() -> None:
     assert recognizer.destination == "https://h.example"
     assert ears.may_send is not None
     assert ears.may_send()
+
+
+def test_options_become_the_same_options_of_another_command_line() -> None:
+    voice = ["--voice", "openai", "--voice-url", "https://h.example", "--voice-model", "m", "--voice-name", "a,b"]
+    voice += ["--voice-key-file", "k", "--speech-unencrypted"]
+    ears = ["--ears", "openai", "--ears-url", "http://192.0.2.7:1", "--ears-model", "w", "--ears-key-file", "k"]
+    ears += ["--ears-consented"]
+    parser = argparse.ArgumentParser()
+    add_voice_options(parser)
+    add_ears_options(parser)
+    chosen = parser.parse_args([*voice, *ears])
+    assert (voice_arguments(chosen), ears_arguments(chosen)) == (voice, ears)
+    nothing = parser.parse_args([])
+    assert (voice_arguments(nothing), ears_arguments(nothing)) == ([], [])
 
 
 def test_names_models_and_keys_are_read() -> None:

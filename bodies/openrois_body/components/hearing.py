@@ -62,6 +62,10 @@ class Hearing(Sense, components.BasicComponent, authority="OpenRoIS", function="
         """Return READY unless speech recognition fails now."""
         return ComponentStatus.ERROR if self._recognition.failure else ComponentStatus.READY
 
+    def problem(self) -> str:
+        """Return why speech is not recognised now."""
+        return self._recognition.failure
+
     @event
     def heard(self, text: str, final: bool, timestamp: datetime | None = None) -> None:
         """A partial or final result.

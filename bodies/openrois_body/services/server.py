@@ -20,8 +20,8 @@ __all__ = ["BEGIN_TIMEOUT", "CONNECT_TIMEOUT", "STALL_TIMEOUT", "Answer", "Serve
 
 CONNECT_TIMEOUT: Final = 5.0
 """Seconds for a connection to a server."""
-BEGIN_TIMEOUT: Final = 30.0
-"""Seconds until an answer begins: what has no stream makes all of it before."""
+BEGIN_TIMEOUT: Final = 25.0
+"""Seconds until an answer begins: a server without a stream makes all of it before."""
 STALL_TIMEOUT: Final = 10.0
 """Seconds between two parts of an answer."""
 MAX_KEY: Final = 4096

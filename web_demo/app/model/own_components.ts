@@ -2,6 +2,7 @@
 
 import { RoISCommon } from "../../sdk/index.ts";
 import type { CompletedStatus } from "../../sdk/index.ts";
+import type { Recognizer } from "./sent_to.ts";
 
 const URN = "urn:x-rois:def:component:OpenRoIS::";
 
@@ -141,6 +142,10 @@ export class Hearing extends RoISCommon {
     text: "string",
     final: "bool",
   });
+
+  recognizer(): Promise<Recognizer> {
+    return this.query<Recognizer>("recognizer", { sent_to: "string", allowed: "bool" });
+  }
 }
 
 /** What the avatar receives of its operator: levels of the microphone. */

@@ -7,6 +7,7 @@ import { LevelBar, TrackLevel } from "../dom/level_bar.ts";
 import { describeFailure } from "../model/outcome.ts";
 import { sentence } from "../model/plain_words.ts";
 import { Hearing, Operator, SpeechProgress } from "../model/own_components.ts";
+import { sentToWords } from "../model/sent_to.ts";
 import { Switch } from "./switch.ts";
 import { Wanted } from "./wanted.ts";
 
@@ -26,6 +27,7 @@ export class HearingPanel {
   readonly #switch: Switch;
   readonly #interrupt: Switch;
   readonly #list = make("ol", { class: "heard", "data-testid": "heard", "aria-live": "polite" });
+  readonly #sentTo = make("p", { class: "sense-words", role: "status", "data-testid": "sent-to" });
   readonly #words = make("p", { class: "sense-words", role: "status" });
   #operator: Operator | null = null;
   #hearing: Hearing | null = null;
@@ -40,7 +42,14 @@ export class HearingPanel {
     this.#switch = new Switch("hearing-switch", "Let it write down what you say", () => this.#update());
     this.#interrupt = new Switch("barge-in", "Speak to interrupt it", (on) => void this.#setInterrupt(on));
     const levels = make("div", { class: "levels" }, this.#here.element, this.#there.element);
-    this.element.append(levels, this.#switch.element, this.#list, this.#interrupt.element, this.#words);
+    this.element.append(
+      levels,
+      this.#switch.element,
+      this.#list,
+      this.#interrupt.element,
+      this.#sentTo,
+      this.#words,
+    );
     this.#update();
   }
 
@@ -64,6 +73,7 @@ export class HearingPanel {
       this.#heard.from(
         component && (() => component.heard.subscribe(({ text, final }) => this.#addHeard(text, final))),
       );
+      void this.#askRecognizer(component);
     }
     if (progress !== (this.#progress?.componentRef ?? null))
       this.#progress = progress === null ? null : new SpeechProgress(this.#client, progress);
@@ -77,8 +87,10 @@ export class HearingPanel {
     const began = this.#track === null;
     this.#track = track;
     this.#local.follow(track);
-    if (began) void this.#askInterrupt();
-    else if (track === null && this.#interrupt.on) void this.#setInterrupt(false);
+    if (began) {
+      void this.#askInterrupt();
+      void this.#askRecognizer(this.#hearing);
+    } else if (track === null && this.#interrupt.on) void this.#setInterrupt(false);
     this.#update();
   }
 
@@ -91,6 +103,7 @@ export class HearingPanel {
     this.#switch.element.hidden = this.#hearing === null;
     this.#interrupt.element.hidden = this.#progress === null;
     this.#list.hidden = !on;
+    this.#sentTo.hidden = this.#track === null;
     if (!on) this.#sentences = [];
     this.#render("");
     this.#onChange();
@@ -106,6 +119,12 @@ export class HearingPanel {
     if (partial !== "") lines.push(make("li", { class: "partial" }, `${partial} …`));
     else if (lines.length === 0) lines.push(make("li", { class: "partial" }, "Nothing was understood yet"));
     this.#list.replaceChildren(...lines);
+  }
+
+  /** Says where the sound goes; a body that does not tell keeps it. */
+  async #askRecognizer(hearing: Hearing | null): Promise<void> {
+    const recognizer = (await hearing?.recognizer().catch(() => null)) ?? null;
+    if (hearing === this.#hearing) setText(this.#sentTo, sentToWords(recognizer));
   }
 
   async #askInterrupt(): Promise<void> {

@@ -1,0 +1,16 @@
+/** What is said of the machine that the microphone's sound is sent to. Pure. */
+
+export interface Recognizer {
+  /** Where sound is sent to be recognised, as `https://host`; empty where it stays with the body. */
+  readonly sent_to: string;
+  /** Whether it is sent there now: the person who speaks has agreed, or it stays with the body. */
+  readonly allowed: boolean;
+}
+
+/** Returns a sentence for the person who speaks; nothing where the sound stays with the body. */
+export function sentToWords(recognizer: Recognizer | null): string {
+  if (recognizer === null || recognizer.sent_to === "") return "";
+  return recognizer.allowed
+    ? `To be written down, what you say is sent to ${recognizer.sent_to}.`
+    : `Nothing is written down: what you say would be sent to ${recognizer.sent_to}, and you have not agreed to that.`;
+}

@@ -1,0 +1,18 @@
+import { expect, it } from "vitest";
+import { sentToWords } from "../../../app/model/sent_to.ts";
+
+it("says where the sound goes", () => {
+  const words = sentToWords({ sent_to: "https://ears.example", allowed: true });
+  expect(words).toBe("To be written down, what you say is sent to https://ears.example.");
+});
+
+it("says that nothing is sent without consent", () => {
+  const words = sentToWords({ sent_to: "https://ears.example", allowed: false });
+  expect(words).toContain("Nothing is written down");
+  expect(words).toContain("https://ears.example");
+});
+
+it("says nothing where the sound stays, or where a body does not tell", () => {
+  expect(sentToWords({ sent_to: "", allowed: true })).toBe("");
+  expect(sentToWords(null)).toBe("");
+});
