@@ -18,10 +18,10 @@ from openrois_body.body import Body
 from openrois_body.messages import MAX_VISEMES, Speak, Viseme
 from openrois_body.sound.mixer import BodySound, SoundBusy
 from openrois_body.sound.open_playback import AHEAD_LIMIT, OpenPlayback, SoundOverrun, reach
+from openrois_body.speech.contract import NamedMark, Word
 from openrois_body.speech.mouth import MouthReader, Shapes, SoundMouth
 from openrois_body.speech.playout_delay import PlayoutDelay
 from openrois_body.speech.progress import MarkReached, Progress, SpeechBegan, SpeechEnded, SpeechStarved, WordSpoken
-from openrois_body.speech.contract import NamedMark, Word
 from openrois_body.speech.turns import Line, Turn
 
 __all__ = ["DRY_LIMIT", "MOMENTS_LIMIT", "OpenUtterance"]

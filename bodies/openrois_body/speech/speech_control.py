@@ -35,10 +35,10 @@ from openrois.contract import Client
 from openrois.errors import Aborted, OutOfResources
 from openrois.types.streams import HolderNotification
 from openrois_body.sound.open_playback import SoundOverrun
+from openrois_body.speech.contract import NamedMark, Word
 from openrois_body.speech.open_utterance import OpenUtterance
 from openrois_body.speech.progress import Progress, SpeechBegan, SpeechEnded, SpeechStarved
 from openrois_body.speech.stream_sound import StreamSound
-from openrois_body.speech.contract import NamedMark, Word
 from openrois_body.speech.voice import Voice
 
 __all__ = ["FRAMES_AT_ONCE", "FRAMES_PER_SECOND", "STREAMS_AT_ONCE", "SpeechControl", "SpeechFigures"]

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from openrois_body.messages import Silence
 from openrois_body.sound.mixer import MAX_QUEUED
 from openrois_body.sound.open_playback import SoundOverrun
+from openrois_body.speech.contract import NamedMark, Word
 from openrois_body.speech.open_utterance import DRY_LIMIT, MOMENTS_LIMIT, OpenUtterance
 from openrois_body.speech.playout_delay import PLAYOUT
 from openrois_body.speech.progress import MarkReached, SpeechBegan, SpeechEnded, SpeechStarved, WordSpoken
-from openrois_body.speech.contract import NamedMark, Word
 from openrois_streaming.source.source import RawAudio
 
 from openrois.errors import Aborted, OutOfResources
