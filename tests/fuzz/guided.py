@@ -21,6 +21,8 @@ from aioice import stun
 INSTRUMENTED = (
     "openrois",
     "openrois_avatar",
+    "openrois_body.services",
+    "openrois_body.speech.pcm",
     "openrois_streaming.peer.sdp",
     "openrois_streaming.input",
     "openrois_streaming.network",
@@ -46,6 +48,8 @@ with atheris.instrument_imports(include=INSTRUMENTED):
     )
     from openrois_avatar.link.messages import Hello, LinkError, Pause, React, VideoShape, Welcome
     from openrois_avatar.link.protocol import Audio, Message, Parser, Sender, encode
+    from openrois_body.services.events import EventReader, MalformedEvents
+    from openrois_body.speech.pcm import SoundReader, UnknownSound
     from openrois_streaming.aiortc_internals.ice_rehearsal import Rehearsal
     from openrois_streaming.aiortc_internals.incoming import Incoming
     from openrois_streaming.aiortc_internals.sending import DtlsWire, take_over
@@ -174,6 +178,29 @@ def speech(data: bytes) -> None:
             message = read(text)
             if message is not None:
                 assert read(json.dumps(message.to_json(), ensure_ascii=False)) == message
+
+
+def sound(data: bytes) -> None:
+    """Sound of a server, in pieces: it becomes as much sound as its bytes can be, or is refused."""
+    reader, piece, made = SoundReader(24_000), 1 + (data[0] if data else 0), 0
+    with suppress(UnknownSound):
+        for first in range(1, len(data), piece):
+            made += len(reader.add(data[first : first + piece]))
+        made += len(reader.finish())
+    # 8,000 Hz are the least, and a sample has two bytes.
+    assert made <= len(data) // 2 * 6 + 6
+
+
+def events(data: bytes) -> None:
+    """Events of a server: pieces make no difference."""
+    piece, read = 1 + (data[0] if data else 0), list[list[str]]()
+    for size in (piece, len(data) + 1):
+        reader, found = EventReader(), list[str]()
+        with suppress(MalformedEvents):
+            for first in range(1, len(data), size):
+                found += reader.add(data[first : first + size])
+            read.append(found)
+    assert len(read) < 2 or read[0] == read[1]
 
 
 DIRECTIONS: tuple[Answered, ...] = ("recvonly", "sendonly", "sendrecv", "inactive")
@@ -365,6 +392,23 @@ TARGETS = {
             '{"event":"finished","utterance":1,"position":80,"reason":"the component was released"}',
         ),
         ('"event"', '"utterance"', '"begin"', '"words"', '"end"', '"opus"', '"rate"', '"starved"', '"started"'),
+    ),
+    "sound": Target(
+        sound,
+        (
+            b"\x10" + bytes(range(200)),
+            b"\x07RIFF\0\0\0\0WAVEfmt \x10\0\0\0\1\0\2\0\x80\x3e\0\0\0\xfa\0\0\4\0\x10\0data\xff\xff\xff\xff"
+            + bytes(64),
+        ),
+        ("RIFF", "WAVE", "fmt ", "data", "LIST", "\\x10\\x00\\x00\\x00"),
+    ),
+    "events": Target(
+        events,
+        (
+            b'\x05data: {"type":"transcript.text.delta","delta":"a"}\n\ndata: [DONE]\r\n\r\n',
+            b"\x02: c\rdata:a\rdata: b\r\r",
+        ),
+        ("data:", "event:", "\\x0d", "\\x0a", "\\x0d\\x0a", ":"),
     ),
     "nats": Target(
         nats,

@@ -18,6 +18,8 @@ CASES = {
     "condition": 25_000,
     "values": 25_000,
     "speech": 25_000,
+    "sound": 10_000,
+    "events": 25_000,
     "profile_xml": 10_000,
     "datagram": 10_000,
 }
