@@ -16,7 +16,7 @@ class StreamingResult(Payload):
     malformed: int
 
 
-class SpeechStream(Component, authority="OpenRoIS", function="actuation"):
+class SpeechStream(Component, authority="OpenRoIS", function="actuation", part="voice"):
     """Lets the application that has bound it speak by sound, which it sends over the data channel `speech`.
 
     Args:
