@@ -6,7 +6,7 @@ import resource
 import signal
 import sqlite3
 from collections.abc import Iterable
-from contextlib import AsyncExitStack
+from contextlib import AsyncExitStack, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,23 +19,26 @@ from websockets.exceptions import InvalidHandshake
 from openrois.adapter.dialer import serve_parent
 from openrois.adapter.running import hosted, serve
 from openrois.aio.tasks import TaskScope
-from openrois.client import Client, ConnectionState, Reconnect
-from openrois.errors import ComponentFailed
+from openrois.client import Client, Connected, ConnectionState, Reconnect
+from openrois.errors import ComponentFailed, RoISError, Unsupported
 from openrois.gateway import server
 from openrois.journal import file as journal_file
 from openrois.journal.file import JournalFile
 from openrois.journal.records import Record
 from openrois.journal.sqlite_journal import SqliteJournal
+from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from tests.support.components import Bell, Lamp
 from tests.support.demo import free_port
 from tests.support.ground import gateway_program, ground, turns
+from tests.support.guarded import fresh
 from tests.support.invariants import Book, calm
 from tests.support.seeds import ALL, lasting
+from tests.support.tokens import key_file
 
 LAMP, BELL = "robot/lamp", "robot/bell"
 
 
-async def robot(stack: AsyncExitStack, url: str, lamp: Lamp) -> None:
+async def robot(stack: AsyncExitStack, url: str, lamp: Lamp, credentials: Credentials = NO_CREDENTIALS) -> None:
     """Let a robot of this process dial a gateway, soon again whenever that is gone."""
 
     async def briefly(_seconds: float) -> None:
@@ -43,7 +46,8 @@ async def robot(stack: AsyncExitStack, url: str, lamp: Lamp) -> None:
 
     host = await stack.enter_async_context(hosted("robot", lamp, Bell(), Lamp("torch")))
     scope = await stack.enter_async_context(TaskScope())
-    scope.start(serve_parent(host, f"{url.replace('http', 'ws', 1)}adapter", sleep=briefly))
+    address = f"{url.replace('http', 'ws', 1)}adapter"
+    scope.start(serve_parent(host, address, credentials=credentials, sleep=briefly))
 
 
 @pytest.mark.parametrize("seed", lasting(0))
@@ -101,6 +105,54 @@ async def test_f7_a_gateway_that_is_killed(seed: int, tmp_path: Path, caplog: py
             assert await again.execute("new", "switch") == "OK"
             assert await again.end_of("new") == "OK"
     book.check()
+
+
+async def test_f7_what_a_person_has_stopped_stays_so_when_its_gateway_is_killed(tmp_path: Path) -> None:
+    chance, port, lamp = random.Random(7), str(free_port()), Lamp()
+    url, keys = f"http://127.0.0.1:{port}/", str(key_file(tmp_path))
+    start = partial(gateway_program, "--port", port, "--auth-key", keys, log=tmp_path / "gateway.log")
+    ann, agent = (
+        Client(url, token=fresh(sub=sub, rank=rank, scope=["robot/*"]), reconnect=Reconnect(first=0.05, limit=0.1))
+        for sub, rank in (("ann", "person"), ("agent", "agent"))
+    )
+
+    async def moves() -> str:
+        """Try to move; return why the program may not, or empty text."""
+        try:
+            await agent.component(LAMP).command("switch", times=1)
+        except RoISError as refused:
+            return str(refused)
+        return ""
+
+    async with AsyncExitStack() as stack:
+        async with start() as gateway:
+            shown = Credentials(fresh(sub="robot", roles=["adapter"], scope=["robot/*"]))
+            await robot(stack, url, lamp, shown)
+            for client in (ann, agent):
+                await stack.enter_async_context(client)
+            async with asyncio.timeout(30):
+                while await moves():
+                    with suppress(Unsupported):
+                        await agent.bind(LAMP)
+                    await turns(chance)
+            assert lamp.total == 1
+            await ann.control.stop_all("robot")
+            assert "robot was stopped by ann" in await moves()
+            again = agent.notices(Connected)
+            gateway.signal(signal.SIGKILL)
+            await gateway.ended()
+        async with start(), asyncio.timeout(60):
+            await anext(again)
+            refusals: list[str] = []
+            # Until its component is bound again it may not move anyway.
+            while sum("robot was stopped by ann" in why for why in refusals) < 100:
+                refusals.append(await moves())
+                await turns(chance)
+            assert "" not in refusals
+            assert lamp.total == 1
+            await ann.control.release_stop("robot")
+            assert await moves() == ""
+            assert lamp.total == 2
 
 
 @pytest.mark.parametrize("seed", lasting(0))
