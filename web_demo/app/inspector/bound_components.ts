@@ -5,6 +5,8 @@ import type { Json, Traffic } from "../../sdk/index.ts";
 const BIND = "rois.command.bind";
 const BIND_ANY = "rois.command.bind_any";
 const RELEASE = "rois.command.release";
+/** Tells that a component came or went with its part, or by another application. */
+const CHANGED = "openrois.lease.changed";
 
 /** Most unanswered requests that are remembered; a session has fewer. */
 const MOST_ASKED = 256;
@@ -19,6 +21,10 @@ export class BoundComponents {
 
   /** Reads one message; returns whether it changed what is bound. */
   observe({ kind, method, message }: Traffic): boolean {
+    if (method === CHANGED && kind === "notification") {
+      const params = member(message, "params");
+      return this.#set(String(member(params, "component_ref")), member(params, "state") === "MINE");
+    }
     if (method !== BIND && method !== BIND_ANY && method !== RELEASE) return false;
     const id = member(message, "id") ?? null;
     if (kind === "request") {
@@ -34,10 +40,14 @@ export class BoundComponents {
     const result = member(message, "result");
     if (kind !== "response" || member(result, "return_code") !== "OK") return false;
     const ref = method === BIND_ANY ? String(member(result, "component_ref")) : asked;
+    return this.#set(ref, method !== RELEASE);
+  }
+
+  #set(ref: string, isHeld: boolean): boolean {
     const before = this.#held.has(ref);
-    if (method === RELEASE) this.#held.delete(ref);
-    else this.#held.add(ref);
-    return before !== this.#held.has(ref);
+    if (isHeld) this.#held.add(ref);
+    else this.#held.delete(ref);
+    return before !== isHeld;
   }
 
   /** Removes components that have gone, or whose session has. */

@@ -67,7 +67,7 @@ export class PartsPanel {
     const action = this.#actionOf(part);
     row.button.hidden = action === "";
     setText(row.button, action);
-    row.button.setAttribute("aria-label", action && `${action}: ${part.name}`);
+    row.button.setAttribute("aria-label", `${action}: ${part.name}`);
   }
 
   #actionOf(part: BodyPart): string {

@@ -28,6 +28,22 @@ describe("BoundComponents", () => {
     expect(bound.has("a/bell")).toBe(true);
   });
 
+  it("come and go with their part, and by other applications", () => {
+    const bound = new BoundComponents();
+    const told = (state: string): boolean =>
+      bound.observe({
+        direction: "received",
+        kind: "notification",
+        method: "openrois.lease.changed",
+        at: 0,
+        message: { params: { ...lamp, state } },
+      });
+    call(bound, "bind", lamp, OK);
+    expect([told("HELD"), bound.has("a/lamp")]).toEqual([true, false]);
+    expect([told("MINE"), bound.has("a/lamp")]).toEqual([true, true]);
+    expect([told("MINE"), told("FREE"), bound.has("a/lamp")]).toEqual([false, true, false]);
+  });
+
   it("are not what was refused, or something else", () => {
     const bound = new BoundComponents();
     expect(call(bound, "bind", lamp, { return_code: "OUT_OF_RESOURCES" })).toBe(false);
