@@ -32,6 +32,8 @@ ESPEAK: Final = (None, "m3", "m6", "f2", "f5", "Annie", "Mike", "klatt4", "linda
 FLITE: Final = {"slt": "fitted", "awb": "fitted", "rms": "unknown"}
 GAINS: Final = (-20, 12)
 """Decibels."""
+RATIOS: Final = (30, 20, 10)
+"""Decibels by which white noise is lower than the speech."""
 PIECE: Final = 960
 SECONDS: Final = 60
 
@@ -108,15 +110,30 @@ def with_gain(said: Sequence["Spoken"], decibels: float) -> float:
     return round(float(np.mean(np.concatenate(changed))), 4)
 
 
+def in_noise(said: Sequence["Spoken"], ratio: float) -> float:
+    """Return the agreement in white noise that is so many decibels lower than the speech, and a second ahead of it."""
+    from tests.support.mouth import agreement, read_mouth  # a wheel has no tests
+
+    def shapes(spoken: "Spoken") -> Iterable[Viseme]:
+        sound = np.pad(spoken.samples.astype(np.float64), (spoken.rate, 0))
+        loud = float(np.sqrt(np.mean(spoken.samples.astype(np.float64) ** 2)))
+        sound += np.random.default_rng(len(sound)).normal(0, loud / 10 ** (ratio / 20), len(sound))
+        noisy = np.clip(sound, -32_768, 32_767).astype(np.int16)
+        return [Viseme(each.offset_ms - 1000, each.shape, each.weight) for each in read_mouth(noisy, spoken.rate)]
+
+    return round(agreement(judged(said, shapes)), 3)
+
+
 def cost(said: Sequence["Spoken"]) -> dict[str, float]:
     """Return the CPU that a minute of speech at 48 kHz takes in pieces of 20 ms, and how far shapes stay behind."""
     sound = np.resize(np.concatenate([spoken.samples for spoken in said]), SECONDS * 48_000)
-    mouth, behind, changes = SoundMouth(), 0.0, 0
+    mouth, behind, changes, shown = SoundMouth(), 0.0, 0, "sil"
     begin = time.process_time()
     for first in range(0, len(sound), PIECE):
         shapes = mouth.push(sound[first : first + PIECE])
         behind = max(behind, (first + PIECE) / 48 - shapes.until_ms)
-        changes += len(shapes.visemes) - 1
+        for viseme in shapes.visemes:
+            changes, shown = changes + (viseme.shape != shown), viseme.shape
     spent = time.process_time() - begin
     return {
         "cores, at real time": round(spent / SECONDS, 4),
@@ -135,10 +152,12 @@ async def measure(voices: Sequence[str | None]) -> dict[str, object]:
         figures[name] = told(judged(spoken, lambda each: read_mouth(each.samples, each.rate)))
         print(f"{name}: done", file=sys.stderr)
     both = [*said["espeak, en"], *said["espeak, de"]]
+    some = both[:: len(both) // 50]
     return {
         "agreement": figures,
         "loudness alone, at best": {name: round(by_loudness(spoken), 3) for name, spoken in said.items()},
-        "changed by gain": {f"{gain:+} dB": with_gain(both[:: len(both) // 50], gain) for gain in GAINS},
+        "changed by gain": {f"{gain:+} dB": with_gain(some, gain) for gain in GAINS},
+        "agreement in noise": {f"{ratio} dB": in_noise(some, ratio) for ratio in RATIOS},
         "cost": cost(both[:50]),
     }
 

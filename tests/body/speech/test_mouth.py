@@ -33,8 +33,15 @@ def test_noise_that_goes_on_closes_the_mouth_and_speech_above_it_opens_it() -> N
     noise = np.random.default_rng(3).normal(0, 60, 10 * RATE)
     noise[9 * RATE :] += voice(1.0)
     shapes = read_mouth(noise.astype(np.int16), RATE)
-    assert set(opening_at(shapes, *np.arange(2.0, 8.9, 0.01))) == {Opening.CLOSED}
+    assert set(opening_at(shapes, *np.arange(1.1, 8.9, 0.01))) == {Opening.CLOSED}
     assert set(opening_at(shapes, *np.arange(9.1, 9.9, 0.01))) >= {Opening.OPEN}
+
+
+def test_noise_that_begins_later_closes_the_mouth_within_eight_seconds() -> None:
+    noise = np.random.default_rng(3).normal(0, 500, 9 * RATE).astype(np.int16)
+    shapes = read_mouth(np.concatenate((SILENCE, SILENCE, noise)), RATE)
+    assert set(opening_at(shapes, *np.arange(2.1, 5.0, 0.01))) > {Opening.CLOSED}
+    assert set(opening_at(shapes, *np.arange(10.1, 10.9, 0.01))) == {Opening.CLOSED}
 
 
 @given(st.lists(st.integers(1, 4_000), min_size=1, max_size=20), st.sampled_from([16_000, 22_050, 24_000, 48_000]))
