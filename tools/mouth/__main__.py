@@ -1,5 +1,7 @@
 """`python -m tools.mouth`: fit the weights of the mouth that is read from sound, and write their module.
 
+The weights differ a little from run to run, as the breath of some of espeak's voices does.
+
 It takes about two minutes and needs espeak (`openrois[speech]`) and flite. What came of it is judged by other
 sentences: `tests/body/speech/test_mouth_agreement.py`, `python -m openrois_bench.spoken.mouth`.
 """
