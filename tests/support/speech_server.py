@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import ssl
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
@@ -151,7 +152,7 @@ def says(status: int, told: object = None, kind: str = "application/json") -> Be
 
 
 @asynccontextmanager
-async def speech_server(key: str | None = None) -> AsyncIterator[SpeechServer]:
+async def speech_server(key: str | None = None, tls: ssl.SSLContext | None = None) -> AsyncIterator[SpeechServer]:
     """Run a server on a free port; it wants the key, if one is given."""
 
     @web.middleware
@@ -168,11 +169,11 @@ async def speech_server(key: str | None = None) -> AsyncIterator[SpeechServer]:
         application.router.add_post("/v1/audio/speech", server.speak)
         application.router.add_post("/v1/audio/transcriptions", server.transcribe)
         await runner.setup()
-        site = web.TCPSite(runner, "127.0.0.1", 0)
+        site = web.TCPSite(runner, "127.0.0.1", 0, ssl_context=tls)
         await site.start()
         try:
             _, port = runner.addresses[0]
-            server.address = ServiceAddress(f"http://127.0.0.1:{port}/v1")
+            server.address = ServiceAddress(f"{'http' if tls is None else 'https'}://127.0.0.1:{port}/v1")
             yield server
         finally:
             server.go_on.set()

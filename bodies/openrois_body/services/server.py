@@ -120,7 +120,10 @@ class Server:
             raise ServerFailed(str(error)) from None
         # No proxy and no .netrc: what is said and the key go to the address that was named, and nowhere else.
         timeout = aiohttp.ClientTimeout(total=None, sock_connect=CONNECT_TIMEOUT)
-        self._session = aiohttp.ClientSession(trust_env=False, timeout=timeout, auto_decompress=False)
+        connector = aiohttp.TCPConnector(ssl=ssl.create_default_context())
+        self._session = aiohttp.ClientSession(
+            connector=connector, trust_env=False, timeout=timeout, auto_decompress=False
+        )
         return self
 
     async def __aexit__(
@@ -259,10 +262,12 @@ def read_key(path: Path) -> str:
 
 
 def _reason(error: Exception) -> str:
-    # What aiohttp raises has the error of the system as `os_error`.
-    cause = getattr(error, "os_error", error)
+    # What aiohttp raises has the error of the system as one of these.
+    cause = getattr(error, "certificate_error", getattr(error, "os_error", error))
+    if isinstance(cause, ssl.SSLCertVerificationError):
+        return f"its certificate is not trusted ({cause.verify_message})"
     if isinstance(cause, ssl.SSLError):
-        return f"its certificate is not trusted ({cause.reason or 'TLS failed'})"
+        return f"it does not speak TLS ({cause.reason or 'no handshake'})"
     if isinstance(cause, socket.gaierror):
         return "this name is not known in the network"
     if isinstance(cause, OSError):

@@ -10,15 +10,18 @@ from typing import Any
 import numpy as np
 import pytest
 from aiohttp import web
+from openrois_body.components.speech_recognition import SpeechRecognition
 from openrois_body.hearing import server_ears as module
 from openrois_body.hearing.ear import Ear
 from openrois_body.hearing.recognition import Recognition
 from openrois_body.hearing.recognizer import EarsSettings, Expectation, RecognizerFailed, SpeechRecognizer
 from openrois_body.hearing.server_ears import ServerEars
 from openrois_body.hearing.speech_detector import SpeechDetector
+from openrois_body.microphone_senses import microphone_senses
 from openrois_body.services import server as service
 from openrois_body.services.address import ServiceAddress
 
+from openrois.types.codes import ComponentStatus
 from tests.support.hearing import stereo_48k, voice
 from tests.support.listening import Listened, ScriptedRecognizer
 from tests.support.speech_server import Behaviour, SpeechServer, begin, event, says, silent, speech_server
@@ -256,6 +259,25 @@ class TestConsent:
             recognizer.held.set()
             await room.say(self.QUIET[:480])
         assert room.told == []
+
+
+async def test_the_component_says_what_is_wrong_while_the_server_is_away(unused_tcp_port: int) -> None:
+    room = Listened()
+    recognizer = ServerEars(EarsSettings(ServiceAddress(f"http://127.0.0.1:{unused_tcp_port}/v1")))
+    senses = microphone_senses("avatar", room.microphone, room.clock, recognizer)
+    component = next(each for each in senses.components if isinstance(each, SpeechRecognition))
+    assert component.condition() is ComponentStatus.READY
+    failed = asyncio.Event()
+    senses.recognition.failed.add(lambda _reason: failed.set())
+    running = asyncio.ensure_future(senses.run())
+    async with asyncio.timeout(30), room.plugged(running):
+        senses.recognition.want()
+        await failed.wait()
+        assert component.condition() is ComponentStatus.ERROR
+        said = f"the recognition server at http://127.0.0.1:{unused_tcp_port} cannot be used: nothing listens there"
+        assert component.problem() == f"{said}; check --ears-url"
+        await room.say(np.zeros((4800, 2), np.int16))
+        assert room.clock.now() > 1000.0
 
 
 class TestServerAway:

@@ -1,6 +1,7 @@
 """The voice of a server, spoken to over HTTP on this machine."""
 
 import asyncio
+import ssl
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
@@ -23,6 +24,7 @@ from openrois_body.speech.contract import (
 from openrois_body.speech.server_voice import AT_ONCE, ServerVoice
 from openrois_body.speech.synthesizer import Synthesizer
 
+from tests.support.certificates import Authority
 from tests.support.speech_server import (
     Behaviour,
     SpeechServer,
@@ -222,7 +224,19 @@ async def test_a_server_that_is_away_or_no_server_is_told(server: SpeechServer, 
         "the speech server at ORIGIN cannot be used: nothing listens there; check --voice-url"
     )
     secure = SpeechServer(ServiceAddress(server.address.base.replace("http://", "https://")), server.synthesizer)
-    assert "cannot be used: its certificate is not trusted" in await refused(secure, silent)
+    assert "cannot be used: it does not speak TLS (" in await refused(secure, silent)
+
+
+async def test_a_certificate_has_to_be_trusted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    authority = Authority(tmp_path)
+    tls = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+    tls.load_cert_chain(*authority.issue())
+    async with asyncio.timeout(60), speech_server(tls=tls) as server:
+        assert "cannot be used: its certificate is not trusted (" in await refused(server, silent)
+        server.behaviour = None
+        monkeypatch.setenv("SSL_CERT_FILE", str(authority.file))
+        async with voice_of(server) as voice:
+            assert len(await spoken(voice, SENTENCE)) > 48_000
 
 
 async def test_a_server_that_is_silent_or_stops_in_the_middle_is_given_up(
