@@ -75,7 +75,7 @@ async def run_avatar(settings: AvatarSettings) -> AsyncIterator[Avatar]:
         NoGameEngine: the game engine does not run here; the text says what to install.
         LinkError: it did not start, and the text has its last output; or its address cannot be listened on.
         UnsupportedLibrary: the installed version of aiortc is not supported.
-        ValueError: voice, ears or a component of the user cannot be made; a sentence for a person.
+        BadParameter: a component of the user cannot be made; a sentence for a person.
     """
     clock = SystemClock()
     async with AsyncExitStack() as stack:
@@ -144,7 +144,7 @@ async def serve_scene(
 
     Raises:
         UnsupportedLibrary: the installed version of aiortc is not supported.
-        ValueError: the recogniser or an added component cannot be made; a sentence for a person.
+        BadParameter: an added component cannot be made; a sentence for a person.
     """
     video, audio = _publisher(scene, clock, EncoderLimit(max_encoders)), AudioPublisher(scene.audio, clock=clock)
     microphone, camera = Microphone(clock), Camera()

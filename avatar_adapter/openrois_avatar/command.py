@@ -139,10 +139,7 @@ def main(arguments: Sequence[str]) -> int:
     )
     try:
         uvloop.run(run_until_stopped(_serve(settings)))
-    except (
-        *(NoGameEngine, LinkError, UnsupportedLibrary, BadParameter, FacadeUnavailable, MetricsUnavailable),
-        ValueError,
-    ) as error:
+    except (NoGameEngine, LinkError, UnsupportedLibrary, BadParameter, FacadeUnavailable, MetricsUnavailable) as error:
         print(f"openrois avatar: {error}", file=sys.stderr)
         return 1
     return 0

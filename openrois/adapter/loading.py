@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module
 
 from openrois.component.component import Component
+from openrois.errors import BadParameter
 
 __all__ = ["add_component_option", "component_arguments", "load_components", "make_components"]
 
@@ -50,7 +51,7 @@ def make_components(
         others: the components that it has already.
 
     Raises:
-        ValueError: a component cannot be made, or has the name of another one; a sentence for a person.
+        BadParameter: a component cannot be made, or has the name of another one; a sentence for a person.
     """
     made: list[Component] = []
     taken = {other.name: "of the body" for other in others}
@@ -58,7 +59,7 @@ def make_components(
         named = f"--component {each.__module__}{_SEPARATOR}{each.__qualname__}"
         component = _make(each, body, named)
         if component.name in taken:
-            raise ValueError(
+            raise BadParameter(
                 f"{named}: its name {component.name!r} is that of a component {taken[component.name]}; let its"
                 " constructor give super().__init__ another name"
             )
@@ -97,4 +98,4 @@ def _make(each: type[Component], body: object, named: str) -> Component:
         parameters = inspect.signature(each.__init__).parameters
         return constructor(**{_BODY: body}) if _BODY in parameters else constructor()
     except Exception as error:  # whatever a constructor of a user raises
-        raise ValueError(f"{named} cannot be made: {error or repr(error)}") from error
+        raise BadParameter(f"{named} cannot be made: {error or repr(error)}") from error

@@ -66,7 +66,8 @@ async def run_facade(settings: AvatarSettings) -> AsyncIterator[FacadeAvatar]:
     Raises:
         FacadeUnavailable: the address of the facade cannot be listened on.
         LinkError: the address of the engine link cannot be listened on.
-        ValueError: the address of the facade is malformed, or a component of the user cannot be made.
+        ValueError: the address of the facade is malformed.
+        BadParameter: a component of the user cannot be made; a sentence for a person.
     """
     clock = SystemClock()
     host, port = facade_address(settings.facade)

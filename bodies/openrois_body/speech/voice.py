@@ -5,6 +5,8 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager
 from typing import Final
 
+from openrois_streaming.source.source import SAMPLE_RATE
+
 from openrois.aio.listeners import Listeners
 from openrois.errors import Aborted, OutOfResources, RoISError
 from openrois_body.body import Body
@@ -155,9 +157,10 @@ async def _feed(utterance: OpenUtterance, opened: AbstractAsyncContextManager[As
     try:
         async with opened as chunks:
             async for chunk in chunks:
-                await utterance.room(AHEAD)
                 utterance.add_moments((*chunk.words, *chunk.marks))
-                utterance.push(chunk.samples)
+                for first in range(0, len(chunk.samples), SAMPLE_RATE):
+                    await utterance.room(AHEAD)
+                    utterance.push(chunk.samples[first : first + SAMPLE_RATE])
     except RoISError as error:
         utterance.cut(f"{error}; the speech ended")
         raise

@@ -57,9 +57,9 @@ async def hosted_with_streams(
         voice: speaks, where that is a voice of ours; for added components.
 
     Raises:
-        BadParameter: `engine_id` cannot be part of a reference, or two components have one name.
+        BadParameter: `engine_id` cannot be part of a reference, two components have one name, or one of the user's
+            cannot be made.
         UnsupportedLibrary: the installed version of aiortc is not supported.
-        ValueError: an added component cannot be made.
     """
     own = (*components, *streams.components.values())
     parts = (*own, *make_components(added, HostBody(engine_id, clock, own, voice), own))

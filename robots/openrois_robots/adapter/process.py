@@ -40,7 +40,7 @@ class RobotCommand(Generic[_S]):
         tables: of the configuration file, as `add_adapter_options` takes it.
         add_options: adds the options that only this robot has.
         read_settings: returns the settings that only this robot has; `ValueError` says what is wrong.
-        run: runs the robot while a block does; `BadParameter`, `OSError` and `ValueError` say why it cannot.
+        run: runs the robot while a block does; `BadParameter` and `OSError` say why it cannot.
     """
 
     name: str
@@ -74,7 +74,7 @@ class RobotCommand(Generic[_S]):
         prepare_process()
         try:
             uvloop.run(run_until_stopped(self._serve(settings, own)))
-        except (UnsupportedLibrary, BadParameter, MetricsUnavailable, OSError, ValueError) as error:
+        except (UnsupportedLibrary, BadParameter, MetricsUnavailable, OSError) as error:
             print(f"{called}: {error}", file=sys.stderr)
             return 1
         return 0

@@ -10,6 +10,7 @@ import pytest
 from openrois.adapter import Component, command
 from openrois.adapter.loading import add_component_option, load_components, make_components
 from openrois.component.component import Component as Base
+from openrois.errors import BadParameter
 
 SOURCE = """
 from openrois.adapter import Component, command
@@ -100,12 +101,12 @@ def test_given_twice_adds_both_and_a_constructor_gets_the_body_that_it_asks_for(
     ],
 )
 def test_a_mistake_is_named(module: str, name: str, said: str) -> None:
-    with pytest.raises(ValueError, match=f"^--component {name}:? .*{said}|^--component {name}: {said}"):
+    with pytest.raises((ValueError, BadParameter), match=f"^--component {name}:? .*{said}|^--component {name}: {said}"):
         made(name)
 
 
 def test_two_of_one_name_are_refused(module: str) -> None:
-    with pytest.raises(ValueError, match=r"Lamp: its name 'lamp' is that of a component of --component .*Lamp; let"):
+    with pytest.raises(BadParameter, match=r"Lamp: its name 'lamp' is that of a component of --component .*Lamp; let"):
         made(f"{module}:Lamp", f"{module}:Lamp")
-    with pytest.raises(ValueError, match=r"its name 'lamp' is that of a component of the body"):
+    with pytest.raises(BadParameter, match=r"its name 'lamp' is that of a component of the body"):
         made(f"{module}:Lamp", others=(Shipped("lamp"),))

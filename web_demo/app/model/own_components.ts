@@ -75,6 +75,11 @@ export class SpeechProgress extends RoISCommon<{ readonly barge_in?: boolean }> 
     length: "int",
   });
   readonly speechEnded = this.event<SpeechEnded>("speech_ended", { speech_id: "string", status: "string" });
+
+  /** Where texts are sent to be spoken, as `https://host`; empty where they stay with the body. */
+  synthesizer(): Promise<{ readonly sent_to: string }> {
+    return this.query<{ readonly sent_to: string }>("synthesizer", { sent_to: "string" });
+  }
 }
 
 /** Persons in a picture of the camera, as parallel lists. */

@@ -1,4 +1,4 @@
-/** What is said of the machine that the microphone's sound is sent to. Pure. */
+/** What is said of the machines that texts and the microphone's sound are sent to. Pure. */
 
 export interface Recognizer {
   /** Where sound is sent to be recognised, as `https://host`; empty where it stays with the body. */
@@ -13,4 +13,9 @@ export function sentToWords(recognizer: Recognizer | null): string {
   return recognizer.allowed
     ? `To be written down, what you say is sent to ${recognizer.sent_to}.`
     : `Nothing is written down: what you say would be sent to ${recognizer.sent_to}, and you have not agreed to that.`;
+}
+
+/** Returns a sentence for the person who types a text; nothing where it stays with the body. */
+export function textsSentToWords(sentTo: string): string {
+  return sentTo === "" ? "" : `To be spoken, texts are sent to ${sentTo}.`;
 }

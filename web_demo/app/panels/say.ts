@@ -9,10 +9,12 @@ import { languageChoice, languageName, recallLanguages, rememberLanguage } from 
 import type { LanguageOption } from "../model/languages.ts";
 import { describeEnd, describeFailure } from "../model/outcome.ts";
 import { PassingText } from "../dom/passing_text.ts";
+import { SpeechProgress } from "../model/own_components.ts";
 import { explain } from "../model/permission.ts";
 import { sentence } from "../model/plain_words.ts";
 import { spellingHint } from "../model/scripts.ts";
 import { speak } from "../model/speech_loan.ts";
+import { textsSentToWords } from "../model/sent_to.ts";
 import { QueueRefusal, SpeechQueue } from "../model/speech_queue.ts";
 import type { Utterance } from "../model/speech_queue.ts";
 import { SpeechWords } from "./speech_words.ts";
@@ -41,6 +43,9 @@ export class SayLine {
   ranked = false;
   #speech: SpeechSynthesis | null = null;
   #usable = false;
+  /** Of the component SpeechProgress that was asked where texts are sent. */
+  #asked: string | null = null;
+  #sentTo = "";
   #hasLanguages = false;
   #barred = "";
   #performance = 0;
@@ -86,6 +91,7 @@ export class SayLine {
   /** @param componentRef,progress the components SpeechSynthesis and SpeechProgress; null when there is none or it is away */
   setComponents(componentRef: string | null, progress: string | null): void {
     this.#words.setComponent(progress);
+    if (progress !== this.#asked) void this.#askSynthesizer(progress);
     if (componentRef !== null && this.#speech?.componentRef !== componentRef) {
       this.#speech = new SpeechSynthesis(this.#client, componentRef);
     }
@@ -241,9 +247,20 @@ export class SayLine {
     }
   }
 
+  /** Says where texts are sent; a body that does not tell keeps them. */
+  async #askSynthesizer(progress: string | null): Promise<void> {
+    this.#asked = progress;
+    const component = progress === null ? null : new SpeechProgress(this.#client, progress);
+    const told = await component?.synthesizer().catch(() => null);
+    if (progress !== this.#asked) return;
+    this.#sentTo = textsSentToWords(told?.sent_to ?? "");
+    this.#renderHint();
+  }
+
   #renderHint(): void {
     const { value } = this.#language;
-    this.#showHint(spellingHint(this.#input.value, value, languageName(value)));
+    const hint = spellingHint(this.#input.value, value, languageName(value));
+    this.#showHint([hint, this.#sentTo].filter((each) => each !== "").join(" "));
   }
 
   #showHint(text: string): void {

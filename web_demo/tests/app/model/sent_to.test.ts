@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { sentToWords } from "../../../app/model/sent_to.ts";
+import { sentToWords, textsSentToWords } from "../../../app/model/sent_to.ts";
 
 it("says where the sound goes", () => {
   const words = sentToWords({ sent_to: "https://ears.example", allowed: true });
@@ -15,4 +15,11 @@ it("says that nothing is sent without consent", () => {
 it("says nothing where the sound stays, or where a body does not tell", () => {
   expect(sentToWords({ sent_to: "", allowed: true })).toBe("");
   expect(sentToWords(null)).toBe("");
+});
+
+it("says where texts go", () => {
+  expect(textsSentToWords("https://voice.example")).toBe(
+    "To be spoken, texts are sent to https://voice.example.",
+  );
+  expect(textsSentToWords("")).toBe("");
 });
