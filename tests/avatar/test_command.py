@@ -7,6 +7,7 @@ import socket
 import sys
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 
 import pytest
 from openrois_avatar import command
@@ -59,12 +60,32 @@ def test_adapter_can_be_stopped_while_its_game_engine_starts(
         ("--max-encoders", "many"),
         ("--pixel-streaming", "ws://[::1]", "--engine", "unreal"),
         ("--stamp",),
+        ("--component", "nowhere_at_all:Lamp"),
+        ("--voice", "alto"),
+        ("--voice openai", "--engine", "synthetic", "--voice-url", "https://h.example"),
+        ("--ears-url", "http://h.example"),
+        ("--ears openai", "--engine", "unreal", "--ears-url", "https://h.example"),
     ],
 )
 def test_the_command_says_what_is_wrong(arguments: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit, match="2"):
-        command.main(["--engine", "external", *arguments])
+        command.main(["--engine", "external", *(each for each in arguments if " " not in each)])
     assert arguments[0] in capsys.readouterr().err
+
+
+def test_a_component_that_cannot_be_made_ends_the_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "silent_component.py").write_text(
+        "from openrois.adapter import Component\n"
+        "class Silent(Component, authority='Example', function='sensing'):\n"
+        "    def __init__(self, body):\n"
+        "        raise OSError(f'{body.engine_id} has no sensor')\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert command.main(["--engine", "synthetic", "--component", "silent_component:Silent"]) == 1
+    said = "openrois avatar: --component silent_component:Silent cannot be made: avatar has no sensor\n"
+    assert capsys.readouterr().err.endswith(said)
 
 
 def test_an_address_that_cannot_be_listened_on_ends_the_command(capsys: pytest.CaptureFixture[str]) -> None:

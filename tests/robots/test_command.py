@@ -27,6 +27,8 @@ def test_help_names_the_robots(capsys: pytest.CaptureFixture[str]) -> None:
         (["--gateway", "nonsense"], "nonsense"),
         (["--max-speed", "9"], "base.speed must be between 0.05 and 2, not 9"),
         (["--udp-ports", "9"], "9-9 is not a range of UDP ports"),
+        (["--component", "nowhere_at_all:Lamp"], "there is no module nowhere_at_all"),
+        (["--voice", "alto"], "--voice: there is no 'alto'; there are espeak, openai, piper"),
     ],
 )
 def test_wrong_options_end_with_usage(arguments: list[str], complaint: str, capsys: pytest.CaptureFixture[str]) -> None:
