@@ -137,6 +137,12 @@ class VisemeStream:
         return found
 
 
+def visemes(phonemes: Iterable[Phoneme], duration_ms: float) -> tuple[Viseme, ...]:
+    """Return the visemes of phonemes that are all known, as `VisemeStream` makes them."""
+    stream = VisemeStream()
+    return (*stream.add(phonemes), *stream.finish(duration_ms))
+
+
 def _plain(letter: str) -> str:
     """Return the letter as the tables have it, empty for a mark."""
     if letter not in VOWELS and letter not in CONSONANTS:

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from openrois_avatar.link.messages import command_from_json
 from openrois_body.messages import VISEMES, Speak, Viseme
-from openrois_body.speech.visemes import CONSONANTS, VOWELS, Phoneme, Shape, VisemeStream, letters, shapes
+from openrois_body.speech.visemes import CONSONANTS, VOWELS, Phoneme, Shape, VisemeStream, letters, shapes, visemes
 
 # What espeak-ng 1.52 says in these languages, collected from every phoneme of their tables and from all triples of
 # their letters; stress marks are left out.
@@ -64,12 +64,6 @@ def test_a_phoneme_has_the_shapes_of_its_sounds(ipa: str, expected: list[tuple[s
     assert list(shapes(ipa)) == [Shape(*shape) for shape in expected]
 
 
-def visemes(phonemes: list[Phoneme], duration_ms: float) -> tuple[Viseme, ...]:
-    stream = VisemeStream()
-    found = [viseme for phoneme in phonemes for viseme in stream.add([phoneme])]
-    return (*found, *stream.finish(duration_ms))
-
-
 def test_shapes_share_the_time_of_their_phoneme() -> None:
     phonemes = [Phoneme(10, "b"), Phoneme(60, "ˈaɪ"), Phoneme(160, "")]
     expected = (Viseme(10, "PP", 1), Viseme(60, "aa", 1), Viseme(110, "ih", 1), Viseme(160, "sil", 1))
@@ -89,6 +83,14 @@ def test_marks_without_a_sound_take_no_time() -> None:
 def test_a_shape_that_follows_itself_is_said_once() -> None:
     phonemes = [Phoneme(0, "t"), Phoneme(50, "d"), Phoneme(100, ""), Phoneme(150, "")]
     assert visemes(phonemes, 200) == (Viseme(0, "DD", 1), Viseme(100, "sil", 1))
+
+
+def test_phonemes_may_come_one_by_one() -> None:
+    phonemes = [Phoneme(0, "ˈa"), Phoneme(50, "(de)"), Phoneme(100, "t"), Phoneme(150, "d"), Phoneme(200, "")]
+    stream = VisemeStream()
+    one_by_one = [stream.add([phoneme]) for phoneme in phonemes]
+    assert one_by_one == [[], [], [Viseme(0, "aa", 1)], [Viseme(100, "DD", 1)], []]
+    assert (*(each for some in one_by_one for each in some), *stream.finish(250)) == visemes(phonemes, 250)
 
 
 @given(st.lists(st.tuples(st.floats(0, 1e6), st.text(max_size=8)), max_size=30), st.floats(0, 1e6))
