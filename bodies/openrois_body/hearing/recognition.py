@@ -85,7 +85,8 @@ class Recognition:
         recognizer: the backend.
         clock: the media clock.
         may_send: whether the sound of this very moment may be sent to the recogniser's `destination`; it is asked
-            with each block of sound, and before each request. None: only where that is this machine.
+            with each block of sound, before each request, and before a result is told. None: only where that is this
+            machine.
     """
 
     def __init__(
@@ -138,6 +139,7 @@ class Recognition:
         self._wanted_by.add(key)
         if not self._leave:
             self._leave = [
+                self._speech.sound_came.add(self._check_consent),
                 self._speech.speech_began.add(self._begin_utterance),
                 self._speech.speech.add(self._add_sound),
                 self._speech.speech_ended.add(self._end_utterance),
@@ -270,10 +272,15 @@ class Recognition:
         self._waiting.append(self._current)
         self._changed.set()
 
+    def _check_consent(self, _at: float) -> None:
+        """Forget what was heard until now, where the sound of this moment must not be sent."""
+        if not self._may_send():
+            self._speech.forget_sound()
+            if self._current is not None:
+                self._current.withhold()
+
     def _add_sound(self, samples: NDArray[np.int16]) -> None:
         if self._current is not None:
-            if not self._may_send():
-                self._current.withhold()
             self._current.add(samples)
 
     def _end_utterance(self, at: float) -> None:

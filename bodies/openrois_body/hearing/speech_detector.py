@@ -35,6 +35,8 @@ class SpeechDetector:
         """Called with the sound of speech, 16 kHz mono of shape (n,), from a little before its beginning to its end."""
         self.speech_ended: Listeners[float] = Listeners()
         """Called with the time when speech ended; every beginning has an end."""
+        self.sound_came: Listeners[float] = Listeners()
+        """Called with the capture time of each block of sound, speech or not, before what is in it is told."""
         self._ear = ear
         self._attending: set[object] = set()
         self._leave: Callable[[], None] | None = None
@@ -52,6 +54,10 @@ class SpeechDetector:
         if self._leave is None:
             self._leave = self._ear.listen(self._on_sound)
         return lambda: self._stop_attending(key)
+
+    def forget_sound(self) -> None:
+        """Drop the sound that is kept for the beginning of the next speech."""
+        self._recent = np.zeros(0, np.int16)
 
     def _stop_attending(self, key: object) -> None:
         self._attending.discard(key)
@@ -76,6 +82,7 @@ class SpeechDetector:
         self._begins_at = sound.captured_at - self._taken / SPEECH_RATE
         self._taken += len(samples)
         self._recent = np.concatenate((self._recent, samples))[-max(_KEPT, len(samples)) :]
+        self.sound_came.notify_all(sound.captured_at)
         if self.speaking:
             self.speech.notify_all(samples)
         for speaking, at in self._activity.add(samples):

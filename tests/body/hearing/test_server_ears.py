@@ -247,6 +247,24 @@ class TestConsent:
             await room.say(self.UTTERANCE)
             assert len(room.told) == 2
 
+    async def test_what_was_said_before_the_consent_is_not_sent_with_what_follows(self) -> None:
+        recognizer, consent = self.recognizer("https://h.example"), [False]
+        room = self.Room(recognizer, consent)
+        began = asyncio.Event()
+        async with room.plugged(*room.running()):
+            room.recognition.want()
+            room.recognition._speech.speech_began.add(lambda _at: began.set())
+            for first in range(0, len(self.UTTERANCE), 480):
+                await room.say(self.UTTERANCE[first : first + 480])
+                if first == 14_400 + 2_400:
+                    # 50 ms into the speech, which is not noticed yet.
+                    assert not began.is_set()
+                    consent.append(True)
+        with_consent = len(self.UTTERANCE) - 14_400 - 2_400
+        assert began.is_set()
+        assert room.told == [("hello", "hollow")]
+        assert 0 < recognizer.heard[0] <= with_consent / 3
+
     async def test_a_result_that_comes_after_the_withdrawal_is_not_told(self) -> None:
         recognizer, consent = self.recognizer("https://h.example"), [True]
         room = self.Room(recognizer, consent)
