@@ -88,6 +88,7 @@ TESTS = (
     "tests/body/teleoperation/test_steering.py",
     "tests/body/sound/test_engine_sound.py",
     "tests/body/processes/test_framing.py",
+    "tests/body/speech/test_lips.py",
     "tests/body/speech/test_mouth.py",
     "tests/body/services/test_address.py",
     "tests/body/services/test_events.py",

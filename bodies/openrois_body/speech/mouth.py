@@ -77,7 +77,7 @@ class MouthReader(Protocol):
         ...
 
     def finish(self) -> Shapes:
-        """Return the shapes up to the end of the sound."""
+        """Return the shapes up to the end of the sound; what is pushed after that is other sound, behind it."""
         ...
 
 
@@ -94,6 +94,8 @@ class SoundMouth:
     def __init__(self, rate: int = SAMPLE_RATE) -> None:
         self._rate = rate
         self._features = SoundFeatures(rate)
+        self._begin_ms = 0.0
+        """Where the sound begins whose moments are counted: behind what was finished."""
         self._samples = 0
         self._moments = 0
         self._shown = _SILENT
@@ -111,11 +113,21 @@ class SoundMouth:
         return self._read(sound)
 
     def finish(self) -> Shapes:
-        """Return the shapes up to the end of the sound, where the mouth closes."""
-        end = self._samples * 1000 / self._rate
+        """Return the shapes up to the end of the sound, where the mouth closes; then another sound may follow."""
+        end = self._begin_ms + self._samples * 1000 / self._rate
         rest = self._read(np.zeros(round(self._rate * _ENOUGH_MS / 1000), np.float32))
         visemes = [viseme for viseme in rest.visemes if viseme.offset_ms < end]
-        return Shapes([*visemes, Viseme(round(end, 1), CLOSED, 1.0)], end)
+        if not visemes or visemes[-1].shape != CLOSED:
+            visemes.append(Viseme(round(end, 1), CLOSED, 1.0))
+        self._features, self._begin_ms = SoundFeatures(self._rate), end
+        self._samples = self._moments = 0
+        self._shown = _SILENT
+        self._likely[:] = 0
+        return Shapes(visemes, end)
+
+    @property
+    def _now_ms(self) -> float:
+        return self._begin_ms + self._moments * HOP_MS
 
     def _read(self, sound: NDArray[np.float32]) -> Shapes:
         found = [self._shape()]
@@ -123,9 +135,9 @@ class SoundMouth:
             shown = _SILENT if moment.is_pause else self._decide(moment.features)
             if shown != self._shown:
                 self._shown = shown
-                found = [*(each for each in found if each.offset_ms < self._moments * HOP_MS), self._shape()]
+                found = [*(each for each in found if each.offset_ms < self._now_ms), self._shape()]
             self._moments += 1
-        return Shapes(found, self._moments * HOP_MS)
+        return Shapes(found, self._now_ms)
 
     def _decide(self, features: NDArray[np.float32]) -> int:
         """Return the likeliest label of the likeliest opening; of two that are nearly as likely, the shown one."""
@@ -137,7 +149,7 @@ class SoundMouth:
 
     def _shape(self) -> Viseme:
         shape, weight = LABELS[self._shown]
-        return Viseme(self._moments * HOP_MS, shape, weight)
+        return Viseme(self._now_ms, shape, weight)
 
 
 def _likelihoods(features: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -19,7 +19,8 @@ from openrois_body.messages import MAX_VISEMES, Speak, Viseme
 from openrois_body.sound.mixer import BodySound, SoundBusy
 from openrois_body.sound.open_playback import AHEAD_LIMIT, OpenPlayback, SoundOverrun, reach
 from openrois_body.speech.contract import NamedMark, Word
-from openrois_body.speech.mouth import MouthReader, Shapes, SoundMouth
+from openrois_body.speech.lips import Lips
+from openrois_body.speech.mouth import MouthReader, SoundMouth
 from openrois_body.speech.playout_delay import PlayoutDelay
 from openrois_body.speech.progress import MarkReached, Progress, SpeechBegan, SpeechEnded, SpeechStarved, WordSpoken
 from openrois_body.speech.turns import Line, Turn
@@ -79,7 +80,7 @@ class OpenUtterance:
         self._playout_delay = playout_delay
         self._on_progress = on_progress
         self._line = line
-        self._mouth = mouth or SoundMouth()
+        self._lips = Lips(mouth or SoundMouth())
         self._on_played = on_played
         self._waiting: deque[NDArray[np.int16]] = deque()
         """Sound that has no place in time yet."""
@@ -88,8 +89,8 @@ class OpenUtterance:
         self._pushed = 0
         self._former = 0
         """Samples that were heard before the present playback: before a pause."""
-        self._read = self._read_before = 0
-        """Samples that the mouth's reader has read, and those before the present playback."""
+        self._read_before = 0
+        """Samples whose mouth shapes were read before the present playback."""
         self._playback: OpenPlayback | None = None
         self._turn: Turn | None = None
         self._finished = False
@@ -239,7 +240,7 @@ class OpenUtterance:
             playback = self._playback = self._sound.play_open()
             heard = False
             try:
-                self._read_before = self._read
+                self._read_before = self._lips.read_samples
                 self._dry_until = self._sound.clock.now() + DRY_LIMIT
                 while self._waiting:
                     self._append(playback, self._waiting.popleft())
@@ -255,6 +256,7 @@ class OpenUtterance:
 
     def _end(self, playback: OpenPlayback, heard: bool) -> None:
         self._playback = None
+        self._lips.restart()
         if heard:
             self._body.spoken(self.speech_id)
         else:
@@ -279,6 +281,7 @@ class OpenUtterance:
             now = clock.now()
             self._on_played(self.played)
             self._moved.set()
+            self._move(playback)
             due = [*self._tell_heard(playback, now - late), *self._tell_dry(playback, now)]
             if self._finished:
                 end = playback.end
@@ -348,28 +351,27 @@ class OpenUtterance:
     def _settle(self, playback: OpenPlayback) -> None:
         """Set the end of the playback, which the next speech waits for."""
         playback.finish()
-        self._move(playback, self._mouth.finish())
+        self._move(playback)
         if self._turn is not None:
             self._turn.set_end(playback.end or self._sound.clock.now())
 
     def _append(self, playback: OpenPlayback, samples: NDArray[np.int16]) -> None:
         self._dry_until = playback.push(samples) + len(samples) / SAMPLE_RATE + DRY_LIMIT
-        self._read += len(samples)
-        self._move(playback, self._mouth.push(samples))
+        self._lips.push(samples)
+        self._move(playback)
 
-    def _move(self, playback: OpenPlayback, shapes: Shapes) -> None:
-        """Move the mouth to sound that has its place in time."""
-        if not shapes.visemes:
-            return
-        begin = shapes.visemes[0].offset_ms
-        start = playback.moment(max(0, round(begin * SAMPLE_RATE / 1000) - self._read_before))
-        if start is None or shapes.until_ms <= begin:
-            return
-        visemes = tuple(
-            Viseme(each.offset_ms - begin, each.shape, each.weight) for each in shapes.visemes[:MAX_VISEMES]
-        )
-        duration = round(shapes.until_ms - begin)
-        self._body.speak(self.speech_id, [Speak(self.speech_id, round(start * 1e9), visemes, duration)])
+    def _move(self, playback: OpenPlayback) -> None:
+        """Move the mouth to the sound that is played soon."""
+        for shapes in self._lips.read(self.ahead, is_whole=playback.is_settled):
+            begin = shapes.visemes[0].offset_ms
+            start = playback.moment(max(0, round(begin * SAMPLE_RATE / 1000) - self._read_before))
+            if start is None or shapes.until_ms <= begin:
+                continue
+            visemes = tuple(
+                Viseme(each.offset_ms - begin, each.shape, each.weight) for each in shapes.visemes[:MAX_VISEMES]
+            )
+            duration = round(shapes.until_ms - begin)
+            self._body.speak(self.speech_id, [Speak(self.speech_id, round(start * 1e9), visemes, duration)])
 
     async def _lateness(self) -> float:
         now = self._sound.clock.now()

@@ -44,6 +44,15 @@ def test_noise_that_begins_later_closes_the_mouth_within_eight_seconds() -> None
     assert set(opening_at(shapes, *np.arange(10.1, 10.9, 0.01))) == {Opening.CLOSED}
 
 
+def test_what_comes_after_the_end_is_another_sound_behind_it() -> None:
+    mouth, sound = SoundMouth(RATE), voice(0.5)
+    first = [*mouth.push(sound).visemes, *mouth.finish().visemes]
+    pushed = mouth.push(sound)
+    second = [*pushed.visemes, *mouth.finish().visemes]
+    assert pushed.visemes[0].offset_ms == 500
+    assert [Viseme(each.offset_ms - 500, each.shape, each.weight) for each in second] == first
+
+
 @given(st.lists(st.integers(1, 4_000), min_size=1, max_size=20), st.sampled_from([16_000, 22_050, 24_000, 48_000]))
 @settings(max_examples=20, deadline=None)
 def test_how_the_sound_is_cut_up_changes_nothing(sizes: list[int], rate: int) -> None:

@@ -5,6 +5,7 @@ import asyncio
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from openrois_avatar.engines.animation.animator import MAX_TRACKS
 from openrois_body.messages import Silence
 from openrois_body.sound.mixer import MAX_QUEUED
 from openrois_body.sound.open_playback import SoundOverrun
@@ -89,6 +90,48 @@ async def test_the_mouth_moves_from_one_push_to_the_next(stage: Stage) -> None:
     ]
     assert {"sil"} < {viseme.shape for each in moves for viseme in each.visemes}
     assert moves[-1].visemes[-1].shape == "sil"
+
+
+@pytest.mark.parametrize("piece", [480, 960, 144_000])
+async def test_lips_of_sound_far_ahead_are_told_in_time_and_an_engine_keeps_all(stage: Stage, piece: int) -> None:
+    utterance, playing = stage.stream()
+    spoken = stereo_48k(voice(3.0))[:, 0]
+    for first in range(0, len(spoken), piece):
+        utterance.push(spoken[first : first + piece])
+    utterance.finish()
+    told_at: list[float] = []
+    for _ in range(320):
+        told_at += [stage.clock.now()] * (len(stage.speaks()) - len(told_at))
+        await stage.clock.advance(0.01)
+    await stage.clock.advance(1)
+    await playing
+    moves = stage.speaks()
+    begins = [each.start_ns / 1e9 for each in moves]
+    ends = [begin + each.duration_ms / 1000 for begin, each in zip(begins, moves, strict=True)]
+    assert ends[-1] - begins[0] == pytest.approx(3.0)
+    assert begins[1:] == pytest.approx(ends[:-1], abs=0.002)
+    assert all(begin >= at + 0.04 for begin, at in zip(begins, told_at, strict=True))
+    # What ended half a second ago is forgotten by an engine.
+    kept = [sum(at >= other and end > at - 0.55 for other, end in zip(told_at, ends, strict=True)) for at in told_at]
+    assert max(kept) <= MAX_TRACKS
+
+
+async def test_lips_go_on_with_the_sound_after_a_pause(stage: Stage) -> None:
+    utterance, playing = stage.stream()
+    utterance.push(stereo_48k(voice(1.0))[:, 0])
+    utterance.finish()
+    await stage.clock.advance(0.5)
+    stage.voice.pause()
+    await stage.clock.advance(1)
+    rest, before = 1 - utterance.played / 48_000, len(stage.speaks())
+    stage.voice.go_on()
+    await stage.clock.advance(0.001)
+    begin = stage.speaks()[before].start_ns / 1e9
+    assert 0.03 < begin - stage.clock.now() <= 0.06
+    await stage.clock.advance(3)
+    await playing
+    last = stage.speaks()[-1]
+    assert last.start_ns / 1e9 + last.duration_ms / 1000 - begin == pytest.approx(rest, abs=0.002)
 
 
 async def test_running_dry_is_told_once_each_time_and_what_comes_then_goes_on(stage: Stage) -> None:
