@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator
 import pytest
 import pytest_asyncio
 from playwright.async_api import Browser, expect
+from websockets.asyncio.client import ClientConnection
 
 from openrois.transport.credentials import Credentials
 from tests.support.browser import GATEWAY_AWAY, Visit, visiting
@@ -160,3 +161,33 @@ async def test_control_is_requested_kept_and_handed_over(browser: Browser, comin
         await expect(ben.item("control-words")).to_have_text("Everything was stopped by anna")
         for bar in (ours, theirs):
             await expect(bar).to_be_hidden()
+
+
+async def test_a_person_stops_for_programs_and_another_hands_back(browser: Browser, coming: Guarded) -> None:
+    url, trust = coming.gateway.url, ssl.create_default_context(cafile=coming.folder / "ca.pem")
+    anna_page, ben_page = (f"{url}#token={fresh(sub=sub, rank='person')}" for sub in ("anna", "ben"))
+    part = {"component_ref": "avatar/reaction"}
+
+    async def try_to_move(agent: ClientConnection, command_id: str) -> str:
+        unit = {**part, "command_type": "start", "command_id": command_id, "arguments": []}
+        answer = await ask(agent, "rois.command.execute", command_unit_list=[unit])
+        return str(answer["result"]["return_code"])
+
+    async with (
+        visiting(browser, anna_page, script=_DARK, ignore_https_errors=True) as anna,
+        coming.dial(fresh(sub="agent", rank="agent"), ssl=trust) as agent,
+    ):
+        assert (await ask(agent, "rois.command.bind", **part))["result"]["return_code"] == "OK"
+        await expect(anna.item("stopped")).to_be_hidden()
+        await anna.press("stop-all")
+        await all_stopped(anna)
+        await expect(anna.item("stopped")).to_contain_text("anna has stopped avatar. Programs wait.")
+        for number in range(200):
+            assert await try_to_move(agent, f"try {number}") == "OUT_OF_RESOURCES"
+        # A page that comes later knows it, too, and its visitor may hand the body back.
+        async with visiting(browser, ben_page, script=_DARK, ignore_https_errors=True) as ben:
+            await expect(ben.item("stopped")).to_contain_text("anna has stopped avatar. Programs wait.")
+            await ben.press("stopped-hand-back")
+            for visit in (ben, anna):
+                await expect(visit.item("stopped")).to_be_hidden()
+        assert await try_to_move(agent, "after") == "OK"
