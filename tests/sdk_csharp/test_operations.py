@@ -108,6 +108,23 @@ async def test_leases_are_asked_for_granted_and_declined(start: Start) -> None:
         await app.ends()
 
 
+async def test_a_part_is_borrowed_from_a_program_and_given_back(start: Start, tmp_path: Path) -> None:
+    robot = everything()
+    now = time.time()
+    tokens = [issue(now, sub="night watch", rank="script"), issue(now, sub="ann", rank="person")]
+    async with guarded(tmp_path) as here:
+        await here.gateway.engine.attach(robot.registry)
+        async with start("sharer", here.gateway.url, TOKENS=" ".join(tokens)) as app:
+            assert await app.says("borrowed") == ["Mine", "night watch", "legs"]
+            assert await app.says("lent") == [robot.ref("Navigation"), "ann", True]
+            assert await app.says("refused") == "OutOfResourcesException"
+            assert await app.says("of higher rank") == "OutOfResourcesException"
+            assert await app.says("restored") == robot.ref("Navigation")
+            assert await app.says("restored") == robot.ref("SpeechSynthesis")
+            await app.ends()
+    assert robot.parts["SpeechSynthesis"].parameters["speech_text"] == "I go on."
+
+
 async def test_verbs_of_streams_over_the_extension(start: Start) -> None:
     small = Small()
     async with (

@@ -160,3 +160,44 @@ public static class Leaser
         await holder.CloseAsync();
     }
 }
+
+/// <summary>A program lends what it has bound to a person, who gives it back.</summary>
+public static class Sharer
+{
+    public static async Task Run(string url)
+    {
+        string[] tokens = Environment.GetEnvironmentVariable("TOKENS").Split(' ');
+        Client program = await Program.Connect(url, new ClientOptions { Token = () => tokens[0] });
+        Client person = await Program.Connect(url, new ClientOptions { Token = () => tokens[1] });
+        Navigation navigation = await program.FindAsync(Navigation.Type);
+        string legs = navigation.ComponentRef;
+        await program.BindAsync(legs);
+
+        Task<BindingLoan> lent = Program.First<BindingLoan>(take => program.BindingLent += take);
+        Task<string> restored = Program.First<string>(take => program.BindingRestored += take);
+        LeaseStatus lease = await person.Control.BorrowAsync(legs, TimeSpan.FromSeconds(20));
+        Program.Say("borrowed", new[] { lease.State.ToString(), lease.Lender, lease.Part });
+        BindingLoan loan = await lent;
+        bool inTime = loan.ReturnsIn > TimeSpan.Zero && loan.ReturnsIn <= TimeSpan.FromSeconds(20);
+        Program.Say("lent", new object[] { loan.ComponentRef, loan.Holder, inTime });
+        Program.Say("refused", await Program.Thrown(() => navigation.StartAsync()));
+        Program.Say("of higher rank", await Program.Thrown(() => program.Control.BorrowAsync(legs)));
+        await person.Control.GiveBackAsync(legs);
+        Program.Say("restored", await restored);
+        await navigation.SetAsync(targetPositions: new[] { "lobby" });
+        await navigation.StartAsync();
+
+        SpeechSynthesis voice = await program.FindAsync(SpeechSynthesis.Type);
+        await program.BindAsync(voice.ComponentRef);
+        restored = Program.First<string>(take => program.BindingRestored += take);
+        await person.Control.BorrowAsync(voice.ComponentRef, forOneCommand: true);
+        SpeechSynthesis same = await person.FindAsync(SpeechSynthesis.Type);
+        await same.SetAsync(speechText: "Excuse me.");
+        await same.StartAsync();
+        Program.Say("restored", await restored);
+        await voice.SetAsync(speechText: "I go on.");
+        await voice.StartAsync();
+        await person.CloseAsync();
+        await program.CloseAsync();
+    }
+}

@@ -26,6 +26,7 @@ public static class Program
         { "main_thread", MainThread.Run },
         { "one_thread", OneThread.Run },
         { "leaser", Leaser.Run },
+        { "sharer", Sharer.Run },
         { "streamer", Streamer.Run },
         { "viewer", Viewer.Run },
         { "barred", Barred.Run },

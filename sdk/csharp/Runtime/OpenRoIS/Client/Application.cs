@@ -33,7 +33,7 @@ namespace OpenRoIS
             Strand = strand;
             Connection = new Connection(address, options, strand, this);
             Commands = new UnfinishedCommands();
-            Bindings = new Bindings(BindingLost, notices.NotifyBindingRestored);
+            Bindings = new Bindings(BindingLost, notices.NotifyBindingRestored, notices.Notify);
             Subscriptions = new Subscriptions(Connection, notices.Notify);
             Directory = new EngineDirectory(Connection);
             Extensions = new HashSet<string>();
@@ -198,9 +198,9 @@ namespace OpenRoIS
 
         private void LeaseChanged(LeaseChangedNotification changed)
         {
-            if (changed.State == LeaseState.Held)
+            if (Bindings.HolderChanged(changed))
             {
-                Bindings.Taken(changed.ComponentRef, changed.Reason);
+                _restorer.BindMissing();
             }
             _notices.Notify(changed);
             OnLeaseChanged?.Invoke(changed);

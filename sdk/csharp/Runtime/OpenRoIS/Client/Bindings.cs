@@ -16,17 +16,19 @@ namespace OpenRoIS
         private readonly Dictionary<string, Turns> _turns = new Dictionary<string, Turns>();
         private readonly Action<BindingLoss> _lost;
         private readonly Action<string> _restored;
+        private readonly Action<BindingLoan> _lent;
 
-        internal Bindings(Action<BindingLoss> lost, Action<string> restored)
+        internal Bindings(Action<BindingLoss> lost, Action<string> restored, Action<BindingLoan> lent)
         {
             _lost = lost;
             _restored = restored;
+            _lent = lent;
         }
 
-        /// <summary>Whether a component that is wanted is not bound.</summary>
+        /// <summary>Whether a component that is wanted is not bound, and does not come back by itself.</summary>
         internal bool Incomplete
         {
-            get { return _wanted.Values.Any(binding => !binding.Held); }
+            get { return _wanted.Values.Any(binding => !binding.Held && !binding.Lent); }
         }
 
         /// <summary>
@@ -65,6 +67,7 @@ namespace OpenRoIS
             }
             binding.Held = true;
             binding.Missed = false;
+            binding.Lent = false;
             binding.Uses++;
         }
 
@@ -81,11 +84,76 @@ namespace OpenRoIS
             _wanted.Remove(componentRef);
         }
 
-        /// <summary>Notes that another application has it now: it is not bound again.</summary>
-        internal void Taken(string componentRef, string reason)
+        /// <summary>Notes which application holds a component now.</summary>
+        /// <returns>whether it does not come back by itself any more, and has to be bound again</returns>
+        internal bool HolderChanged(LeaseChangedNotification told)
+        {
+            switch (told.State)
+            {
+                case LeaseState.Mine:
+                    Returned(told.ComponentRef);
+                    return false;
+                case LeaseState.Free:
+                    return NotReturned(told.ComponentRef);
+                case LeaseState.Held:
+                    if (told.ReturnPosition > 0)
+                    {
+                        Lend(told);
+                    }
+                    else
+                    {
+                        Taken(told.ComponentRef, told.Reason);
+                    }
+                    return false;
+                default:
+                    return false;
+            }
+        }
+
+        /// <summary>Notes that another application has it for a time, after which it comes back.</summary>
+        private void Lend(LeaseChangedNotification told)
         {
             Binding binding;
-            if (_wanted.TryGetValue(componentRef, out binding) && binding.Held)
+            if (_wanted.TryGetValue(told.ComponentRef, out binding) && binding.Held)
+            {
+                binding.Held = false;
+                binding.Missed = true;
+                binding.Lent = true;
+                TimeSpan returnsIn = TimeSpan.FromMilliseconds(told.ReturnMs);
+                _lent(new BindingLoan(told.ComponentRef, told.Holder, returnsIn));
+            }
+        }
+
+        /// <summary>Notes that it has come back.</summary>
+        private void Returned(string componentRef)
+        {
+            Binding binding;
+            if (_wanted.TryGetValue(componentRef, out binding) && binding.Lent)
+            {
+                binding.Held = true;
+                binding.Missed = false;
+                binding.Lent = false;
+                _restored(componentRef);
+            }
+        }
+
+        /// <summary>Notes that it is free: what was lent is bound again as what was lost is.</summary>
+        private bool NotReturned(string componentRef)
+        {
+            Binding binding;
+            if (!_wanted.TryGetValue(componentRef, out binding) || !binding.Lent)
+            {
+                return false;
+            }
+            binding.Lent = false;
+            return true;
+        }
+
+        /// <summary>Notes that another application has it now: it is not bound again.</summary>
+        private void Taken(string componentRef, string reason)
+        {
+            Binding binding;
+            if (_wanted.TryGetValue(componentRef, out binding) && (binding.Held || binding.Lent))
             {
                 _wanted.Remove(componentRef);
                 string said = "another application holds " + componentRef + " now: " + reason;
@@ -99,6 +167,7 @@ namespace OpenRoIS
             foreach (Binding binding in _wanted.Values)
             {
                 binding.Held = false;
+                binding.Lent = false;
             }
         }
 
@@ -106,7 +175,8 @@ namespace OpenRoIS
         /// <exception cref="ConnectionLostException">the connection ended</exception>
         internal Task RenewAsync(JsonRpcSession session, long within, CancellationToken token)
         {
-            return Task.WhenAll(_wanted.ToList().Select(
+            // What another application has for a time comes back by itself.
+            return Task.WhenAll(_wanted.Where(each => !each.Value.Lent).ToList().Select(
                 each => RenewAsync(session, within, each.Key, each.Value, token)));
         }
 
@@ -149,6 +219,9 @@ namespace OpenRoIS
 
             /// <summary>Whether the application was told that it is not.</summary>
             internal bool Missed;
+
+            /// <summary>Whether another application has it for a time.</summary>
+            internal bool Lent;
 
             /// <summary>How many bodies and calls of bind want it.</summary>
             internal int Uses;

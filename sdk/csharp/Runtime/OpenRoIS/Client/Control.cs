@@ -73,6 +73,55 @@ namespace OpenRoIS
         }
 
         /// <summary>
+        /// Takes a component with its part for a time from an application of lower rank, which has it back afterwards; what
+        /// runs there ends with ABORT. A free component is simply bound. Borrow it again to have it for longer, and give it
+        /// back as soon as it is not needed.
+        /// </summary>
+        /// <param name="componentRef">the component</param>
+        /// <param name="time">for which it is taken; null for what the gateway is configured for (30 s)</param>
+        /// <param name="forOneCommand">gives it back by itself when the next <c>start</c> has ended</param>
+        /// <param name="token">gives up</param>
+        /// <returns>the lease now</returns>
+        /// <exception cref="OutOfResourcesException">its holder is not of lower rank: request it instead</exception>
+        /// <exception cref="UnsupportedException">there is no such component</exception>
+        public Task<LeaseStatus> BorrowAsync(
+            string componentRef,
+            TimeSpan? time = null,
+            bool forOneCommand = false,
+            CancellationToken token = default(CancellationToken))
+        {
+            var given = new LeaseBorrowParams
+            {
+                ComponentRef = componentRef,
+                DurationMs = time == null ? null : (int?)Math.Round(time.Value.TotalMilliseconds),
+                EndsWith = forOneCommand ? LoanEnd.Command : LoanEnd.Time
+            };
+            return _application.Strand.Run<LeaseStatus>(async () =>
+            {
+                LeaseResult answer = await Connection.ActAsync(
+                    Methods.LeaseBorrow,
+                    given,
+                    token,
+                    accepted => _application.Bindings.Use(componentRef),
+                    late => ReleaseUnwanted(componentRef));
+                return answer.Lease ?? new LeaseStatus();
+            });
+        }
+
+        /// <summary>
+        /// Releases all of the part of a component: an application from which it was taken for a time has it back.
+        /// </summary>
+        /// <exception cref="UnsupportedException">there is no such component</exception>
+        public Task GiveBackAsync(string componentRef, CancellationToken token = default(CancellationToken))
+        {
+            return _application.Strand.Run(() => Connection.ActAsync(
+                Methods.LeaseGiveBack,
+                new LeaseParams { ComponentRef = componentRef },
+                token,
+                done => _application.Bindings.GaveBack(componentRef)));
+        }
+
+        /// <summary>
         /// Stops everything that acts on an engine, and returns which components have stopped. Where this application
         /// is a person's, programs wait then until a person hands back. It is no safety-rated emergency stop.
         /// </summary>
@@ -188,6 +237,11 @@ namespace OpenRoIS
         private void GiveUp(string componentRef)
         {
             Connection.Post(Methods.LeaseLeave, new LeaseParams { ComponentRef = componentRef });
+            ReleaseUnwanted(componentRef);
+        }
+
+        private void ReleaseUnwanted(string componentRef)
+        {
             if (!_application.Bindings.Wants(componentRef))
             {
                 Connection.Post(Methods.CommandRelease, new ComponentParams { ComponentRef = componentRef });

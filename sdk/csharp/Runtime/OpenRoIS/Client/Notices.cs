@@ -58,6 +58,28 @@ namespace OpenRoIS
     }
 
     /// <summary>
+    /// An application of higher rank has taken a component that was bound; it comes back. What ran there ends with ABORT,
+    /// and commands are refused meanwhile.
+    /// </summary>
+    public sealed class BindingLoan
+    {
+        internal BindingLoan(string componentRef, string holder, TimeSpan returnsIn)
+        {
+            ComponentRef = componentRef;
+            Holder = holder;
+            ReturnsIn = returnsIn;
+        }
+
+        public string ComponentRef { get; private set; }
+
+        /// <summary>The subject of the application that has it.</summary>
+        public string Holder { get; private set; }
+
+        /// <summary>The time after which it comes back at the latest, unless it is taken for longer.</summary>
+        public TimeSpan ReturnsIn { get; private set; }
+    }
+
+    /// <summary>
     /// A body that was reserved is not any more, because a required part of it is lost; the others were released. It is not
     /// reserved again: release it, and reserve another one.
     /// </summary>
@@ -140,6 +162,11 @@ namespace OpenRoIS
 
         public event Action<BindingLoss> BindingLost;
 
+        /// <summary>
+        /// A component was taken for a time: <see cref="BindingRestored"/> follows, or <see cref="BindingLost"/>.
+        /// </summary>
+        public event Action<BindingLoan> BindingLent;
+
         /// <summary>A component, by its reference, is bound again. This connection started none of its commands.</summary>
         public event Action<string> BindingRestored;
 
@@ -195,6 +222,11 @@ namespace OpenRoIS
         internal void Notify(BindingLoss loss)
         {
             _callbacks.Offer(() => BindingLost?.Invoke(loss));
+        }
+
+        internal void Notify(BindingLoan loan)
+        {
+            _callbacks.Offer(() => BindingLent?.Invoke(loan));
         }
 
         internal void NotifyBindingRestored(string componentRef)

@@ -34,6 +34,12 @@ namespace OpenRoIS
             _changed.TrySetResult(true);
         }
 
+        /// <summary>Notes that something is to be bound again that did not have to be before.</summary>
+        internal void BindMissing()
+        {
+            _changed.TrySetResult(true);
+        }
+
         /// <summary>Works until the connection has ended; what was bound is bound again already.</summary>
         internal async Task RunAsync(JsonRpcSession session, long within, CancellationToken token)
         {
