@@ -274,7 +274,7 @@ class _Commands:
         if command is not None:
             self._app.host.pending.remove(command)
             if command.starts:
-                self._app.host.leases.finish(unit.component_ref, self._app.present())
+                self._app.host.leases.note_ended(unit.component_ref, self._app.present())
             self._sequences.pop(unit.command_id).leave()
         self._app.commands.finish(unit.command_id, results, status, reason)
         self._app.host.journal.ended(self._app.client_id, unit.command_id, status, reason, results)

@@ -108,9 +108,9 @@ class LeaseKeeper:
         """Release all of the part of a component, if `holder` has it."""
         self._carry(self.model.hand_back(component_ref, holder, self._now()), (holder, component_ref))
 
-    def finish(self, component_ref: str, holder: Holder) -> None:
+    def note_ended(self, component_ref: str, holder: Holder) -> None:
         """Note that what a holder has started has ended: a part that was taken for no more goes back."""
-        self._carry(self.model.finish(component_ref, holder, self._now()))
+        self._carry(self.model.note_ended(component_ref, holder, self._now()))
 
     def leave(self, holder: Holder) -> None:
         """Release everything, and withdraw every request. The adapters learn that from `forget_client`."""

@@ -267,7 +267,7 @@ class LeaseModel:
         self.loans.extend(part, loan)
         return [*changes, *self._moves.queued(part)]
 
-    def finish(self, component_ref: str, holder: object, now: float) -> list[Change]:
+    def note_ended(self, component_ref: str, holder: object, now: float) -> list[Change]:
         """Note that all has ended that a holder had begun on a part: one that was taken for no more goes back."""
         part = self.holding.part_of(component_ref)
         loan = self.loans.of(part)

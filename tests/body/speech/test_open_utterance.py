@@ -243,7 +243,8 @@ async def test_what_waits_is_heard_at_once_when_what_is_spoken_is_cut_off(stage:
     cut_at = stage.clock.now()
     first.cut("enough")
     await settle()
-    assert stage.speaks()[-1].start_ns / 1e9 - cut_at <= 0.06
+    begins = next(each for each in stage.speaks() if each.id == second.speech_id).start_ns / 1e9
+    assert begins - cut_at <= 0.06
     with pytest.raises(Aborted):
         await playing
     await stage.clock.advance(1)

@@ -201,7 +201,7 @@ async def test_clear_that_overtakes_begin_silences_the_speech_that_it_names(stag
     stage.ann.begin(2)
     stage.ann.push(4_800, 2)
     await settle()
-    assert len(stage.speaks()) == 5
+    assert len({each.id for each in stage.speaks()}) == 1
 
 
 async def test_frames_that_are_missing_end_the_speech(stage: Stage) -> None:

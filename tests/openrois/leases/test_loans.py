@@ -214,10 +214,10 @@ class TestLoans:
 
     def test_for_one_sentence(self, model: LeaseModel) -> None:
         model.borrow(WALK, BOB, 1, for_one=True)
-        assert model.finish(WALK, ANN, 2) == []
-        assert model.finish(WALK, BOB, 2) != []
+        assert model.note_ended(WALK, ANN, 2) == []
+        assert model.note_ended(WALK, BOB, 2) != []
         assert holders(model) == {WALK: ANN, DRIVE: ANN}
-        assert model.finish(WALK, ANN, 3) == []
+        assert model.note_ended(WALK, ANN, 3) == []
 
     def test_the_borrower_answers_and_hands_on_what_is_left_of_its_time(self, model: LeaseModel) -> None:
         model.borrow(WALK, BOB, 1, 5)

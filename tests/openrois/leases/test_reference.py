@@ -114,7 +114,7 @@ class LeaseMachine(RuleBasedStateMachine):
     def finish(self, seat: int, ref: str) -> None:
         session = self.live(seat)
         self.reference.finish(ref, session)
-        self.take(self.model.finish(ref, session, self.now))
+        self.take(self.model.note_ended(ref, session, self.now))
 
     @rule(seat=seats, is_latched=st.booleans())
     def stop_or_release(self, seat: int, is_latched: bool) -> None:
