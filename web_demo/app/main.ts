@@ -168,11 +168,11 @@ function bodyChanged(): void {
   reactions.setComponent(present?.reaction ?? null);
   map.setBody(present);
   control.setComponent(present?.teleoperation ?? null);
-  body.ranked = say.ranked = token.counts;
+  body.ranked = say.ranked = token.ranks;
   body.setComponents(present && movingParts(present), present?.speech ? [present.speech] : []);
   const all = client.state.name === "connected" ? (directory.bodies ?? []) : [];
   const watching = token.mayOperate ? "" : WATCHING;
-  others.update(all, chosen?.engineId ?? "", { watching, ranked: token.counts });
+  others.update(all, chosen?.engineId ?? "", { watching, ranked: token.ranks });
   const acting = [...(present ? [present] : []), ...others.carded].map(actingBody);
   stopButton.setBodies(acting);
   stoppedBodies.setBodies(acting);

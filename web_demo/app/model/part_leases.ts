@@ -42,7 +42,7 @@ interface Lease {
 export class PartLeases {
   readonly #client: Client;
   readonly #onChange: (part: BodyPart) => void;
-  /** Whether visitors of this gateway have tokens. */
+  /** Whether this page's token names a rank that counts: then what shows no token is a program. */
   ranked = false;
   #refs: readonly string[] = [];
   /** The part of each component; a component of which the gateway names none is one by itself. */

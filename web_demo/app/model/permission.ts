@@ -6,7 +6,7 @@ export const WATCHING = "You are watching: your token does not let you operate t
 export interface Rights {
   /** Why it may only watch; empty where it may operate. */
   readonly watching: string;
-  /** Whether its rank counts: the gateway asks for tokens. */
+  /** Whether its token names a rank that counts. */
   readonly ranked: boolean;
 }
 

@@ -10,7 +10,7 @@ type Lending = Pick<Control, "borrow" | "giveBack">;
  * Speaks to the end.
  *
  * @param speech is bound for that, or taken where it is another application's
- * @param ranked whether this page's rank counts: without tokens nothing can be taken
+ * @param ranked whether this page's token names a rank that counts: without one nothing can be taken
  * @throws what `perform` throws | RoISError (OUT_OF_RESOURCES: the other application does not rank lower)
  */
 export async function speak(

@@ -31,6 +31,12 @@ export class PageToken {
     return this.#value !== undefined && this.asked;
   }
 
+  /** Whether it names a rank, with which its bearer may go before others; without one it ranks lowest. */
+  get ranks(): boolean {
+    const { rank } = claimsOf(this.#value ?? "");
+    return this.counts && typeof rank === "string" && rank !== "";
+  }
+
   /** Whether it lets its bearer operate, as far as a page can read it; the gateway decides. */
   get mayOperate(): boolean {
     const { roles = "" } = claimsOf(this.#value ?? "");
@@ -95,7 +101,11 @@ function shaped(text: string): string | undefined {
 }
 
 /** What a token says of itself; nothing where it cannot be read. */
-function claimsOf(token: string): { readonly roles?: unknown; readonly exp?: unknown } {
+function claimsOf(token: string): {
+  readonly roles?: unknown;
+  readonly exp?: unknown;
+  readonly rank?: unknown;
+} {
   const [, payload = ""] = token.split(".");
   try {
     const claims: unknown = JSON.parse(atob(payload.replaceAll("-", "+").replaceAll("_", "/")));

@@ -39,7 +39,7 @@ export class SayLine {
   readonly #watch: ComponentWatch;
   readonly #words: SpeechWords;
   readonly #onCut: (cut: Promise<unknown>) => void;
-  /** Whether this page's rank counts: the gateway asks for tokens. */
+  /** Whether this page's token names a rank that counts. */
   ranked = false;
   #speech: SpeechSynthesis | null = null;
   #usable = false;

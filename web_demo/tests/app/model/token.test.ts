@@ -71,6 +71,17 @@ describe("the page's token", () => {
     expect(token.mayOperate).toBe(expected);
   });
 
+  it("ranks where it names a rank, and the gateway goes by it", () => {
+    const token = new PageToken(new Store());
+    expect(token.ranks).toBe(false);
+    token.give(TOKEN);
+    expect(token.ranks).toBe(false);
+    token.give(`e30.${btoa('{"rank":"person"}').replaceAll("=", "")}.c2ln`);
+    expect(token.ranks).toBe(true);
+    token.asked = false;
+    expect(token.ranks).toBe(false);
+  });
+
   it("counts where the gateway asks for one, and bars no action elsewhere", () => {
     const token = new PageToken(new Store());
     expect(token.counts).toBe(false);
