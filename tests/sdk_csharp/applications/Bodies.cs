@@ -78,10 +78,11 @@ public static class Rivals
         Program.Say("rest", rest.Part(Navigation.Type).ComponentRef);
         var optional = new BodyRequest(SpeechRecognition.Type)
         {
-            Optional = new ComponentType[] { Reaction.Type, Follow.Type }
+            Optional = new ComponentType[] { Reaction.Type, PersonDetection.Type }
         };
         Body partly = await other.BodyAsync(optional);
-        Program.Say("partly", new object[] { partly.Find(Reaction.Type) == null, partly.Find(Follow.Type) != null });
+        bool sees = partly.Find(PersonDetection.Type) != null;
+        Program.Say("partly", new object[] { partly.Find(Reaction.Type) == null, sees });
         Program.Say("without", await Program.Thrown(() => Task.Run(() => partly.Part(Reaction.Type))));
         // One that waits gets it when it is given back.
         Task<Body> waiting = other.BodyAsync(new BodyRequest(Navigation.Type, Reaction.Type));
