@@ -20,8 +20,8 @@ class Ranks:
     """The ranks that a gateway knows.
 
     Principals of the highest one are persons, all others are programs. A rank that is not known here, such as one that
-    another gateway asserts which is configured otherwise, counts as the lowest; so does `LOCAL` beside principals with
-    tokens. It is neither a person nor a program, and without tokens none is above another.
+    another gateway asserts which is configured otherwise, counts as the lowest; so does `LOCAL`, a
+    program beside principals with tokens. Without tokens there are no persons, and none is above another.
 
     Args:
         names: the highest first.
@@ -67,8 +67,8 @@ class Ranks:
         return principal is not LOCAL and self._level(principal) == 0
 
     def is_program(self, principal: Principal) -> bool:
-        """Tell whether a principal is of another rank than the highest."""
-        return principal is not LOCAL and self._level(principal) > 0
+        """Tell whether a principal is of another rank than the highest; so is one without a token."""
+        return principal is LOCAL or self._level(principal) > 0
 
     def _level(self, principal: Principal) -> int:
         return self.names.index(principal.rank) if principal.rank in self.names else len(self.names) - 1

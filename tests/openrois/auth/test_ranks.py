@@ -38,7 +38,7 @@ def test_those_of_the_first_are_persons_and_all_others_programs() -> None:
 def test_without_tokens_there_are_no_ranks() -> None:
     ranks = Ranks()
     assert not ranks.is_person(LOCAL)
-    assert not ranks.is_program(LOCAL)
+    assert ranks.is_program(LOCAL)
     assert not any(ranks.is_above(LOCAL, each) for each in (PERSON, SCRIPT, LOCAL))
     assert [ranks.is_above(each, LOCAL) for each in (PERSON, SCRIPT)] == [True, False]
 
