@@ -18,14 +18,16 @@ class Role(StrEnum):
     """The roles of a principal."""
 
     VIEWER = "viewer"
+    VISITOR = "visitor"
+    LISTENER = "listener"
     MAINTENANCE = "maintenance"
     OPERATOR = "operator"
     ADMINISTRATOR = "administrator"
     ADAPTER = "adapter"
 
 
-_READERS: Final = frozenset({Role.VIEWER, Role.MAINTENANCE, Role.OPERATOR, Role.ADMINISTRATOR})
-_WATCHERS: Final = frozenset({Role.VIEWER, Role.OPERATOR, Role.ADMINISTRATOR})
+_WATCHERS: Final = frozenset({Role.VIEWER, Role.VISITOR, Role.LISTENER, Role.OPERATOR, Role.ADMINISTRATOR})
+_READERS: Final = _WATCHERS | {Role.MAINTENANCE}
 _OPERATORS: Final = frozenset({Role.OPERATOR, Role.ADMINISTRATOR})
 
 ALLOWED: Final[Mapping[str, frozenset[Role]]] = MappingProxyType(
@@ -133,6 +135,16 @@ class Principal:
         """Whether it may take from others what they hold."""
         return Role.ADMINISTRATOR in self.roles
 
+    @property
+    def is_visitor(self) -> bool:
+        """Whether it may send microphone and camera to bodies that it does not operate."""
+        return Role.VISITOR in self.roles
+
+    @property
+    def is_listener(self) -> bool:
+        """Whether it may receive what visitors send; no other role includes that."""
+        return Role.LISTENER in self.roles
+
 
 def engines_named(scope: Iterable[str]) -> frozenset[str] | None:
     """Return the only engines of which a scope can show a component; None where its patterns name no engine."""
@@ -155,7 +167,7 @@ def _matcher(scope: tuple[str, ...]) -> Callable[[str], object]:
     return re.compile("|".join(translate(pattern) for pattern in scope) or "(?!)").match
 
 
-LOCAL: Final = Principal("local", frozenset({Role.ADMINISTRATOR, Role.ADAPTER}), ("*",))
+LOCAL: Final = Principal("local", frozenset({Role.ADMINISTRATOR, Role.ADAPTER, Role.VISITOR, Role.LISTENER}), ("*",))
 """Every client of a gateway of this machine that runs without authentication, and the parent of an engine."""
 
 

@@ -23,11 +23,12 @@ from openrois.errors import (
     error_for,
 )
 from openrois.interfaces.operation import reply_first, shared_operation
-from openrois.interfaces.uplinks import may_be_uplink, require_may_send
+from openrois.interfaces.stream_rights import require_right
 from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
 from openrois.scope.revocation import Entitlements, end_streams
 from openrois.session.session import ApplicationSession
 from openrois.session.stream_parameters import STREAM_PARAMETERS
+from openrois.session.stream_rights import StreamRight
 from openrois.types.codes import ReturnCode, StreamStatus
 from openrois.types.directory import DIRECTORY
 from openrois.types.leases import LEASES
@@ -152,7 +153,7 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
     if len(app.streams) + app.connecting >= MAX_STREAMS:
         raise OutOfResources(f"one application has at most {MAX_STREAMS} streams")
     app.host.quotas.require_stream(app)
-    operated = may_be_uplink(parameters) and require_may_send(app, component_ref)
+    right = require_right(app, component_ref, parameters)
     params: dict[str, Any] = {
         "component_ref": component_ref,
         "parameters": [p.model_dump(mode="json") for p in parameters],
@@ -163,6 +164,8 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
     if not app.principal.may_call("rois.command.bind"):
         # The adapter knows no principals, and keeps places for applications that may bind.
         params["may_bind"] = False
+    if right.role is not None:
+        params["role"] = right.role.value
     client, bus = app.client, app.engine.route(component_ref)
     app.connecting += 1
     app.host.quotas.note_streams(app)
@@ -176,7 +179,7 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
         await app.engine.extension.forget_client(client)
         raise Aborted("the application has left")
     try:
-        _require_still(app, component_ref, parameters)
+        right = _require_still(app, component_ref, parameters)
     except RoISError:
         await end_streams(app.host.engine, (result.stream_id,), client)
         raise
@@ -186,23 +189,20 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
     if not app.engine.leads_alike(result.stream_id, component_ref):
         raise ComponentFailed(f"the engine minted the stream_id {result.stream_id[:200]!r}, which is not its own")
     app.streams[result.stream_id] = component_ref
-    if operated:
-        app.uplinks[result.stream_id] = component_ref
+    app.stream_rights.note(result.stream_id, component_ref, right)
     app.host.audit.acted(app.principal, STREAM_METHODS["connect_stream"], component_ref, result.stream_id)
     return result.stream_id
 
 
-def _require_still(app: ApplicationSession, component_ref: str, parameters: tuple[Parameter, ...]) -> None:
-    """Do nothing where the application may still have the stream that was made meanwhile.
+def _require_still(app: ApplicationSession, component_ref: str, parameters: tuple[Parameter, ...]) -> StreamRight:
+    """Return by which right the application may have the stream that was made meanwhile.
 
     Raises:
-        Unsupported: the component is out of scope by now.
-        OutOfResources: the application does not operate the engine any more.
+        RoISError: it has none any more, or the component is out of scope by now.
     """
     if Entitlements(app.principal).lost_streams({"": component_ref}):
         raise Unsupported(f"there is no component {component_ref[:200]!r}")
-    if may_be_uplink(parameters):
-        require_may_send(app, component_ref)
+    return require_right(app, component_ref, parameters)
 
 
 async def act_on_stream(app: ApplicationSession, verb: str, stream_id: str) -> None:
@@ -216,7 +216,7 @@ async def act_on_stream(app: ApplicationSession, verb: str, stream_id: str) -> N
     await _call(app, STREAM_METHODS[verb], {"stream_id": stream_id}, ReturnResult)
     if verb == "disconnect_stream":
         app.streams.pop(stream_id, None)
-        app.uplinks.pop(stream_id, None)
+        app.stream_rights.forget(stream_id)
         app.host.quotas.note_streams(app)
 
 

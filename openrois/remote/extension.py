@@ -8,7 +8,7 @@ from typing import Any, Final
 from openrois.aio.lean_queue import LeanQueue
 from openrois.aio.tasks import TaskScope
 from openrois.contract import Client
-from openrois.errors import ComponentFailed
+from openrois.errors import ComponentFailed, Unsupported
 from openrois.jsonrpc.outbox import Outbox
 from openrois.jsonrpc.session import NotificationHandler
 from openrois.observability.logs import Tally
@@ -16,7 +16,7 @@ from openrois.remote.lease_outbox import LeaseOutbox
 from openrois.types.stops import StoppedNotification
 from openrois.types.streams import STREAM_METHODS, HolderNotification
 
-__all__ = ["CLIENT_GONE", "EXTENSION_METHODS", "EXTENSION_NOTIFICATIONS", "MAY_BIND", "RemoteExtension"]
+__all__ = ["CLIENT_GONE", "EXTENSION_METHODS", "EXTENSION_NOTIFICATIONS", "MAY_BIND", "VISITORS", "RemoteExtension"]
 
 _log = logging.getLogger(__name__)
 
@@ -51,6 +51,9 @@ CLIENT_GONE: Final = "openrois.client_gone"
 MAY_BIND: Final = "openrois.may_bind"
 """Extension of an engine that takes `may_bind` beside the params of connect_stream; others do not get it."""
 
+VISITORS: Final = "openrois.visitors"
+"""Extension of an engine that takes `role` beside the params of connect_stream, and tells visitors apart."""
+
 MAX_GONE: Final = 4096
 """Applications whose end waits to be notified; with one more it is notified without room."""
 
@@ -71,6 +74,7 @@ class RemoteExtension:
 
     Attributes:
         takes_may_bind: whether the other side wants to know of an application that it may not bind.
+        takes_role: whether the other side tells visitors apart, and keeps to their consent.
     """
 
     def __init__(
@@ -96,6 +100,7 @@ class RemoteExtension:
         self._outbox = outbox
         self._tasks = tasks
         self.takes_may_bind = False
+        self.takes_role = False
         self._lease_outbox = LeaseOutbox(self._named, notify, outbox, tasks)
         self._foreign = Tally(_log, "notifications that name a reference or id of another engine")
 
@@ -111,6 +116,9 @@ class RemoteExtension:
         """Call a method for an application; from its first connect_stream on it gets the other side's notifications."""
         client_id = self._ids.get(client) or self._free_id(client)
         if method == _CONNECT:
+            if "role" in params and not self.takes_role:
+                # What is not known there is not asked: consent that is passed over would be none.
+                raise Unsupported("the engine tells no visitors apart, and knows no consent: its adapter is too old")
             self._note(client, client_id)
             if not self.takes_may_bind:
                 params = {name: value for name, value in params.items() if name != "may_bind"}

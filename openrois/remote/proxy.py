@@ -22,7 +22,7 @@ from openrois.interfaces.overload_rules import is_stop
 from openrois.jsonrpc.session import NotificationHandler, RpcSession
 from openrois.observability.logs import Tally
 from openrois.remote.commands import RemoteCommand, RemoteCommands
-from openrois.remote.extension import MAY_BIND, RemoteExtension
+from openrois.remote.extension import MAY_BIND, VISITORS, RemoteExtension
 from openrois.remote.faults import RemoteFaults
 from openrois.remote.remote_offer import Identity, RemoteOffer
 from openrois.remote.remote_profile import RemoteProfile
@@ -144,6 +144,7 @@ class RemoteProxy:
         has_extension = "rois.stream" in greeting.extensions or LEASES in greeting.extensions
         self.extension = self._remote_extension if has_extension else None
         self._remote_extension.takes_may_bind = MAY_BIND in greeting.extensions
+        self._remote_extension.takes_role = VISITORS in greeting.extensions
         self._remote_extension.limit_to(streaming)
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:

@@ -1,17 +1,16 @@
 """Losses of an application whose principal gets a smaller scope, or fewer roles, than before."""
 
 import logging
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from openrois.auth.principal import Principal
 from openrois.contract import Client
 from openrois.engine.engine import Engine
 from openrois.errors import RoISError
-from openrois.types.references import engine_of
 from openrois.types.streams import STREAM_METHODS
 
-__all__ = ["Entitlements", "end_streams", "lost_uplinks"]
+__all__ = ["Entitlements", "end_streams"]
 
 _log = logging.getLogger(__name__)
 
@@ -36,20 +35,6 @@ class Entitlements:
     def loses_subscription(self, component_ref: str) -> bool:
         """Tell whether it may not be subscribed to events of a component."""
         return not self._may("rois.event.subscribe", component_ref)
-
-
-def lost_uplinks(component_ref: str, uplinks: Mapping[str, str], held: Collection[str]) -> list[str]:
-    """Return the ids of the uplinks that are lost with the lease of a component: nothing of its engine is held now.
-
-    Args:
-        component_ref: the component.
-        uplinks: the component_ref of each uplink, by stream_id.
-        held: the components that are held still.
-    """
-    engine_id = engine_of(component_ref)
-    if any(engine_of(ref) == engine_id for ref in held):
-        return []
-    return [stream_id for stream_id, ref in uplinks.items() if engine_of(ref) == engine_id]
 
 
 async def end_streams(engine: Engine, stream_ids: Iterable[str], client: Client) -> None:

@@ -36,13 +36,14 @@ from openrois.leases.lease_notifications import Holder
 from openrois.leases.model import Rules
 from openrois.leases.stop_keeper import StopKeeper
 from openrois.observability.audit import Audit
-from openrois.scope.revocation import Entitlements, end_streams, lost_uplinks
+from openrois.scope.revocation import Entitlements, end_streams
 from openrois.scope.scoped_engine import ScopedEngine
 from openrois.scope.views import ViewChange, Views
 from openrois.session.change_notice import ChangeNotice
 from openrois.session.error_log import ErrorLog
 from openrois.session.events import EventLog
 from openrois.session.stream_parameters import StreamParameters, lost_streams
+from openrois.session.stream_rights import StreamRights
 from openrois.types.codes import CompletedStatus, ErrorType, StreamStatus
 from openrois.types.messages import Completed, ErrorNotification
 from openrois.types.reasons import ReasonNotification, sentence
@@ -150,7 +151,7 @@ def _end_uplinks(component_ref: str, holder: Holder) -> None:
     """End what a session sends into an engine when it operates nothing there any more."""
     session = cast(ApplicationSession, holder)
     held = session.host.leases.model.holding.held_by(session)
-    lost = lost_uplinks(component_ref, session.uplinks, held)
+    lost = session.stream_rights.lost_with(component_ref, held)
     if lost:
         session.host.tasks.start(end_streams(session.host.engine, lost, session.client))
 
@@ -175,7 +176,7 @@ class ApplicationSession:
         is_relayed: whether the application is connected to another gateway.
         streams: the component_ref of each of its streams, by stream_id.
         change_notice: notifies of changes of the directory.
-        uplinks: those of them that it may have only as long as it operates their engine.
+        stream_rights: by which right it has those of them that not every reader may have.
     """
 
     def __init__(
@@ -202,7 +203,7 @@ class ApplicationSession:
         self.client_id = client_id or secrets.token_hex(16)
         self.client = self._new_client()
         self.streams: dict[str, str] = {}
-        self.uplinks: dict[str, str] = {}
+        self.stream_rights = StreamRights()
         self.stream_parameters = StreamParameters()
         self.connecting = 0
         self.order = ReplyFirst()
@@ -232,7 +233,7 @@ class ApplicationSession:
     def principal(self, principal: Principal) -> None:
         entitlements = Entitlements(principal)
         bound = entitlements.lost_bindings(self.bound)
-        streams = entitlements.lost_streams(self.streams)
+        streams = {*entitlements.lost_streams(self.streams), *self.stream_rights.lost_without(principal)}
         # Narrow the scope first, so that the next notifications are filtered.
         self.engine.principal = principal
         self.bound.difference_update(bound)
@@ -369,7 +370,7 @@ class ApplicationSession:
             self.events.stream_status(notice)
             if notice.status is StreamStatus.STREAMING_NOT_CONNECTED:
                 self.streams.pop(notice.stream_id, None)
-                self.uplinks.pop(notice.stream_id, None)
+                self.stream_rights.forget(notice.stream_id)
                 self.host.quotas.note_streams(self)
         if self.extended:
             self._notify(method, params)
@@ -387,7 +388,7 @@ class ApplicationSession:
             self.host.leases.leave(self)
             self.bound.clear()
         self.streams.clear()
-        self.uplinks.clear()
+        self.stream_rights = StreamRights()
         self.host.quotas.note_streams(self)
         self.stream_parameters.keep_only(())
         self.order.clear()

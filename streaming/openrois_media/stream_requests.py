@@ -1,7 +1,7 @@
 """Requests for streams, as the gateway passes them on: checked, with defaults."""
 
 import json
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 from openrois_signaling.messages import IceServer, Restart
 from openrois_streaming.adaptation.viewer import Caps
@@ -18,9 +18,10 @@ Read = TypeVar("Read", bound=Model)
 
 
 class ConnectFromGateway(ConnectStreamParams):
-    """Application's request, with the gateway's additions: ICE servers, and whether the application may bind."""
+    """Application's request, with the gateway's additions: ICE servers, whether the application may bind, its role."""
 
     may_bind: bool = True
+    role: Literal["visitor", "listener"] | None = None
     ice_servers: tuple[IceServer, ...] = Field(default=(), strict=False)
 
 

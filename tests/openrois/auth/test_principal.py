@@ -31,6 +31,8 @@ def test_every_method_of_the_gateway_stands_in_the_table() -> None:
     ("role", "may"),
     [
         (Role.VIEWER, {*BASE, *STREAMS, *SIGNALING} - ACTING),
+        (Role.VISITOR, {*BASE, *STREAMS, *SIGNALING} - ACTING),
+        (Role.LISTENER, {*BASE, *STREAMS, *SIGNALING} - ACTING),
         (Role.MAINTENANCE, set(BASE) - ACTING),
         (Role.OPERATOR, {*BASE, *STREAMS, *SIGNALING}),
         (Role.ADMINISTRATOR, {*BASE, *STREAMS, *SIGNALING}),
@@ -71,12 +73,16 @@ def test_roles_add_up() -> None:
 def test_paths() -> None:
     assert [role for role in Role if principal(role).is_application] == [
         Role.VIEWER,
+        Role.VISITOR,
+        Role.LISTENER,
         Role.MAINTENANCE,
         Role.OPERATOR,
         Role.ADMINISTRATOR,
     ]
     assert [role for role in Role if principal(role).is_adapter] == [Role.ADMINISTRATOR, Role.ADAPTER]
     assert [role for role in Role if principal(role).is_administrator] == [Role.ADMINISTRATOR]
+    assert [role for role in Role if principal(role).is_visitor] == [Role.VISITOR]
+    assert [role for role in Role if principal(role).is_listener] == [Role.LISTENER]
 
 
 @pytest.mark.parametrize(

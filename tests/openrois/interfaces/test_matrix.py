@@ -25,54 +25,63 @@ from tests.support.authorization import Place, Wire, place, principal
 
 SIGNALING: Final = sorted(signaling_methods(Relay(None, lambda: 0.0), "anna", None))  # type: ignore[arg-type]
 
-# Who may call: viewer, maintenance, operator, administrator, adapter. Then what is answered of a component that is out
-# of scope or absent, and of one in scope that the application has bound.
+# Who may call: viewer, visitor, listener, maintenance, operator, administrator, adapter. Then what is answered of a
+# component that is out of scope or absent, and of one in scope that the application has bound.
 ORACLE: Final = """
-    rois.system.connect                 v m o a .   -               OK
-    rois.system.disconnect              v m o a .   -               OK
-    rois.system.get_profile             v m o a .   OK              OK
-    rois.system.get_error_detail        v m o a .   BAD_PARAMETER   BAD_PARAMETER
-    rois.command.search                 v m o a .   OK              OK
-    rois.command.bind                   . . o a .   UNSUPPORTED     OK
-    rois.command.bind_any               . . o a .   UNSUPPORTED     OK
-    rois.command.release                . . o a .   UNSUPPORTED     OK
-    rois.command.get_parameter          v m o a .   UNSUPPORTED     OK
-    rois.command.set_parameter          . . o a .   UNSUPPORTED     OK
-    rois.command.execute                . . o a .   UNSUPPORTED     OK
-    rois.command.get_command_result     v m o a .   BAD_PARAMETER   BAD_PARAMETER
-    rois.query.query                    v m o a .   UNSUPPORTED     OK
-    rois.event.subscribe                v m o a .   UNSUPPORTED     OK
-    rois.event.unsubscribe              v m o a .   OK              OK
-    rois.event.get_event_detail         v m o a .   BAD_PARAMETER   BAD_PARAMETER
-    openrois.hello                      v m o a .   -               OK
-    openrois.auth.refresh               v m o a .   -               -
-    openrois.directory.list             v m o a .   OK              OK
-    openrois.directory.read             v m o a .   OK              OK
-    openrois.directory.profiles         v m o a .   OK              OK
-    openrois.lease.query                v m o a .   UNSUPPORTED     OK
-    openrois.lease.request              . . o a .   UNSUPPORTED     OK
-    openrois.lease.leave                . . o a .   UNSUPPORTED     OK
-    openrois.lease.grant                . . o a .   UNSUPPORTED     UNSUPPORTED
-    openrois.lease.decline              . . o a .   UNSUPPORTED     UNSUPPORTED
-    openrois.lease.borrow               . . o a .   UNSUPPORTED     OK
-    openrois.lease.give_back            . . o a .   UNSUPPORTED     OK
-    openrois.lease.take                 . . . a .   UNSUPPORTED     OK
-    openrois.lease.token                . . o a .   -               OK
-    openrois.lease.resume               . . o a .   -               -
-    openrois.stop_all                   . . o a .   UNSUPPORTED     OK
-    openrois.lease.release_stop         . . o a .   UNSUPPORTED     OK
-    rois.stream.connect_stream          v . o a .   UNSUPPORTED     OK
-    rois.stream.disconnect_stream       v . o a .   UNSUPPORTED     UNSUPPORTED
-    rois.stream.suspend_stream          v . o a .   UNSUPPORTED     UNSUPPORTED
-    rois.stream.resume_stream           v . o a .   UNSUPPORTED     UNSUPPORTED
-    rois.stream.query_stream_status     v . o a .   UNSUPPORTED     UNSUPPORTED
-    rois.stream.report_playout          v . o a .   UNSUPPORTED     UNSUPPORTED
-    signaling.answer                    v . o a .   UNSUPPORTED     UNSUPPORTED
-    signaling.candidate                 v . o a .   UNSUPPORTED     UNSUPPORTED
-    signaling.restart                   v . o a .   UNSUPPORTED     UNSUPPORTED
-    signaling.ice_servers               v . o a .   -               OK
+    rois.system.connect                 v i l m o a .   -               OK
+    rois.system.disconnect              v i l m o a .   -               OK
+    rois.system.get_profile             v i l m o a .   OK              OK
+    rois.system.get_error_detail        v i l m o a .   BAD_PARAMETER   BAD_PARAMETER
+    rois.command.search                 v i l m o a .   OK              OK
+    rois.command.bind                   . . . . o a .   UNSUPPORTED     OK
+    rois.command.bind_any               . . . . o a .   UNSUPPORTED     OK
+    rois.command.release                . . . . o a .   UNSUPPORTED     OK
+    rois.command.get_parameter          v i l m o a .   UNSUPPORTED     OK
+    rois.command.set_parameter          . . . . o a .   UNSUPPORTED     OK
+    rois.command.execute                . . . . o a .   UNSUPPORTED     OK
+    rois.command.get_command_result     v i l m o a .   BAD_PARAMETER   BAD_PARAMETER
+    rois.query.query                    v i l m o a .   UNSUPPORTED     OK
+    rois.event.subscribe                v i l m o a .   UNSUPPORTED     OK
+    rois.event.unsubscribe              v i l m o a .   OK              OK
+    rois.event.get_event_detail         v i l m o a .   BAD_PARAMETER   BAD_PARAMETER
+    openrois.hello                      v i l m o a .   -               OK
+    openrois.auth.refresh               v i l m o a .   -               -
+    openrois.directory.list             v i l m o a .   OK              OK
+    openrois.directory.read             v i l m o a .   OK              OK
+    openrois.directory.profiles         v i l m o a .   OK              OK
+    openrois.lease.query                v i l m o a .   UNSUPPORTED     OK
+    openrois.lease.request              . . . . o a .   UNSUPPORTED     OK
+    openrois.lease.leave                . . . . o a .   UNSUPPORTED     OK
+    openrois.lease.grant                . . . . o a .   UNSUPPORTED     UNSUPPORTED
+    openrois.lease.decline              . . . . o a .   UNSUPPORTED     UNSUPPORTED
+    openrois.lease.borrow               . . . . o a .   UNSUPPORTED     OK
+    openrois.lease.give_back            . . . . o a .   UNSUPPORTED     OK
+    openrois.lease.take                 . . . . . a .   UNSUPPORTED     OK
+    openrois.lease.token                . . . . o a .   -               OK
+    openrois.lease.resume               . . . . o a .   -               -
+    openrois.stop_all                   . . . . o a .   UNSUPPORTED     OK
+    openrois.lease.release_stop         . . . . o a .   UNSUPPORTED     OK
+    rois.stream.connect_stream          v i l . o a .   UNSUPPORTED     OK
+    rois.stream.disconnect_stream       v i l . o a .   UNSUPPORTED     UNSUPPORTED
+    rois.stream.suspend_stream          v i l . o a .   UNSUPPORTED     UNSUPPORTED
+    rois.stream.resume_stream           v i l . o a .   UNSUPPORTED     UNSUPPORTED
+    rois.stream.query_stream_status     v i l . o a .   UNSUPPORTED     UNSUPPORTED
+    rois.stream.report_playout          v i l . o a .   UNSUPPORTED     UNSUPPORTED
+    signaling.answer                    v i l . o a .   UNSUPPORTED     UNSUPPORTED
+    signaling.candidate                 v i l . o a .   UNSUPPORTED     UNSUPPORTED
+    signaling.restart                   v i l . o a .   UNSUPPORTED     UNSUPPORTED
+    signaling.ice_servers               v i l . o a .   -               OK
 """
-ROLES: Final = {"v": "viewer", "m": "maintenance", "o": "operator", "a": "administrator", "x": "adapter", "-": None}
+ROLES: Final = {
+    "v": "viewer",
+    "i": "visitor",
+    "l": "listener",
+    "m": "maintenance",
+    "o": "operator",
+    "a": "administrator",
+    "x": "adapter",
+    "-": None,
+}
 
 REACHES: Final = {
     "rois.command.get_parameter": "query",

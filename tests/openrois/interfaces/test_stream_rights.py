@@ -1,4 +1,4 @@
-"""Only the operator of an engine sends a microphone or a camera into it."""
+"""The operator of an engine and visitors send microphone and camera into it; listeners receive what visitors send."""
 
 import json
 from typing import Any
@@ -7,8 +7,9 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from openrois.auth.principal import LOCAL, Principal
-from openrois.interfaces.uplinks import may_be_uplink
+from openrois.auth.principal import LOCAL, Principal, Role
+from openrois.gateway.token_expiry import TokenExpiry
+from openrois.interfaces.stream_rights import may_be_uplink
 from openrois.types.messages import Parameter
 from tests.openrois.interfaces.test_matrix import unit
 from tests.support.authorization import Place, Watched, Wire, place, principal
@@ -68,6 +69,10 @@ def test_whatever_another_reader_takes_for_sending_is_an_uplink(told: Any) -> No
     assert may_be_uplink([transport(text)]) == (direction != "recvonly")
 
 
+SENDING = '{"direction": "sendonly", "consent": ["live"]}'
+LISTENING = '{"visitor_ref": "urn:x", "purposes": ["live"]}'
+
+
 def connecting(text: str = '{"direction": "sendonly"}', ref: str = CAMERA) -> dict[str, Any]:
     return {"component_ref": ref, "parameters": [transport(text).model_dump()]}
 
@@ -107,6 +112,116 @@ async def test_a_viewer_only_receives() -> None:
         assert await wire.code("rois.stream.connect_stream", connecting()) == "UNSUPPORTED"
         assert await wire.code("rois.stream.connect_stream", connecting("")) == "OK"
         assert sent(where) == 1
+
+
+def told_role(where: Place) -> str | None:
+    """Return the role that the engine was told with the last stream."""
+    role: str | None = where.robots["fleet"].streams.calls[-1][1].get("role")
+    return role
+
+
+async def test_a_visitor_sends_without_binding_and_commands_nothing() -> None:
+    async with place("fleet") as where, where.application(principal("visitor", "*")) as wire:
+        assert await wire.code("rois.stream.connect_stream", connecting(SENDING)) == "OK"
+        assert told_role(where) == "visitor"
+        assert await wire.code("rois.stream.connect_stream", connecting("")) == "OK"
+        assert told_role(where) is None
+        for method in ("bind", "release"):
+            assert await wire.code(f"rois.command.{method}", {"component_ref": NAVIGATION}) == "UNSUPPORTED"
+        assert await wire.code("openrois.stop_all", {"component_ref": NAVIGATION}) == "UNSUPPORTED"
+        assert sent(where) == 2
+
+
+async def refusal(wire: Wire, text: str, ref: str = CAMERA) -> tuple[str | int, str]:
+    """Connect a stream in vain; return the code and the reason."""
+    await wire.result("openrois.hello", {"version": "1"})
+    code = await wire.code("rois.stream.connect_stream", connecting(text, ref))
+    return code, str((await wire.until("openrois.reason"))["reason"])
+
+
+async def test_a_visitor_that_states_no_consent_is_told_to() -> None:
+    async with place("fleet") as where, where.application(principal("visitor", "*")) as wire:
+        for text in ('{"direction": "sendonly"}', '{"direction": "sendonly", "consent": [], "consent": ["live"]}'):
+            code, reason = await refusal(wire, text)
+            assert (code, reason) == (
+                "BAD_PARAMETER",
+                "a visitor states what it consents to before it sends: set consent in transport_parameters",
+            )
+        assert sent(where) == 0
+
+
+async def test_out_of_scope_a_visitor_sends_nothing() -> None:
+    async with place("fleet") as where, where.application(principal("visitor", "fleet/video_streaming")) as wire:
+        assert await wire.code("rois.stream.connect_stream", connecting(SENDING, "fleet/audio_streaming")) == (
+            "UNSUPPORTED"
+        )
+        assert sent(where) == 0
+
+
+async def test_a_viewer_is_told_which_roles_send() -> None:
+    async with place("fleet") as where, where.application(principal("viewer", "*")) as wire:
+        code, reason = await refusal(wire, SENDING)
+        assert code == "UNSUPPORTED"
+        assert reason.endswith("sending needs the role visitor, or operator")
+
+
+def both(*roles: str) -> Principal:
+    return Principal("anna", frozenset(Role(role) for role in roles), ("*",))
+
+
+async def test_what_an_operator_sends_as_a_visitor_outlives_its_control() -> None:
+    async with place("fleet") as where, where.application(both("operator", "visitor")) as wire:
+        await wire.result("rois.command.bind", {"component_ref": NAVIGATION})
+        kept = await wire.result("rois.stream.connect_stream", connecting(SENDING))
+        lost = await wire.result("rois.stream.connect_stream", connecting(ref="fleet/audio_streaming"))
+        assert told_role(where) is None
+        assert await wire.code("rois.command.release", {"component_ref": NAVIGATION}) == "OK"
+        ended = await wire.until("rois.stream.notify_stream_status", lambda told: told["status"].endswith("CONNECTED"))
+        assert ended["stream_id"] == lost["stream_id"]
+        assert list(where.robots["fleet"].streams.streams) == [kept["stream_id"]]
+
+
+async def test_an_operator_may_state_its_consent_too() -> None:
+    async with place("fleet") as where, where.application(principal("operator", "*")) as wire:
+        assert await wire.code("rois.stream.connect_stream", connecting(SENDING)) == "OUT_OF_RESOURCES"
+        await wire.result("rois.command.bind", {"component_ref": NAVIGATION})
+        assert await wire.code("rois.stream.connect_stream", connecting(SENDING)) == "OK"
+        assert told_role(where) == "visitor"
+
+
+@pytest.mark.parametrize("role", ["viewer", "visitor", "maintenance", "operator", "administrator"])
+async def test_only_a_listener_receives_what_visitors_send(role: str) -> None:
+    async with place("fleet") as where, where.application(principal(role, "*")) as wire:
+        code, reason = await refusal(wire, LISTENING)
+        assert code == "UNSUPPORTED"
+        assert role == "maintenance" or "use a token that has it" in reason
+        assert sent(where) == 0
+
+
+async def test_a_listener_sends_nothing_and_its_engine_is_told_that_it_listens() -> None:
+    async with place("fleet") as where, where.application(principal("listener", "*")) as wire:
+        assert await wire.code("rois.stream.connect_stream", connecting(LISTENING)) == "OK"
+        assert told_role(where) == "listener"
+        assert await wire.code("rois.stream.connect_stream", connecting(SENDING)) == "UNSUPPORTED"
+
+
+@pytest.mark.parametrize(("role", "text"), [("visitor", SENDING), ("listener", LISTENING)])
+async def test_streams_end_with_the_role_that_they_need(role: str, text: str) -> None:
+    expiry = TokenExpiry(principal(role, "*"))
+    async with place("fleet") as where, where.application(expiry) as wire:
+        kept = await wire.result("rois.stream.connect_stream", connecting(""))
+        lost = await wire.result("rois.stream.connect_stream", connecting(text))
+        expiry.replace(principal("viewer", "*"))
+        ended = await wire.until("rois.stream.notify_stream_status", lambda told: told["status"].endswith("CONNECTED"))
+        assert ended["stream_id"] == lost["stream_id"]
+        assert list(where.robots["fleet"].streams.streams) == [kept["stream_id"]]
+
+
+@pytest.mark.parametrize("text", [SENDING, LISTENING])
+async def test_without_authentication_every_application_visits_and_listens(text: str) -> None:
+    async with place("fleet") as where, where.application(LOCAL) as wire:
+        assert await wire.code("rois.stream.connect_stream", connecting(text)) == "OK"
+        assert told_role(where) == ("listener" if text == LISTENING else "visitor")
 
 
 async def test_another_engine_is_another_matter() -> None:
