@@ -26,6 +26,9 @@ ELSEWHERE = ("client", "profiles", "testing")
 MEDIA = ("admission", "guard", "interfaces", "turns")
 """Modules of `openrois_streaming.network` that bound what comes in."""
 
+VISITORS = ("registry", "relay")
+"""Modules of `openrois_media.visitors` that bound who sends and who listens."""
+
 NO_LIMITS = {
     "openrois.cluster.frames.FRAME_HEAD": "a length of the format",
     "openrois.cluster.frames.PROTOCOL": "a version",
@@ -70,9 +73,11 @@ def constants() -> dict[str, float]:
             if parts[1] not in ELSEWHERE:
                 module = ".".join(part for part in parts if part != "__init__")
                 found |= {f"{module}.{name}": value for name, value in numbers(module, path)}
-    for name in MEDIA:
-        module = f"openrois_streaming.network.{name}"
-        path = ROOT / "streaming" / "openrois_streaming" / "network" / f"{name}.py"
+    for module in (
+        *(f"openrois_streaming.network.{name}" for name in MEDIA),
+        *(f"openrois_media.visitors.{name}" for name in VISITORS),
+    ):
+        path = (ROOT / "streaming").joinpath(*module.split(".")).with_suffix(".py")
         found |= {f"{module}.{constant}": value for constant, value in numbers(module, path)}
     return {name: value for name, value in found.items() if name not in NO_LIMITS}
 

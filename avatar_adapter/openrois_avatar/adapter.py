@@ -7,21 +7,29 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
+from openrois_body.attention.attention import Attention
+from openrois_body.attention.faces import FaceSizes
+from openrois_body.backends import chosen
 from openrois_body.camera_senses import camera_senses
 from openrois_body.components.operator import Operator
 from openrois_body.components.speech_progress import SpeechProgress
 from openrois_body.components.speech_stream import SpeechStream
 from openrois_body.components.speech_synthesis import SpeechSynthesis
 from openrois_body.components.system_information import SystemInformation
+from openrois_body.components.visitors import Visitors
 from openrois_body.host_body import HostBody
 from openrois_body.metrics import body_figures
 from openrois_body.microphone_senses import microphone_senses
 from openrois_body.speech_options import EarsChoice
+from openrois_body.vision.backends import FINDERS
+from openrois_body.vision.cascades import CascadeFinder
+from openrois_body.vision.sighting import Sighting
 from openrois_media.components import AudioStreaming, VideoStreaming
 from openrois_media.devices import Camera, Microphone
 from openrois_media.metrics.figures import Snapshot
 from openrois_media.streams import AdapterStreams, Stream, codecs_of
 from openrois_media.supervision import Supervised
+from openrois_media.visitors.registry import VisitorRegistry
 from openrois_streaming.adaptation.viewer import Caps
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.network.settings import NetworkSettings
@@ -147,27 +155,33 @@ async def serve_scene(
         BadParameter: an added component cannot be made; a sentence for a person.
     """
     video, audio = _publisher(scene, clock, EncoderLimit(max_encoders)), AudioPublisher(scene.audio, clock=clock)
-    microphone, camera = Microphone(clock), Camera()
+    visitors = VisitorRegistry(engine_id, clock)
+    microphone, camera = Microphone(clock, visitors), Camera(visitors)
+    faces = FaceSizes(chosen(FINDERS, CascadeFinder), clock)
+    attention = Attention(visitors, microphone, camera, clock, faces)
     streams = AdapterStreams(
         engine_id,
         {
-            VIDEO: Stream(video, camera.inlet, "picture", scene.status),
-            AUDIO: Stream(audio, microphone.inlet, "sound"),
+            VIDEO: Stream(video, visitors.cameras, "picture", scene.status),
+            AUDIO: Stream(audio, visitors.microphones, "sound"),
         },
         clock=clock,
         network=network,
         cap=cap,
         operator=scene.operator_control,
         speech=scene.speech_control,
+        visitors=visitors,
     )
     showing = streams.components[VIDEO]
     information, operator = SystemInformation(engine_id, scene.status, scene.place), Operator(microphone, camera)
     listening = ears or EarsChoice()
     eyes = camera_senses(engine_id, camera, clock)
-    hearing = microphone_senses(engine_id, microphone, clock, listening.make(), listening.may_send)
+    hearing = microphone_senses(engine_id, microphone, clock, listening.make(), listening.may_send, visitors)
+    eyes.watch.seen.add(lambda seen: attention.note_face(seen.visitor_ref, _largest_face(seen)))
     progress = () if scene.voice is None else (SpeechProgress(scene.voice, hearing.speech),)
     sensing = (*eyes.components, *hearing.components)
-    own = (information, *streams.components.values(), operator, *progress, *sensing, *scene.components)
+    visiting = Visitors(engine_id, visitors, attention, sensing)
+    own = (information, *streams.components.values(), operator, visiting, *progress, *sensing, *scene.components)
     components = (*own, *make_components(added, HostBody(engine_id, clock, own, scene.voice, scene.body), own))
     # A voice is heard also while nothing moves.
     moving = tuple(each for each in scene.components if not isinstance(each, SpeechSynthesis | SpeechStream))
@@ -180,6 +194,7 @@ async def serve_scene(
         host = await stack.enter_async_context(hosted(engine_id, *components, extension=interface))
         tasks = await stack.enter_async_context(TaskScope())
         tasks.start(microphone.listen())
+        tasks.start(attention.run())
         tasks.start(eyes.run())
         tasks.start(hearing.run())
         if streamer is not None:
@@ -209,6 +224,11 @@ def _publisher(scene: Scene, clock: MediaClock, encoders: EncoderLimit) -> Switc
         EncodedPublisher(encoded, clock=clock, frame_rate=scene.frame_rate, size=scene.size),
         lambda: encoded.announced is not None,
     )
+
+
+def _largest_face(seen: Sighting) -> float:
+    """Return the share of the picture that the largest face has; 0 without any."""
+    return max((each.box.width * each.box.height for each in seen.persons if each.face), default=0.0)
 
 
 def _expect(shape: VideoShape, video: SwitchingPublisher, showing: VideoStreaming | AudioStreaming) -> None:

@@ -4,11 +4,15 @@ import asyncio
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from typing import Final
 
 from openrois_media.devices import Microphone
+from openrois_media.visitors.registry import VisitorRegistry
 from openrois_streaming.clock import MediaClock
 
 from openrois.component.component import Component
+from openrois.types.codes import Purpose
 from openrois_body.components.hearing import Hearing
 from openrois_body.components.sound_detection import SoundDetection
 from openrois_body.components.sound_localization import SoundLocalization
@@ -19,6 +23,8 @@ from openrois_body.hearing.recognizer import SpeechRecognizer
 from openrois_body.hearing.speech_detector import SpeechDetector
 
 __all__ = ["MicrophoneSenses", "microphone_senses"]
+
+_RECOGNITION: Final = frozenset({Purpose.RECOGNITION})
 
 
 _log = logging.getLogger(__name__)
@@ -47,6 +53,7 @@ def microphone_senses(
     clock: MediaClock,
     recognizer: SpeechRecognizer,
     may_send: Callable[[], bool] | None = None,
+    visitors: VisitorRegistry | None = None,
 ) -> MicrophoneSenses:
     """Return the senses of a microphone.
 
@@ -56,12 +63,22 @@ def microphone_senses(
         clock: the media clock.
         recognizer: recognises speech.
         may_send: whether sound may be sent to the recogniser, as `Recognition` asks it.
+        visitors: those whose microphone it may be; None for one that needs no consent.
     """
     if recognizer.destination:
         _log.warning("recognised words: the sound of the microphone is sent to %s", recognizer.destination)
     ear = Ear(microphone, clock)
     speech = SpeechDetector(ear)
-    recognition = Recognition(speech, recognizer, clock, may_send)
+    if visitors is None:
+        recognition = Recognition(speech, recognizer, clock, may_send)
+    else:
+        admits = partial(_admits, visitors)
+        recognition = Recognition(speech, recognizer, clock, may_send, admits)
+        visitors.withdrawn.add(
+            lambda visitor, purposes: (
+                recognition.forget_speech(visitor.visitor_ref) if purposes & _RECOGNITION else None
+            )
+        )
     components = (
         SoundDetection(ear, clock),
         SoundLocalization(engine_id, ear, clock),
@@ -69,3 +86,7 @@ def microphone_senses(
         Hearing(ear, speech, recognition, clock),
     )
     return MicrophoneSenses(components, speech, ear, recognition)
+
+
+def _admits(visitors: VisitorRegistry, sender: str, began_at: float) -> bool:
+    return visitors.admits(sender, _RECOGNITION, began_at)

@@ -54,6 +54,7 @@ ALLOWED: Final[Mapping[str, frozenset[Role]]] = MappingProxyType(
         "rois.stream.resume_stream": _WATCHERS,
         "rois.stream.query_stream_status": _WATCHERS,
         "rois.stream.report_playout": _WATCHERS,
+        "rois.stream.set_consent": _WATCHERS,
         "signaling.answer": _WATCHERS,
         "signaling.candidate": _WATCHERS,
         "signaling.ice_servers": _WATCHERS,

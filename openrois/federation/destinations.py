@@ -33,6 +33,7 @@ OF_ENGINE: Final[Mapping[str, str]] = {
             "rois.stream.resume_stream",
             "rois.stream.query_stream_status",
             "rois.stream.report_playout",
+            "rois.stream.set_consent",
         ),
         "stream_id",
     ),

@@ -42,6 +42,7 @@ from openrois.types.streams import (
     HelloParams,
     HelloResult,
     ReportPlayoutParams,
+    SetConsentParams,
     StreamParams,
     StreamStatusResult,
     subject_of,
@@ -108,6 +109,16 @@ class _Streams:
         await _call(self.app, "rois.stream.report_playout", params.model_dump(mode="json"), ReturnResult)
         return ReturnResult()
 
+    async def set_consent(self, params: SetConsentParams) -> ReturnResult:
+        self.app.extended = True
+        _require_own(self.app, params.stream_id)
+        await _call(self.app, "rois.stream.set_consent", params.model_dump(mode="json"), ReturnResult)
+        stated = f"{params.stream_id} {' '.join(params.consent)}"
+        self.app.host.audit.acted(
+            self.app.principal, "rois.stream.set_consent", self.app.streams.get(params.stream_id, ""), stated
+        )
+        return ReturnResult()
+
 
 def _acting(verb: str) -> Callable[[_Streams, StreamParams], Awaitable[ReturnResult]]:
     async def act(streams: _Streams, params: StreamParams) -> ReturnResult:
@@ -129,6 +140,7 @@ _VERBS: Final[Mapping[str, SharedMethod]] = {
 _METHODS: Final[Mapping[str, SharedMethod]] = {
     "openrois.hello": shared_operation(HelloParams, HelloResult, _Streams.say_hello),
     "rois.stream.report_playout": shared_operation(ReportPlayoutParams, ReturnResult, _Streams.report_playout),
+    "rois.stream.set_consent": shared_operation(SetConsentParams, ReturnResult, _Streams.set_consent),
     **{name: reply_first(method) for name, method in _VERBS.items()},
 }
 
@@ -189,7 +201,7 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
     if not app.engine.leads_alike(result.stream_id, component_ref):
         raise ComponentFailed(f"the engine minted the stream_id {result.stream_id[:200]!r}, which is not its own")
     app.streams[result.stream_id] = component_ref
-    app.stream_rights.note(result.stream_id, component_ref, right)
+    app.stream_rights.note_stream(result.stream_id, component_ref, right)
     app.host.audit.acted(app.principal, STREAM_METHODS["connect_stream"], component_ref, result.stream_id)
     return result.stream_id
 
@@ -216,7 +228,7 @@ async def act_on_stream(app: ApplicationSession, verb: str, stream_id: str) -> N
     await _call(app, STREAM_METHODS[verb], {"stream_id": stream_id}, ReturnResult)
     if verb == "disconnect_stream":
         app.streams.pop(stream_id, None)
-        app.stream_rights.forget(stream_id)
+        app.stream_rights.forget_stream(stream_id)
         app.host.quotas.note_streams(app)
 
 

@@ -29,6 +29,7 @@ EXTENSION_METHODS: Final = (
     "rois.stream.resume_stream",
     "rois.stream.query_stream_status",
     "rois.stream.report_playout",
+    "rois.stream.set_consent",
     "signaling.answer",
     "signaling.candidate",
     "signaling.restart",

@@ -17,7 +17,7 @@ from openrois.jsonrpc.token_renewal import renew_token
 from openrois.leases.lease_notifications import notify_holder
 from openrois.observability.correlation import connection
 from openrois.remote.attachment import ATTACHED, QUESTIONS_ALONE, Attachment
-from openrois.remote.extension import CLIENT_GONE, EXTENSION_METHODS, MAY_BIND
+from openrois.remote.extension import CLIENT_GONE, EXTENSION_METHODS, MAY_BIND, VISITORS
 from openrois.session.session import ApplicationSession, EngineHost
 from openrois.session.stream_parameters import lost_streams
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
@@ -155,10 +155,10 @@ class _ServedExtension:
             if DIRECTORY in params.extensions:
                 # Each entry of the directory says whether its engine has streams.
                 self._parent.change_notice.name_engines()
-                extensions, engines = (*EXTENSIONS, DIRECTORY, LEASES, MAY_BIND, STOPPED), tuple[str, ...]()
+                extensions, engines = (*EXTENSIONS, DIRECTORY, LEASES, MAY_BIND, STOPPED, VISITORS), tuple[str, ...]()
             else:
                 engines = tuple(sorted(self._host.engine.extension.engines()))
-                extensions = (*EXTENSIONS, LEASES, MAY_BIND, STOPPED) if engines else (LEASES, STOPPED)
+                extensions = (*EXTENSIONS, LEASES, MAY_BIND, STOPPED, VISITORS) if engines else (LEASES, STOPPED)
             stopped = self._host.stop_latch.of(self._host.engine.tree.engine_ids)
             return HelloResult(
                 extensions=extensions,

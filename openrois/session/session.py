@@ -370,7 +370,7 @@ class ApplicationSession:
             self.events.stream_status(notice)
             if notice.status is StreamStatus.STREAMING_NOT_CONNECTED:
                 self.streams.pop(notice.stream_id, None)
-                self.stream_rights.forget(notice.stream_id)
+                self.stream_rights.forget_stream(notice.stream_id)
                 self.host.quotas.note_streams(self)
         if self.extended:
             self._notify(method, params)

@@ -31,12 +31,12 @@ class StreamRights:
         self._rights: dict[str, tuple[str, StreamRight]] = {}
         """The component_ref and the right, by stream_id."""
 
-    def note(self, stream_id: str, component_ref: str, right: StreamRight) -> None:
+    def note_stream(self, stream_id: str, component_ref: str, right: StreamRight) -> None:
         """Note by which right the application has a stream."""
         if right != StreamRight():
             self._rights[stream_id] = component_ref, right
 
-    def forget(self, stream_id: str) -> None:
+    def forget_stream(self, stream_id: str) -> None:
         """Forget a stream that has ended; an unknown one is ignored."""
         self._rights.pop(stream_id, None)
 

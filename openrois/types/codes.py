@@ -2,7 +2,15 @@
 
 from enum import StrEnum, auto
 
-__all__ = ["CompletedStatus", "ComponentFunction", "ComponentStatus", "ErrorType", "ReturnCode", "StreamStatus"]
+__all__ = [
+    "CompletedStatus",
+    "ComponentFunction",
+    "ComponentStatus",
+    "ErrorType",
+    "Purpose",
+    "ReturnCode",
+    "StreamStatus",
+]
 
 
 class _Name(StrEnum):
@@ -61,6 +69,24 @@ class StreamStatus(_Name):
     STREAMING_RUNNING = auto()
     STREAMING_SUSPENDED = auto()
     STREAMING_RESUMED = auto()
+
+
+class Purpose(StrEnum):
+    """What microphone and camera of a visitor may be used for. An extension of the wire.
+
+    Attributes:
+        LIVE: persons hear and see the visitor.
+        RECOGNITION: words, sounds, faces and gestures are recognised, and announced as events.
+        AGENT: a program that answers by itself gets them.
+        RECORDING: they are kept.
+        TRANSFER: they are sent to another machine than those of gateway, body and listeners.
+    """
+
+    LIVE = "live"
+    RECOGNITION = "recognition"
+    AGENT = "agent"
+    RECORDING = "recording"
+    TRANSFER = "transfer"
 
 
 class ComponentFunction(StrEnum):

@@ -65,6 +65,7 @@ from openrois.types.streams import (
     HelloParams,
     HelloResult,
     ReportPlayoutParams,
+    SetConsentParams,
     StreamParams,
     StreamStatusNotification,
     StreamStatusResult,
@@ -148,6 +149,13 @@ METHODS: Final[tuple[MethodType, ...]] = (
         ReportPlayoutParams,
         ReturnResult,
         "Say how long what arrives of a stream waits here until it is played.",
+        "rois.stream",
+    ),
+    MethodType(
+        "rois.stream.set_consent",
+        SetConsentParams,
+        ReturnResult,
+        "Say all that what is sent here may be used for from now on.",
         "rois.stream",
     ),
     MethodType(

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Final
 
 from pydantic import Field
 
-from openrois.types.codes import StreamStatus
+from openrois.types.codes import Purpose, StreamStatus
 from openrois.types.messages import Parameter, ReturnResult
 from openrois.types.model import Model
 from openrois.types.stops import Stopped
@@ -25,6 +25,7 @@ __all__ = [
     "HelloResult",
     "HolderNotification",
     "ReportPlayoutParams",
+    "SetConsentParams",
     "StreamParams",
     "StreamStatusNotification",
     "StreamStatusResult",
@@ -40,8 +41,13 @@ MAX_INSTANCE: Final = 64
 MAX_PARAMETERS: Final = 16
 """Parameters of one connect_stream."""
 
+MAX_PURPOSES: Final = 16
+"""Purposes in one list of consent."""
+
 MAX_PLAYOUT: Final = 60_000
 """Milliseconds of delay that a viewer may report."""
+
+Purposes = Annotated[tuple[Annotated[Purpose, Field(strict=False)], ...], Field(max_length=MAX_PURPOSES, strict=False)]
 
 EXTENSION_VERSION = "1"
 EXTENSIONS = ("rois.stream", "signaling")
@@ -96,6 +102,12 @@ class ReportPlayoutParams(StreamParams):
     """Params of report_playout: milliseconds from the arrival of the stream's media to their being played or shown."""
 
     milliseconds: Annotated[int, Field(ge=0, le=MAX_PLAYOUT)]
+
+
+class SetConsentParams(StreamParams):
+    """Params of set_consent: all that the sender of the stream consents to from now on; the rest is withdrawn."""
+
+    consent: Purposes
 
 
 class ConnectStreamResult(ReturnResult):

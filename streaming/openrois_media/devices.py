@@ -1,4 +1,7 @@
-"""Operator's microphone and camera in the adapter, for components: sound, level, picture."""
+"""Microphone and camera of the visitor that a body attends to, for components: sound, level, picture.
+
+Each block and picture passes the gate of its visitor's consent here, for each purpose by itself.
+"""
 
 import asyncio
 from typing import Final
@@ -8,7 +11,10 @@ from openrois_streaming.source.loudness import SILENCE, Level, LevelMeter
 from openrois_streaming.source.source import RawAudio, RawVideo
 
 from openrois.aio.listeners import Listeners
+from openrois.types.codes import Purpose
 from openrois_media.uplinks import AudioUplink, VideoUplink
+from openrois_media.visitors.registry import VisitorRegistry
+from openrois_media.visitors.visitor import Visitor
 
 __all__ = ["LEVEL_INTERVAL", "Camera", "Microphone"]
 
@@ -18,20 +24,31 @@ _BLOCKS: Final = 50
 """Blocks of sound that may wait while the event loop is busy: half a second."""
 
 
+_USES: Final = frozenset({Purpose.LIVE, Purpose.RECOGNITION})
+_LIVE: Final = frozenset({Purpose.LIVE})
+_RECOGNITION: Final = frozenset({Purpose.RECOGNITION})
+
+
 class Microphone:
-    """Operator's microphone; silence while there is none. It is read only while `listen` runs.
+    """Microphone that a body attends to; silence while there is none. It is read only while `listen` runs.
 
     Args:
         clock: times the levels.
+        visitors: those whose microphone it may be; None for a microphone that needs no consent, as the body's own.
     """
 
-    def __init__(self, clock: MediaClock) -> None:
+    def __init__(self, clock: MediaClock, visitors: VisitorRegistry | None = None) -> None:
         self.inlet = AudioUplink("microphone")
         self.sound_received: Listeners[RawAudio] = Listeners()
-        """Listeners to each block of sound."""
+        """Listeners to each block of sound that may be heard live."""
+        self.sound_to_recognise: Listeners[RawAudio] = Listeners()
+        """Listeners to each block of sound in which something may be recognised."""
         self.level_changed: Listeners[Level] = Listeners()
         """Listeners to changes of the level over the last `LEVEL_INTERVAL`."""
         self.level = SILENCE
+        self.sender = ""
+        """The visitor_ref of whose level it is; empty before the first block."""
+        self._visitors = visitors
         self._clock = clock
         self._meter = LevelMeter()
 
@@ -40,6 +57,10 @@ class Microphone:
         """Whether an application sends a microphone, suspended or not."""
         return self.inlet.stream_id is not None
 
+    def attend(self, visitor: Visitor | None) -> None:
+        """Read the microphone of this visitor from now on, or none."""
+        _attend(self.inlet, visitor)
+
     async def listen(self) -> None:
         """Read the microphone for ever."""
         async with asyncio.TaskGroup() as tasks:
@@ -47,8 +68,12 @@ class Microphone:
             async with self.inlet.subscribe(_BLOCKS) as blocks:
                 while True:
                     sound = await blocks.get()
-                    self._meter.add(sound.samples)
-                    self.sound_received.notify_all(sound)
+                    if _admits(self._visitors, sound, _LIVE):
+                        self.sender = sound.sender
+                        self._meter.add(sound.samples)
+                        self.sound_received.notify_all(sound)
+                    if _admits(self._visitors, sound, _RECOGNITION):
+                        self.sound_to_recognise.notify_all(sound)
 
     async def _measure(self) -> None:
         while True:
@@ -62,21 +87,49 @@ class Microphone:
 
 
 class Camera:
-    """Operator's camera. Its pictures are decoded while `inlet` has a subscriber."""
+    """Camera that a body attends to. Its pictures are decoded while `inlet` has a subscriber.
 
-    def __init__(self) -> None:
+    Args:
+        visitors: those whose camera it may be; None for a camera that needs no consent, as the body's own.
+    """
+
+    def __init__(self, visitors: VisitorRegistry | None = None) -> None:
         self.inlet = VideoUplink("camera")
+        self._visitors = visitors
 
     @property
     def is_connected(self) -> bool:
         """Whether an application sends a camera, suspended or not."""
         return self.inlet.stream_id is not None
 
+    def attend(self, visitor: Visitor | None) -> None:
+        """Read the camera of this visitor from now on, or none."""
+        _attend(self.inlet, visitor)
+
+    def may_recognise(self, picture: RawVideo) -> bool:
+        """Tell whether something may be recognised in a picture, and announced, now."""
+        return _admits(self._visitors, picture, _RECOGNITION)
+
     async def picture(self, timeout: float = 2.0) -> RawVideo:
-        """Return the next picture.
+        """Return the next picture that may be seen live.
 
         Raises:
             TimeoutError: none came within `timeout` seconds.
         """
         async with asyncio.timeout(timeout), self.inlet.subscribe(1) as pictures:
-            return await pictures.get()
+            while not _admits(self._visitors, picture := await pictures.get(), _LIVE):
+                pass
+            return picture
+
+
+def _attend(inlet: AudioUplink | VideoUplink, visitor: Visitor | None) -> None:
+    """Plug a visitor's device into an inlet, unless it is."""
+    if visitor is None:
+        if inlet.stream_id is not None:
+            inlet.unplug(inlet.stream_id)
+    elif inlet.stream_id != visitor.visitor_ref:
+        inlet.plug(visitor.visitor_ref, visitor.source(inlet.kind, _USES, for_any=True))
+
+
+def _admits(visitors: VisitorRegistry | None, item: RawAudio | RawVideo, purposes: frozenset[Purpose]) -> bool:
+    return visitors is None or visitors.admits(item.sender, purposes, item.captured_at)

@@ -1,7 +1,7 @@
 """Requests for streams, as the gateway passes them on: checked, with defaults."""
 
 import json
-from typing import Literal, TypeVar
+from typing import Final, Literal, TypeVar
 
 from openrois_signaling.messages import IceServer, Restart
 from openrois_streaming.adaptation.viewer import Caps
@@ -10,9 +10,12 @@ from pydantic import Field
 from openrois.errors import BadParameter
 from openrois.types.messages import Parameter
 from openrois.types.model import Model
-from openrois.types.streams import ConnectStreamParams
+from openrois.types.streams import ConnectStreamParams, Purposes
 
 __all__ = ["ConnectFromGateway", "EncodingParameters", "RestartFromGateway", "TransportParameters", "read_parameter"]
+
+MAX_VISITOR_REF: Final = 256
+"""Characters of the name of a visitor."""
 
 Read = TypeVar("Read", bound=Model)
 
@@ -49,12 +52,17 @@ class EncodingParameters(Model, extra="ignore"):
 class TransportParameters(Model, extra="ignore"):
     """Members of `transport_parameters` that are read: `recvonly` is a stream that the application receives.
 
-    With `input` or `speech` the application asks for data channels: of operator input, or of speech as sound.
+    With `input` or `speech` the application asks for data channels: of operator input, or of speech as sound. `consent`
+    has all that the sender of a stream consents to; None where it states nothing. With `visitor_ref` a stream is
+    received that a visitor sends, for `purposes`.
     """
 
     direction: str = Field(default="recvonly", max_length=32)
     input: bool = False
     speech: bool = False
+    consent: Purposes | None = None
+    visitor_ref: str = Field(default="", max_length=MAX_VISITOR_REF)
+    purposes: Purposes = ()
 
 
 def read_parameter(parameters: tuple[Parameter, ...], name: str, model: type[Read]) -> Read:

@@ -5,6 +5,7 @@ RoIS terms end here: the media plane has sessions, peer connections and tracks.
 
 import itertools
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -26,12 +27,13 @@ from pydantic import ValidationError
 
 from openrois.contract import Client
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
-from openrois.types.codes import ReturnCode, StreamStatus
+from openrois.types.codes import Purpose, ReturnCode, StreamStatus
 from openrois.types.references import new_id
 from openrois.types.streams import (
     STREAM_METHODS,
     HolderNotification,
     ReportPlayoutParams,
+    SetConsentParams,
     StreamParams,
     StreamStatusNotification,
 )
@@ -44,6 +46,9 @@ from openrois_media.stream_requests import (
     TransportParameters,
     read_parameter,
 )
+from openrois_media.visitors.registry import VisitorRegistry, VisitorUplink
+from openrois_media.visitors.relay import Relays
+from openrois_media.visitors.visitor import Visitor
 
 __all__ = ["OwnChannels", "Published", "StreamingInterface"]
 
@@ -73,7 +78,7 @@ class Published:
 
     publisher: MediaPublisher | None
     kind: MediaKind
-    inlet: UplinkSink | None = None
+    inlet: UplinkSink | VisitorUplink | None = None
     codecs: Callable[[], tuple[str, ...] | None] = lambda: None
     """Returns the only media types available now; None: all that can be encoded here."""
 
@@ -127,6 +132,7 @@ class StreamingInterface:
         cap: returns a client's limits of each stream, whatever it asks for; None: as much as its path carries.
         operator: input of the operator; None: the body cannot be operated.
         speech: speech as sound; None: the body speaks none.
+        visitors: the applications that send; None: those of this engine alone.
     """
 
     def __init__(
@@ -138,7 +144,11 @@ class StreamingInterface:
         cap: Callable[[Client], Caps] | None = None,
         operator: OperatorInput | None = None,
         speech: SpeechInput | None = None,
+        visitors: VisitorRegistry | None = None,
     ) -> None:
+        self.visitors = visitors or VisitorRegistry(engine_id, clock)
+        self._relays = Relays(clock)
+        self.visitors.withdrawn.add(self._end_relays)
         self._cap = cap
         self._operator = operator
         self._speech = speech
@@ -200,6 +210,9 @@ class StreamingInterface:
                 report = ReportPlayoutParams.model_validate(params)
                 session = self.sessions.with_stream(self._session_name(client), report.stream_id)
                 session.report_playout(report.stream_id, report.milliseconds / 1000)
+            case "rois.stream.set_consent":
+                stated = SetConsentParams.model_validate(params)
+                self.visitors.set_consent(client, stated.stream_id, frozenset(stated.consent))
             case _:
                 await self._signal(method, params, client)
         return {}
@@ -234,16 +247,21 @@ class StreamingInterface:
             raise Unsupported(f"{params.component_ref} has no streams: use a streaming component")
         encoding = read_parameter(params.parameters, "encoding_parameters", EncodingParameters)
         transport = read_parameter(params.parameters, "transport_parameters", TransportParameters)
+        if transport.visitor_ref:
+            return self._relay(params, published, encoding, transport, client)
         direction = next((each for each in published.directions if each == transport.direction), None)
         if direction is None:
             possible = ", ".join(published.directions)
             raise Unsupported(
                 f"{params.component_ref} has no streams of direction {transport.direction!r}: use {possible}"
             )
-        if direction != "recvonly" and params.component_ref in self._senders:
-            raise OutOfResources(
-                f"another application sends to {params.component_ref} already: wait until its stream ends"
-            )
+        sink = None
+        if direction != "recvonly" and published.inlet is not None:
+            sink = self.visitors.sink(client, published.inlet, published.kind)
+            if params.component_ref in self._senders:
+                raise OutOfResources(
+                    f"another application sends to {params.component_ref} already: wait until its stream ends"
+                )
         codecs = encoding.codecs if direction == "sendonly" else published.choose(encoding.codecs)
         session = self.sessions.open(self._session_name(client), may_bind=params.may_bind)
         session.ice_servers = params.ice_servers
@@ -255,15 +273,50 @@ class StreamingInterface:
             published.kind,
             codecs,
             direction=direction,
-            inlet=None if direction == "recvonly" else published.inlet,
+            inlet=sink,
             caps=encoding.caps() if self._cap is None else encoding.caps().within(self._cap(client)),
             stereo=encoding.channels > 1,
         )
         if transport.input or transport.speech:
             session.input.open()
-        if direction != "recvonly":
-            self._senders[params.component_ref] = stream_id
+        if sink is not None:
+            if not isinstance(published.inlet, VisitorUplink):
+                self._senders[params.component_ref] = stream_id
+            self.visitors.begin(
+                client, stream_id, sink, None if transport.consent is None else frozenset(transport.consent)
+            )
         return {"stream_id": stream_id}
+
+    def _relay(
+        self,
+        params: ConnectFromGateway,
+        published: Published,
+        encoding: EncodingParameters,
+        transport: TransportParameters,
+        client: Client,
+    ) -> dict[str, Any]:
+        """Connect a stream of what a visitor sends."""
+        if params.role != "listener":
+            raise Unsupported("only the role listener allows receiving what visitors send: use a token that has it")
+        if transport.direction != "recvonly":
+            raise Unsupported("what visitors send is received: use the direction recvonly")
+        if not isinstance(published.inlet, VisitorUplink):
+            raise Unsupported(f"{params.component_ref} takes nothing of visitors")
+        visitor, purposes = self.visitors.find(transport.visitor_ref), frozenset(transport.purposes)
+        publisher = self._relays.publisher(visitor, published.kind, purposes)
+        session = self.sessions.open(self._session_name(client), may_bind=params.may_bind)
+        session.ice_servers = params.ice_servers
+        stream_id = new_id(self._engine_id)
+        caps = encoding.caps() if self._cap is None else encoding.caps().within(self._cap(client))
+        session.connect(stream_id, params.component_ref, publisher, published.kind, encoding.codecs, caps=caps)
+        self._relays.begin(client, stream_id, visitor, published.kind, purposes)
+        return {"stream_id": stream_id}
+
+    def _end_relays(self, visitor: Visitor, withdrawn: frozenset[Purpose]) -> None:
+        for client, stream_id in self._relays.lost_with(visitor, withdrawn):
+            # One that has ended meanwhile is not known any more.
+            with suppress(media_errors.UnknownStream):
+                self.sessions.with_stream(self._session_name(client), stream_id).disconnect(stream_id)
 
     def expect(self, client: Client, channels: OwnChannels) -> None:
         """Set the data channels of an application that is about to connect."""
@@ -288,8 +341,11 @@ class StreamingInterface:
             client.notify(message.method, message.wire())
 
         def changed(change: StreamChange) -> None:
-            if change.ended and self._senders.get(change.component_ref) == change.stream_id:
-                del self._senders[change.component_ref]
+            if change.ended:
+                if self._senders.get(change.component_ref) == change.stream_id:
+                    del self._senders[change.component_ref]
+                self._relays.end(change.stream_id)
+                self.visitors.end(client, change.stream_id)
             self._announce(client, change)
 
         def reply(message: str | bytes) -> None:
@@ -347,6 +403,7 @@ class StreamingInterface:
             if each is not None:
                 each.forget_client(client)
         self._channels.pop(client, None)
+        self.visitors.forget_client(client)
         session_name = self._names.pop(client, None)
         if session_name is not None:
             await self.sessions.close(session_name, "the application is gone")

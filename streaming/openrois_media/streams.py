@@ -31,6 +31,7 @@ from openrois_media.metrics.figures import FigureGroup
 from openrois_media.streaming_interface import Published, StreamingInterface
 from openrois_media.supervision import Supervised, seen_of, supervise
 from openrois_media.uplinks import AudioUplink, VideoUplink
+from openrois_media.visitors.registry import VisitorRegistry, VisitorUplink
 
 __all__ = ["AdapterStreams", "Source", "Stream", "codecs_of"]
 
@@ -44,13 +45,14 @@ class Stream:
 
     Attributes:
         source: what applications see or hear; a publisher if it encodes by its own rule; None if they only send.
-        uplink: takes what an application sends; None if they only receive. Of the same kind as the source.
+        uplink: takes what one application sends, or what every visitor does (of a `VisitorRegistry`); None if they only
+            receive. Of the same kind as the source.
         label: its name in metrics and sentences; the component's unless given.
         status: returns the status of what its source is a part of; None: nothing else can fail.
     """
 
     source: Source | Publishing | None = None
-    uplink: VideoUplink | AudioUplink | None = None
+    uplink: VideoUplink | AudioUplink | VisitorUplink | None = None
     label: str = ""
     status: Callable[[], ComponentStatus] | None = None
 
@@ -83,6 +85,7 @@ class AdapterStreams:
         encoders: limit on the encoders of all sources.
         operator: input of the operator; None: the body cannot be operated by hand.
         speech: speech as sound; None: the body speaks none.
+        visitors: the visitors whose uplinks are among the streams; None where there are no such uplinks.
 
     Attributes:
         components: the streaming components, by name.
@@ -108,6 +111,7 @@ class AdapterStreams:
         encoders: EncoderLimit | None = None,
         operator: OperatorInput | None = None,
         speech: SpeechInput | None = None,
+        visitors: VisitorRegistry | None = None,
     ) -> None:
         self._clock = clock or SystemClock()
         self._encoders = encoders or EncoderLimit()
@@ -116,7 +120,7 @@ class AdapterStreams:
         self.supervised: dict[str, Supervised] = {}
         _check_distinct(streams)
         published = {reference(engine_id, name): self._add(name, each) for name, each in streams.items()}
-        self.interface = StreamingInterface(engine_id, published, self._clock, network, cap, operator, speech)
+        self.interface = StreamingInterface(engine_id, published, self._clock, network, cap, operator, speech, visitors)
         self._stack = AsyncExitStack()
 
     async def __aenter__(self) -> StreamingInterface:

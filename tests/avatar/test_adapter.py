@@ -11,6 +11,7 @@ from openrois_avatar.link.messages import Pause
 from openrois_avatar.scene import Pauses, Scene, synthetic_scene
 from openrois_media.devices import Microphone
 from openrois_media.health import Health, Observed
+from openrois_media.visitors.registry import VisitorRegistry
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.session.sessions import StreamSessions
 from openrois_streaming.source import stamp
@@ -66,8 +67,8 @@ async def test_a_picture_is_stamped_only_where_its_scene_asks_for_that(stamped: 
 async def test_the_engine_hears_the_operator(monkeypatch: pytest.MonkeyPatch) -> None:
     stage, made = Stage(), list[Microphone]()
 
-    def remember(clock: VirtualClock) -> Microphone:
-        made.append(Microphone(clock))
+    def remember(clock: VirtualClock, visitors: VisitorRegistry) -> Microphone:
+        made.append(Microphone(clock, visitors))
         return made[-1]
 
     monkeypatch.setattr(adapter, "Microphone", remember)

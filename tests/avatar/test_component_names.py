@@ -23,6 +23,7 @@ OURS = {
     "Surroundings": "surroundings",
     "Teleoperation": "teleoperation",
     "Viewpoint": "viewpoint",
+    "Visitors": "visitors",
 }
 """The names of the avatar's own components by the codes of their types."""
 OF_THE_SCENE = {

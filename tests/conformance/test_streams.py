@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 
 from openrois.interfaces.stream import MAX_STREAMS, REPORTS_AT_ONCE
-from openrois.types.codes import StreamStatus
-from openrois.types.streams import MAX_PLAYOUT
+from openrois.types.codes import Purpose, StreamStatus
+from openrois.types.streams import MAX_PLAYOUT, MAX_PURPOSES
 from tests.support import deployment
 from tests.support.deployment import Application, Robot
 from tests.support.viewer import CAMERA, STATUS, execute, peer_of, statuses, stream_of
@@ -133,6 +133,19 @@ class TestStreamMethods:
         told = [params["milliseconds"] for name, params, _ in robot.streams.calls if name == method]
         assert told == [MAX_PLAYOUT, *(number for number, code in enumerate(codes) if code == "OK")]
         assert await other.code("rois.stream.query_stream_status", stream_id=await stream_of(other)) == "OK"
+
+    async def test_consent_is_stated_by_the_owner_of_a_stream(
+        self, app: Application, other: Application, robot: Robot, subtests: pytest.Subtests
+    ) -> None:
+        method, stream_id = "rois.stream.set_consent", await stream_of(app)
+        for consent in ([], ["live"], [str(each) for each in Purpose], ["live"] * MAX_PURPOSES):
+            assert await app.ask(method, stream_id=stream_id, consent=consent) == {"return_code": "OK"}
+            assert robot.streams.calls[-1][:2] == (method, {"stream_id": stream_id, "consent": consent})
+        assert await other.code(method, stream_id=stream_id, consent=["live"]) == "UNSUPPORTED"
+        assert await app.code(method, stream_id="robot/nothing", consent=["live"]) == "UNSUPPORTED"
+        for wrong in (["all"], ["live"] * (MAX_PURPOSES + 1), "live", None, [1]):
+            with subtests.test(str(wrong)):
+                assert (await app.refused(method, stream_id=stream_id, consent=wrong))["code"] == -32602
 
     async def test_only_so_many_even_at_once(self, app: Application, other: Application) -> None:
         asked = [await app.begin("rois.stream.connect_stream", component_ref=CAMERA) for _ in range(MAX_STREAMS + 4)]

@@ -66,4 +66,5 @@ class CameraSense(Sense):
 
     def _on_seen(self, seen: Sighting) -> None:
         if self.activity.works:
+            self.visitor_ref = seen.visitor_ref
             self.sense(seen, datetime.fromtimestamp(self._watch.wall_at(seen.moment), UTC))

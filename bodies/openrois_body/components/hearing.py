@@ -67,13 +67,14 @@ class Hearing(Sense, components.BasicComponent, authority="OpenRoIS", function="
         return self._recognition.failure
 
     @event
-    def heard(self, text: str, final: bool, timestamp: datetime | None = None) -> None:
+    def heard(self, text: str, final: bool, timestamp: datetime | None = None, visitor_ref: str | None = None) -> None:
         """A partial or final result.
 
         Args:
             text: words; empty where what seemed to be words were none
             final: whether it stays so: it is the first candidate of SpeechRecognition's event
             timestamp: when it ended, where it is final
+            visitor_ref: who said it, where visitors are told apart
         """
 
     @query
@@ -91,12 +92,14 @@ class Hearing(Sense, components.BasicComponent, authority="OpenRoIS", function="
         """Return where speech is recognised."""
         return RecognizerResult(sent_to=self._recognition.destination, allowed=not self._recognition.withheld)
 
-    def _on_guessed(self, text: str) -> None:
+    def _on_guessed(self, text: str, sender: str) -> None:
         if self.activity.works:
-            self.heard(text, False)
+            self.visitor_ref = sender
+            self.heard(text, False, None, sender or None)
 
-    def _on_recognized(self, candidates: tuple[str, ...], at: float) -> None:
+    def _on_recognized(self, candidates: tuple[str, ...], at: float, sender: str) -> None:
         moment = datetime.fromtimestamp(wall_at(self._clock, at), UTC)
         self._last = LastHeard(text=candidates[0], timestamp=moment)
         if self.activity.works:
-            self.heard(candidates[0], True, moment)
+            self.visitor_ref = sender
+            self.heard(candidates[0], True, moment, sender or None)

@@ -53,16 +53,17 @@ class Operator(Component, authority="OpenRoIS", function="sensing"):
         return CameraResult(width=picture.width, height=picture.height, brightness=_brightness(picture))
 
     @event
-    def microphone_level(self, rms: float, peak: float) -> None:
+    def microphone_level(self, rms: float, peak: float, visitor_ref: str | None = None) -> None:
         """The level of the microphone, in dB of full scale (-100: silence): on a change, five times a second at most.
 
         Args:
             rms: root mean square of the last 0.2 s
             peak: greatest value of the last 0.2 s
+            visitor_ref: whose it is, where visitors are told apart
         """
 
     def _on_level_changed(self, level: Level) -> None:
-        self.microphone_level(level.rms, level.peak)
+        self.microphone_level(level.rms, level.peak, self._microphone.sender or None)
 
 
 def _brightness(picture: RawVideo) -> float:

@@ -6,6 +6,7 @@ from typing import Annotated
 from pydantic import Field
 
 from openrois.adapter import parameter
+from openrois.aio.listeners import Listeners
 from openrois_body.sensing.activity import Activity
 from openrois_body.sensing.changes import Movements, Place
 
@@ -25,6 +26,16 @@ class Sense:
     def __init__(self, name: str | None = None) -> None:
         super().__init__(name)  # type: ignore[call-arg]
         self.activity = Activity()
+        self.visitor_ref = ""
+        """Visitor of whom the next event tells; empty for none. The component sets it before it announces."""
+        self.attributed: Listeners[str, str] = Listeners()
+        """Called with the name of an event that is about to be announced, and the visitor that it tells of."""
+
+    def __rois_announce__(self, method: str, values: tuple[object, ...], named: Mapping[str, object]) -> None:
+        """Announce an event, and before it whom it tells of: the standard's events have no member for that."""
+        if self.visitor_ref:
+            self.attributed.notify_all(method, self.visitor_ref)
+        super().__rois_announce__(method, values, named)  # type: ignore[misc]
 
     async def start(self) -> None:
         """Be active until `stop`, also without a subscription."""

@@ -38,6 +38,7 @@ class Sight(CameraSense, Component, authority="OpenRoIS", function="sensing"):
                 tuple(person.name or "" for person in shown),
                 tuple(person.gesture or "" for person in shown),
                 moment,
+                seen.visitor_ref or None,
             )
         self._is_empty = not shown
 
@@ -49,8 +50,12 @@ class Sight(CameraSense, Component, authority="OpenRoIS", function="sensing"):
         name: tuple[str, ...],
         gesture_ref: tuple[str, ...],
         timestamp: datetime,
+        visitor_ref: str | None = None,
     ) -> None:
-        """The faces in a picture: whose, where (`left,top,width,height` in shares of it), name, gesture."""
+        """The faces in a picture: whose, where (`left,top,width,height` in shares of it), name, gesture.
+
+        `visitor_ref` is whose camera it is, where visitors are told apart.
+        """
 
 
 def _text(box: Box) -> str:

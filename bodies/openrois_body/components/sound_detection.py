@@ -43,4 +43,5 @@ class SoundDetection(Sense, components.SoundDetection):
 
     def _announce_number(self, number: int, moment: float) -> None:
         if self._numbers.is_news(number):
+            self.visitor_ref = self._ear.sender
             self.sound_detected(number, datetime.fromtimestamp(wall_at(self._clock, moment), UTC))

@@ -102,6 +102,7 @@ class SoundLocalization(Localizing, components.SoundLocalization):
         ref = f"urn:x-rois:def:sound:OpenRoIS::{self._engine_id}/microphone/{self._number}"
         if self.is_news({ref: place}, at):
             moment = datetime.fromtimestamp(wall_at(self._clock, at), UTC)
+            self.visitor_ref = self._ear.sender
             self.sound_localized((ref,), (place.text,), moment)
 
 

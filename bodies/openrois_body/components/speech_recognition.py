@@ -41,6 +41,7 @@ class SpeechRecognition(Sense, components.SpeechRecognition):
         self, speech: SpeechDetector, recognition: Recognition, recognizer: SpeechRecognizer, clock: MediaClock
     ) -> None:
         super().__init__()
+        self._speech = speech
         self._recognition = recognition
         self._recognizer = recognizer
         self._clock = clock
@@ -91,15 +92,18 @@ class SpeechRecognition(Sense, components.SpeechRecognition):
     def _began(self, at: float) -> None:
         if self.activity.works:
             self._has_begun = True
+            self.visitor_ref = self._speech.sender
             self.speech_input_started(self._moment(at))
 
     def _ended(self, at: float) -> None:
         if self._has_begun:
             self._has_begun = False
+            self.visitor_ref = self._speech.sender
             self.speech_input_finished(self._moment(at))
 
-    def _on_recognized(self, candidates: tuple[str, ...], at: float) -> None:
+    def _on_recognized(self, candidates: tuple[str, ...], at: float, sender: str) -> None:
         if self.activity.works:
+            self.visitor_ref = sender
             self.speech_recognized(candidates, self._moment(at))
 
 

@@ -1,4 +1,4 @@
-"""The microphone's sound for all senses of hearing, followed by silence when it ends."""
+"""The microphone's sound for all senses of hearing, followed by silence when it ends or is another visitor's."""
 
 import asyncio
 from collections.abc import Callable
@@ -32,13 +32,15 @@ class Ear:
     def __init__(self, microphone: Microphone, clock: MediaClock) -> None:
         self.channels = 0
         """Number of different channels of the microphone: 1 or 2; 0 before the first sound."""
+        self.sender = ""
+        """The visitor_ref of whose sound it is, and of the silence after it; empty for the body's own microphone."""
         self._clock = clock
         self._listeners: Listeners[RawAudio] = Listeners()
         self._sounding = asyncio.Event()
         self._came_at = -GONE
         self._next_at = 0.0
         """Capture time of the next block, if none is missing between."""
-        microphone.sound_received.add(self._on_sound)
+        microphone.sound_to_recognise.add(self._on_sound)
 
     @property
     def sounding(self) -> bool:
@@ -55,13 +57,20 @@ class Ear:
             await self._sounding.wait()
             await self._clock.sleep_until(self._came_at + GONE)
             if self._clock.now() - self._came_at >= GONE:
-                self._sounding.clear()
-                self.channels = 0
-                self._listeners.notify_all(
-                    RawAudio(np.zeros((round(_SILENCE * SAMPLE_RATE), 2), np.int16), self._next_at)
-                )
+                self._end_sound()
+
+    def _end_sound(self) -> None:
+        self._sounding.clear()
+        self.channels = 0
+        silence = np.zeros((round(_SILENCE * SAMPLE_RATE), 2), np.int16)
+        self._listeners.notify_all(RawAudio(silence, self._next_at, sender=self.sender))
 
     def _on_sound(self, sound: RawAudio) -> None:
+        if sound.sender != self.sender:
+            if self.sounding:
+                # What lasts is of the former visitor, and ends with its sound.
+                self._end_sound()
+            self.sender = sound.sender
         self._came_at = self._clock.now()
         self._next_at = sound.captured_at + len(sound.samples) / SAMPLE_RATE
         self._sounding.set()

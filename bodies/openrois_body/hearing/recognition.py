@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -36,7 +37,7 @@ _log = logging.getLogger(__name__)
 
 
 class _Withheld(Exception):
-    """An utterance must not be sent to the recogniser; the text says why."""
+    """An utterance must not be sent to the recogniser; the text says why, where a person has to know it."""
 
 
 @dataclass(eq=False)
@@ -48,6 +49,7 @@ class Utterance:
 
     began_at: float
     expected: Expectation
+    sender: str = ""
     gain: float = 1.0
     parts: list[NDArray[np.int16]] = field(default_factory=list)
     ended_at: float | None = None
@@ -84,9 +86,11 @@ class Recognition:
         speech: tells when the operator speaks.
         recognizer: the backend.
         clock: the media clock.
-        may_send: whether the sound of this very moment may be sent to the recogniser's `destination`; it is asked
-            with each block of sound, before each request, and before a result is told. None: only where that is this
-            machine.
+        may_send: whether the sound of this very moment may be sent to the recogniser's `destination`. None: only where
+            that is this machine.
+        admits: tells whether what this sender said from that moment on may be recognised now, and announced.
+
+    Both have to allow it; they are asked with each block of sound, before each request, and before a result is told.
     """
 
     def __init__(
@@ -95,13 +99,14 @@ class Recognition:
         recognizer: SpeechRecognizer,
         clock: MediaClock,
         may_send: Callable[[], bool] | None = None,
+        admits: Callable[[str, float], bool] = lambda _sender, _began_at: True,
     ) -> None:
         self.expected: Callable[[], Expectation] = lambda: Expectation(recognizer.languages[:1])
         """Returns the expectation of the next utterance."""
-        self.guessed: Listeners[str] = Listeners()
-        """Called with each new partial result of an utterance that goes on."""
-        self.recognized: Listeners[tuple[str, ...], float] = Listeners()
-        """Called with the candidates of an utterance, the likeliest first, and when it ended."""
+        self.guessed: Listeners[str, str] = Listeners()
+        """Called with each new partial result of an utterance that goes on, and with its sender."""
+        self.recognized: Listeners[tuple[str, ...], float, str] = Listeners()
+        """Called with the candidates of an utterance, the likeliest first, when it ended, and with its sender."""
         self.failed: Listeners[str] = Listeners()
         """Called with a sentence for a person that says why an utterance, or every one, is not recognised."""
         self.failure = ""
@@ -113,6 +118,7 @@ class Recognition:
         self._speech = speech
         self._recognizer = recognizer
         self._clock = clock
+        self._admits = admits
         self._wanted_by: set[object] = set()
         self._leave: list[Callable[[], None]] = []
         self._current: Utterance | None = None
@@ -129,7 +135,7 @@ class Recognition:
     @property
     def withheld(self) -> str:
         """Why the sound of this moment is not sent to the recogniser, a sentence; empty if it is."""
-        if self._may_send():
+        if self._may_send() and (not self.destination or self._admits(self._speech.sender, self._clock.now())):
             return ""
         return f"the person who speaks has not agreed that the sound is sent to {self.destination or 'a recogniser'}"
 
@@ -174,7 +180,7 @@ class Recognition:
                 await self._write_down(transcriber, utterance)
                 self._is_withholding = False
             except _Withheld as withheld:
-                if not self._is_withholding:
+                if str(withheld) and not self._is_withholding:
                     self._is_withholding = True
                     self.failed.notify_all(str(withheld))
             self._done()
@@ -195,7 +201,7 @@ class Recognition:
                     understood = await transcriber.hear(sound[start : start + _PART])
                 if understood != guess:
                     guess = understood
-                    self._guess(guess)
+                    self._guess(utterance, guess)
             if taken == len(utterance.parts):
                 if utterance.ended_at is not None:
                     break
@@ -203,18 +209,35 @@ class Recognition:
                 await utterance.changed.wait()
         self._require_consent(utterance)
         with self._spending():
-            candidates = await transcriber.finish(self._guess)
+            candidates = await transcriber.finish(partial(self._guess, utterance))
         self._require_consent(utterance)
         self.figures.analysed += 1
-        if candidates and self._leave:
-            self.recognized.notify_all(candidates, utterance.ended_at)
+        if candidates and self._may_announce(utterance):
+            self.recognized.notify_all(candidates, utterance.ended_at, utterance.sender)
 
-    def _guess(self, text: str) -> None:
-        if self._leave and self._may_send():
-            self.guessed.notify_all(text)
+    def _may_announce(self, utterance: Utterance) -> bool:
+        return bool(self._leave) and self._may_send() and self._admits(utterance.sender, utterance.began_at)
+
+    def forget_speech(self, sender: str) -> None:
+        """Drop what this sender said and what was not recognised yet: the consent to it is withdrawn."""
+        for utterance in tuple(self._waiting):
+            if utterance.sender == sender:
+                utterance.withhold()
+                if utterance is self._current:
+                    utterance.mark_ended(utterance.began_at)
+                    self._current = None
+                if utterance is not self._tried:
+                    self._waiting.remove(utterance)
+
+    def _guess(self, utterance: Utterance, text: str) -> None:
+        if self._may_announce(utterance):
+            self.guessed.notify_all(text, utterance.sender)
 
     def _require_consent(self, utterance: Utterance) -> None:
-        """Raise `_Withheld` for an utterance of which a part must not be sent, or must not any more."""
+        """Raise `_Withheld` for an utterance of which a part must not be recognised, or must not any more."""
+        if not self._admits(utterance.sender, utterance.began_at):
+            # A consent that was withdrawn is no failure.
+            raise _Withheld
         if not self._may_send():
             utterance.withhold()
         if utterance.withheld:
@@ -268,13 +291,13 @@ class Recognition:
     def _begin_utterance(self, at: float) -> None:
         if len(self._waiting) == WAITING and self._waiting[0] is not self._tried:
             self.figures.lost = 1 + (self.figures.lost or 0)
-        self._current = Utterance(at, self.expected())
+        self._current = Utterance(at, self.expected(), self._speech.sender)
         self._waiting.append(self._current)
         self._changed.set()
 
-    def _check_consent(self, _at: float) -> None:
-        """Forget what was heard until now, where the sound of this moment must not be sent."""
-        if not self._may_send():
+    def _check_consent(self, at: float) -> None:
+        """Forget what was heard until now, where the sound of this moment must not be recognised."""
+        if not self._may_send() or not self._admits(self._speech.sender, at):
             self._speech.forget_sound()
             if self._current is not None:
                 self._current.withhold()

@@ -47,6 +47,11 @@ class SpeechDetector:
         """Whether the operator speaks now; False while no caller attends."""
         return self._activity.speaking
 
+    @property
+    def sender(self) -> str:
+        """The visitor_ref of whose speech it is."""
+        return self._ear.sender
+
     def attend(self) -> Callable[[], None]:
         """Detect speech from now on; return a function that ends that, and may be called repeatedly."""
         key = object()

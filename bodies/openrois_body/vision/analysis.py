@@ -63,7 +63,7 @@ class Analysis:
         self._tracks.update(self._finder.find(view, self._tracks.known), view.moment)
         self._memories = {number: self._memories.get(number) or _Memory() for number in self._tracks.numbers}
         persons = tuple(self._person(track, view, gestures.get(track.number)) for track in self._tracks.confirmed)
-        return Sighting(view.moment, persons)
+        return Sighting(view.moment, persons, view.raw.sender)
 
     def _follow(self, view: View) -> list[Followed]:
         """Move each track as its face moved since the last picture."""
@@ -104,4 +104,5 @@ class Analysis:
 
 def _follows(before: View, view: View) -> bool:
     """Return whether a picture continues the one before it."""
-    return before.grey.shape == view.grey.shape and 0 <= view.moment - before.moment <= _GAP
+    is_alike = before.raw.sender == view.raw.sender and before.grey.shape == view.grey.shape
+    return is_alike and 0 <= view.moment - before.moment <= _GAP

@@ -35,10 +35,14 @@ class Person:
 
 @dataclass(frozen=True, slots=True)
 class Sighting:
-    """All persons in one picture; `moment` is when it was taken, in seconds of the media clock."""
+    """All persons in one picture; `moment` is when it was taken, in seconds of the media clock.
+
+    `visitor_ref` is whose camera it is; empty for the body's own, and where there is no picture.
+    """
 
     moment: float
     persons: tuple[Person, ...] = ()
+    visitor_ref: str = ""
 
 
 class Refs:

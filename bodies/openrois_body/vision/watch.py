@@ -147,6 +147,8 @@ class Watch:
         async with self._camera.inlet.subscribe(1) as pictures:
             while not self._hung:
                 picture = await pictures.get()
+                if not self._camera.may_recognise(picture):
+                    continue
                 self._looked_at = self._clock.now()
                 pause = await self._analyse_picture(thread, picture)
                 await self._clock.sleep_until(self._looked_at + pause)
@@ -164,7 +166,9 @@ class Watch:
         error = looking.exception()
         if error is None:
             self.failure = ""
-            self.seen.notify_all(self._located(looking.result()))
+            # The consent may have been withdrawn meanwhile.
+            if self._camera.may_recognise(picture):
+                self.seen.notify_all(self._located(looking.result()))
             return 1 / RATE
         if not self.failure:
             _log.error("camera: a picture cannot be analysed", exc_info=error)

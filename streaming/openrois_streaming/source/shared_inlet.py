@@ -6,7 +6,7 @@ from collections.abc import AsyncGenerator, AsyncIterator
 from contextlib import aclosing, asynccontextmanager
 from typing import Generic, TypeVar
 
-from openrois_streaming.source.fanout import Fanout, Subscription
+from openrois_streaming.source.fanout import Fanout, Mailbox, Subscription
 from openrois_streaming.source.source import MediaSource
 
 T = TypeVar("T")
@@ -43,9 +43,9 @@ class SharedInlet(Generic[T]):
         """Wait until a source is plugged in."""
         await self._plugged.wait()
 
-    def subscribe(self, maxsize: int = 2) -> Subscription[T]:
-        """Return a subscription to enter with `async with`; of `maxsize` waiting items the oldest is lost first."""
-        return self._fanout.subscribe(maxsize)
+    def subscribe(self, maxsize: int = 2, *, mailbox: Mailbox[T] | None = None) -> Subscription[T]:
+        """Return a subscription to enter with `async with`; as `Fanout.subscribe`."""
+        return self._fanout.subscribe(maxsize, mailbox=mailbox)
 
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[T]]:

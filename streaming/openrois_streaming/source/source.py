@@ -2,7 +2,7 @@
 
 from collections.abc import AsyncIterator
 from contextlib import AbstractAsyncContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, Protocol, TypeVar
 
 import numpy as np
@@ -26,7 +26,8 @@ class RawVideo:
     reuses the pixels of a frame that it has yielded.
 
     `sequence` counts the pictures of one source; a gap is a picture that was not made or did not arrive.
-    `captured_at` is the moment the picture shows, in seconds of the media clock.
+    `captured_at` is the moment the picture shows, in seconds of the media clock. `sender` names who sent it, where
+    several do; empty for media of this machine.
 
     Raises:
         ValueError: `data` does not have the shape or type that `format`, `width` and `height` promise.
@@ -38,6 +39,7 @@ class RawVideo:
     height: int
     sequence: int
     captured_at: float
+    sender: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
         if self.data.dtype != np.uint8 or self.data.shape != picture_shape(self.format, self.width, self.height):
@@ -68,7 +70,7 @@ class EncodedVideo:
 class RawAudio:
     """Block of raw sound: `samples` is int16 of shape (n, channels), 48 kHz, one or two channels.
 
-    `captured_at` is the moment of the first sample, in seconds of the media clock.
+    `captured_at` is the moment of the first sample, in seconds of the media clock. `sender` is as in `RawVideo`.
 
     Raises:
         ValueError: `samples` has another shape or type.
@@ -76,6 +78,7 @@ class RawAudio:
 
     samples: NDArray[np.int16]
     captured_at: float
+    sender: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
         if self.samples.dtype != np.int16 or self.samples.ndim != 2 or self.samples.shape[1] not in (1, 2):

@@ -28,8 +28,8 @@ class Office(Listened):
         self.recognized: list[tuple[str, ...]] = []
         self.guesses: list[str] = []
         self.failures: list[str] = []
-        self.recognition.recognized.add(lambda candidates, _at: self.recognized.append(candidates))
-        self.recognition.guessed.add(self.guesses.append)
+        self.recognition.recognized.add(lambda candidates, _at, _sender: self.recognized.append(candidates))
+        self.recognition.guessed.add(lambda guess, _sender: self.guesses.append(guess))
         self.recognition.failed.add(self.failures.append)
 
 

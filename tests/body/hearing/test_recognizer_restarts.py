@@ -40,7 +40,7 @@ async def test_a_recogniser_that_is_killed_again_and_again_is_there_for_the_next
     ear = Ear(room.microphone, room.clock)
     recognition = Recognition(SpeechDetector(ear), Sphinx(), room.clock)
     recognition.expected = lambda: COMMANDS
-    recognition.recognized.add(lambda candidates, _at: heard.append(candidates))
+    recognition.recognized.add(lambda candidates, _at, _sender: heard.append(candidates))
 
     async def until(so: Callable[[], object]) -> None:
         """Wait for the process, while the time between two tries passes on the clock of the test."""

@@ -192,8 +192,8 @@ class TestConsent:
             self.told: list[tuple[str, ...]] = []
             self.guesses: list[str] = []
             self.failures: list[str] = []
-            self.recognition.recognized.add(lambda candidates, _at: self.told.append(candidates))
-            self.recognition.guessed.add(self.guesses.append)
+            self.recognition.recognized.add(lambda candidates, _at, _sender: self.told.append(candidates))
+            self.recognition.guessed.add(lambda guess, _sender: self.guesses.append(guess))
             self.recognition.failed.add(self.failures.append)
 
         def running(self) -> tuple[asyncio.Future[None], ...]:
@@ -305,7 +305,7 @@ class TestServerAway:
         room = TestConsent.Room(ServerEars(EarsSettings(server.address)), None)
         failed, recognized = asyncio.Event(), asyncio.Event()
         room.recognition.failed.add(lambda _reason: failed.set())
-        room.recognition.recognized.add(lambda _words, _at: recognized.set())
+        room.recognition.recognized.add(lambda _words, _at, _sender: recognized.set())
 
         async def until(so: asyncio.Event) -> None:
             """Let the time of the test pass while the server, which has its own, is waited for."""

@@ -67,6 +67,7 @@ ORACLE: Final = """
     rois.stream.resume_stream           v i l . o a .   UNSUPPORTED     UNSUPPORTED
     rois.stream.query_stream_status     v i l . o a .   UNSUPPORTED     UNSUPPORTED
     rois.stream.report_playout          v i l . o a .   UNSUPPORTED     UNSUPPORTED
+    rois.stream.set_consent             v i l . o a .   UNSUPPORTED     UNSUPPORTED
     signaling.answer                    v i l . o a .   UNSUPPORTED     UNSUPPORTED
     signaling.candidate                 v i l . o a .   UNSUPPORTED     UNSUPPORTED
     signaling.restart                   v i l . o a .   UNSUPPORTED     UNSUPPORTED
@@ -182,6 +183,7 @@ def general() -> Iterator[Shape]:
     for verb in ("disconnect_stream", "suspend_stream", "resume_stream", "query_stream_status"):
         yield f"rois.stream.{verb}", lambda ref: {"stream_id": ref}
     yield "rois.stream.report_playout", lambda ref: {"stream_id": ref, "milliseconds": 40}
+    yield "rois.stream.set_consent", lambda ref: {"stream_id": ref, "consent": ["live"]}
     yield "signaling.answer", lambda ref: {"peer_id": ref or "x", "generation": 1, "sdp": "v=0"}
     yield "signaling.candidate", lambda ref: {"peer_id": ref or "x", "generation": 1, "candidate": None}
     yield "signaling.restart", lambda ref: {"peer_id": ref or "x"}

@@ -110,7 +110,14 @@ class TestHello:
         assert answer == {
             "return_code": "OK",
             "version": "1",
-            "extensions": ["rois.stream", "signaling", "openrois.lease", "openrois.may_bind", "openrois.lease.stopped"],
+            "extensions": [
+                "rois.stream",
+                "signaling",
+                "openrois.lease",
+                "openrois.may_bind",
+                "openrois.lease.stopped",
+                "openrois.visitors",
+            ],
             "engines": ["robot"],
             "client_id": "",
             "instance": "this process",
@@ -128,6 +135,7 @@ class TestHello:
                 "openrois.lease",
                 "openrois.may_bind",
                 "openrois.lease.stopped",
+                "openrois.visitors",
             ],
             [],
         )

@@ -10,10 +10,10 @@ LISTENING = StreamRight(role=Role.LISTENER, needs_role=True)
 
 def rights() -> StreamRights:
     made = StreamRights()
-    made.note("a/1", "a/camera", OPERATED)
-    made.note("a/2", "a/camera", LISTENING)
-    made.note("a/3", "a/camera", StreamRight())
-    made.note("b/1", "b/camera", OPERATED)
+    made.note_stream("a/1", "a/camera", OPERATED)
+    made.note_stream("a/2", "a/camera", LISTENING)
+    made.note_stream("a/3", "a/camera", StreamRight())
+    made.note_stream("b/1", "b/camera", OPERATED)
     return made
 
 
@@ -30,5 +30,5 @@ def test_with_a_role_what_needs_it_is_lost_and_what_only_says_it_is_not() -> Non
 def test_what_has_ended_cannot_be_lost() -> None:
     made = rights()
     for stream_id in ("a/1", "a/2", "a/3", "unknown"):
-        made.forget(stream_id)
+        made.forget_stream(stream_id)
     assert (made.lost_with("a/arm", []), made.lost_without(principal("viewer"))) == ([], [])

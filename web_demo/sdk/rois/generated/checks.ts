@@ -406,6 +406,7 @@ export const RESULTS: { readonly [Name in MethodName]: Check } = {
   "rois.stream.resume_stream": isReturnResult,
   "rois.stream.query_stream_status": isStreamStatusResult,
   "rois.stream.report_playout": isReturnResult,
+  "rois.stream.set_consent": isReturnResult,
   "openrois.directory.list": isDirectoryListResult,
   "openrois.directory.read": isDirectoryReadResult,
   "openrois.directory.profiles": isDirectoryProfilesResult,

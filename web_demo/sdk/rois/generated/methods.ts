@@ -55,6 +55,7 @@ import type {
   ResumeResult,
   ReturnResult,
   SearchResult,
+  SetConsentParams,
   SetParameterParams,
   SetParameterResult,
   StopAllParams,
@@ -118,6 +119,8 @@ export interface Methods {
   readonly "rois.stream.query_stream_status": { params: StreamParams; result: StreamStatusResult };
   /** Say how long what arrives of a stream waits here until it is played. */
   readonly "rois.stream.report_playout": { params: ReportPlayoutParams; result: ReturnResult };
+  /** Say all that what is sent here may be used for from now on. */
+  readonly "rois.stream.set_consent": { params: SetConsentParams; result: ReturnResult };
   /** Ask which engines there are, page by page. */
   readonly "openrois.directory.list": { params: DirectoryListParams; result: DirectoryListResult };
   /** Ask for some engines. */

@@ -480,6 +480,10 @@ export interface ProfileResult {
   readonly component_profiles?: { readonly [name: string]: HRIComponentProfile };
 }
 
+/** What microphone and camera of a visitor may be used for. An extension of the wire. */
+export const Purpose = ["live", "recognition", "agent", "recording", "transfer"] as const;
+export type Purpose = (typeof Purpose)[number];
+
 /** A query and its results; the schema gives queries no arguments. */
 export interface QueryMessageProfile {
   readonly name: string;
@@ -597,6 +601,15 @@ export interface SenderClock {
 
 /** One item of a command sequence; items run one after another. */
 export type SequenceItem = CommandUnit | ConcurrentCommands;
+
+/**
+ * Params of set_consent: all that the sender of the stream consents to from now on; the rest is
+ * withdrawn.
+ */
+export interface SetConsentParams {
+  readonly stream_id: string;
+  readonly consent: readonly Purpose[];
+}
 
 /** Params of set_parameter: several parameters are one change. */
 export interface SetParameterParams {

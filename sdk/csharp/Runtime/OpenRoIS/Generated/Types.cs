@@ -945,6 +945,21 @@ namespace OpenRoIS
         public Dictionary<string, HRIComponentProfile> ComponentProfiles { get; set; } = new Dictionary<string, HRIComponentProfile>();
     }
 
+    /// <summary>What microphone and camera of a visitor may be used for. An extension of the wire.</summary>
+    public enum Purpose
+    {
+        [EnumMember(Value = "live")]
+        Live,
+        [EnumMember(Value = "recognition")]
+        Recognition,
+        [EnumMember(Value = "agent")]
+        Agent,
+        [EnumMember(Value = "recording")]
+        Recording,
+        [EnumMember(Value = "transfer")]
+        Transfer,
+    }
+
     /// <summary>A query and its results; the schema gives queries no arguments.</summary>
     public sealed class QueryMessageProfile
     {
@@ -1178,6 +1193,19 @@ namespace OpenRoIS
             }
             return read.ToObject<CommandUnit>(serializer);
         }
+    }
+
+    /// <summary>
+    /// Params of set_consent: all that the sender of the stream consents to from now on; the rest is
+    /// withdrawn.
+    /// </summary>
+    public sealed class SetConsentParams
+    {
+        [JsonProperty("stream_id", Required = Required.Always)]
+        public string StreamId { get; set; }
+
+        [JsonProperty("consent", Required = Required.Always)]
+        public List<Purpose> Consent { get; set; } = new List<Purpose>();
     }
 
     /// <summary>Params of set_parameter: several parameters are one change.</summary>

@@ -1,0 +1,100 @@
+"""Relays: what visitors send, published to the listeners that they consent to.
+
+Sound and pictures are decoded once and encoded once for all listeners with the same purposes: only so does each block
+and picture pass the gate, each listener gets a codec and a size that suit its path, and a listener that asks for a key
+frame asks the encoder here, never the visitor.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+from openrois_signaling.messages import MediaKind
+from openrois_streaming.clock import MediaClock
+from openrois_streaming.publish.encoder_limit import EncoderLimit
+from openrois_streaming.publish.publisher import AudioPublisher, Publishing, VideoPublisher
+
+from openrois.contract import Client
+from openrois.errors import BadParameter, OutOfResources, Unsupported
+from openrois.types.codes import Purpose
+from openrois_media.visitors.visitor import Visitor
+
+__all__ = ["MAX_RELAYED_CAMERAS", "Relays"]
+
+MAX_RELAYED_CAMERAS: Final = 4
+"""Cameras of visitors that are encoded for listeners at a time; the same camera for other purposes is another one."""
+
+_DEVICES: Final[dict[MediaKind, str]] = {"video": "camera", "audio": "microphone"}
+
+
+@dataclass(frozen=True, slots=True)
+class _Relay:
+    """What is relayed, and what for."""
+
+    visitor: Visitor
+    kind: MediaKind
+    purposes: frozenset[Purpose]
+
+
+class Relays:
+    """Streams of listeners, with a publisher for each visitor's device and set of purposes that is listened to.
+
+    Args:
+        clock: the media clock.
+    """
+
+    def __init__(self, clock: MediaClock) -> None:
+        self._clock = clock
+        self._streams: dict[str, tuple[Client, _Relay]] = {}
+        self._publishers: dict[_Relay, Publishing] = {}
+
+    def publisher(self, visitor: Visitor, kind: MediaKind, purposes: frozenset[Purpose]) -> Publishing:
+        """Return what publishes a visitor's device for these purposes.
+
+        Raises:
+            BadParameter: no purpose is stated.
+            Unsupported: the visitor sends no such device, or does not consent.
+            OutOfResources: as many cameras are relayed as may be.
+        """
+        if not purposes:
+            raise BadParameter("a listener states what it uses media for: set purposes in transport_parameters")
+        if not visitor.sends(kind):
+            raise Unsupported(f"{visitor.visitor_ref} sends no {_DEVICES[kind]}")
+        if refused := sorted(purposes - visitor.consent.purposes):
+            raise Unsupported(f"{visitor.visitor_ref} does not consent to {', '.join(refused)}")
+        relay = _Relay(visitor, kind, purposes)
+        used = {each for _, each in self._streams.values()}
+        cameras = sum(each.kind == "video" for each in used - {relay})
+        if kind == "video" and cameras >= MAX_RELAYED_CAMERAS:
+            raise OutOfResources(
+                f"{MAX_RELAYED_CAMERAS} cameras of visitors are relayed, which is the limit: disconnect another one"
+            )
+        if relay not in used:
+            self._publishers[relay] = self._make(relay)
+        return self._publishers[relay]
+
+    def begin(
+        self, client: Client, stream_id: str, visitor: Visitor, kind: MediaKind, purposes: frozenset[Purpose]
+    ) -> None:
+        """Note a stream of a listener."""
+        self._streams[stream_id] = client, _Relay(visitor, kind, purposes)
+
+    def end(self, stream_id: str) -> None:
+        """Forget a stream that has ended; another one is ignored."""
+        _, relay = self._streams.pop(stream_id, (None, None))
+        if relay is not None and all(relay != each for _, each in self._streams.values()):
+            self._publishers.pop(relay, None)
+
+    def lost_with(self, visitor: Visitor, withdrawn: frozenset[Purpose]) -> list[tuple[Client, str]]:
+        """Return the streams that rest on a consent which is withdrawn, and their listeners."""
+        return [
+            (client, stream_id)
+            for stream_id, (client, relay) in self._streams.items()
+            if relay.visitor is visitor and relay.purposes & withdrawn
+        ]
+
+    def _make(self, relay: _Relay) -> Publishing:
+        source = relay.visitor.source(relay.kind, relay.purposes)
+        name = f"{_DEVICES[relay.kind]} of a visitor for {', '.join(sorted(relay.purposes))}"
+        if relay.kind == "audio":
+            return AudioPublisher(source, clock=self._clock, name=name)
+        return VideoPublisher(source, clock=self._clock, encoders=EncoderLimit(1), name=name)

@@ -1,0 +1,160 @@
+"""Each event of a sense names its visitor, and none tells of what the visitor does not consent to be recognised."""
+
+import asyncio
+from collections.abc import AsyncIterator
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from openrois_body.attention.attention import Attention
+from openrois_body.camera_senses import camera_senses
+from openrois_body.components.operator import Operator
+from openrois_body.components.visitors import Visitors
+from openrois_body.microphone_senses import microphone_senses
+from openrois_body.vision.sighting import Sighting
+from openrois_media.devices import Camera, Microphone
+from openrois_media.visitors.registry import VisitorRegistry
+from openrois_streaming.source.source import RawAudio
+
+from openrois.contract import Event
+from openrois.engine.registry import LocalRegistry
+from openrois.types.codes import Purpose
+from tests.media.visitors.test_visitor import Sender
+from tests.support.camera import seen_person
+from tests.support.hearing import stereo_48k, voice
+from tests.support.listening import ScriptedRecognizer
+from tests.support.streaming import VirtualClock, settle
+
+SILENCE = np.zeros((36_000, 2), np.int16)
+VOICE = stereo_48k(voice(1.0))
+UTTERANCE = np.concatenate([SILENCE, VOICE, SILENCE])
+
+
+class Room:
+    """The senses of a body with visitors, and what applications are told."""
+
+    def __init__(self) -> None:
+        self.clock = VirtualClock()
+        self.visitors = VisitorRegistry("avatar", self.clock)
+        self.microphone, self.camera = Microphone(self.clock, self.visitors), Camera(self.visitors)
+        self.attention = Attention(self.visitors, self.microphone, self.camera, self.clock)
+        self.recognizer = ScriptedRecognizer()
+        self.ears = microphone_senses("avatar", self.microphone, self.clock, self.recognizer, visitors=self.visitors)
+        self.eyes = camera_senses("avatar", self.camera, self.clock)
+        senses = (*self.ears.components, *self.eyes.components)
+        operator = Operator(self.microphone, self.camera)
+        component = Visitors("avatar", self.visitors, self.attention, senses)
+        self.registry = LocalRegistry("avatar", (*senses, operator, component))
+        self.told: list[tuple[str, dict[str, str]]] = []
+
+    async def subscribe(self, **components: str) -> None:
+        for event, component in components.items():
+            await self.registry.subscribe(f"avatar/{component}", event, self._note)
+
+    def _note(self, item: object) -> None:
+        assert isinstance(item, Event)
+        self.told.append((item.event_type, {result.name: result.value for result in item.results}))
+
+    def names(self) -> list[str]:
+        return [name for name, _ in self.told]
+
+    async def say(self, sender: Sender, sound: NDArray[np.int16]) -> None:
+        """Let a visitor be heard."""
+        for start in range(0, len(sound), 480):
+            await sender.source.feed(RawAudio(sound[start : start + 480], self.clock.now()))
+            await self.clock.advance(0.01)
+
+
+@pytest.fixture
+async def room() -> AsyncIterator[Room]:
+    room = Room()
+    running = [asyncio.ensure_future(work) for work in (room.microphone.listen(), room.ears.run())]
+    await settle()
+    yield room
+    for task in running:
+        task.cancel()
+    await asyncio.wait(running)
+
+
+async def test_what_is_said_names_who_said_it(room: Room) -> None:
+    await room.subscribe(speech_recognized="speech_recognizer", heard="hearing", sensed="visitors")
+    ann = Sender(room.visitors)
+    await settle()
+    await room.say(ann, UTTERANCE)
+    ref = ann.visitor.visitor_ref
+    heard = [params["visitor_ref"] for name, params in room.told if name == "heard"]
+    assert len(heard) > 1
+    assert set(heard) == {ref}
+    place = room.names().index("speech_recognized")
+    assert room.told[place - 1] == (
+        "sensed",
+        {"visitor_ref": ref, "component_ref": "avatar/speech_recognizer", "event_type": "speech_recognized"},
+    )
+
+
+async def test_what_is_said_before_another_is_attended_to_is_not_said_by_that_one(room: Room) -> None:
+    await room.subscribe(sensed="visitors", speech_recognized="speech_recognizer")
+    ann, bob = Sender(room.visitors), Sender(room.visitors, name="bob")
+    room.attention.set_mode(ann.visitor.visitor_ref)
+    await settle()
+    await room.say(ann, np.concatenate([SILENCE, VOICE]))
+    room.attention.set_mode(bob.visitor.visitor_ref)
+    await settle()
+    await room.say(bob, SILENCE)
+    recognized = [params for _, params in room.told if params.get("event_type") == "speech_recognized"]
+    assert [each["visitor_ref"] for each in recognized] == [ann.visitor.visitor_ref]
+    await room.say(bob, UTTERANCE)
+    recognized = [params for _, params in room.told if params.get("event_type") == "speech_recognized"]
+    assert [each["visitor_ref"] for each in recognized] == [ann.visitor.visitor_ref, bob.visitor.visitor_ref]
+
+
+@pytest.mark.parametrize("again", [False, True])
+async def test_what_was_said_before_a_withdrawal_is_not_recognised_after_it(room: Room, again: bool) -> None:
+    await room.subscribe(speech_recognized="speech_recognizer", heard="hearing")
+    ann = Sender(room.visitors)
+    await settle()
+    # The recogniser answers late.
+    room.recognizer.held = asyncio.Event()
+    await room.say(ann, np.concatenate([SILENCE, VOICE]))
+    ann.consent(Purpose.LIVE)
+    if again:
+        ann.consent(Purpose.LIVE, Purpose.RECOGNITION)
+    room.recognizer.held.set()
+    await room.say(ann, SILENCE)
+    await room.clock.advance(2.0)
+    assert room.told == []
+    assert sum(room.recognizer.heard) == 0
+    if again:
+        await room.say(ann, UTTERANCE)
+        assert "speech_recognized" in room.names()
+
+
+async def test_who_is_not_to_be_recognised_is_heard_live_and_announced_by_no_sense(room: Room) -> None:
+    await room.subscribe(
+        sound_detected="sound_detecter", speech_input_started="speech_recognizer", microphone_level="operator"
+    )
+    ann = Sender(room.visitors, frozenset({Purpose.LIVE}))
+    await settle()
+    await room.say(ann, UTTERANCE)
+    levels = [params for name, params in room.told if name == "microphone_level"]
+    assert levels[0]["visitor_ref"] == ann.visitor.visitor_ref
+    assert set(room.names()) == {"microphone_level"}
+
+
+async def test_what_is_seen_names_whose_camera_it_is(room: Room) -> None:
+    await room.subscribe(sensed="visitors", person_detected="person_detecter", seen="sight")
+    ann = Sender(room.visitors)
+    ref = ann.visitor.visitor_ref
+    room.eyes.watch.seen.notify_all(Sighting(room.clock.now(), (seen_person(),), ref))
+    assert room.names() == ["sensed", "person_detected", "sensed", "seen"]
+    assert room.told[3][1]["visitor_ref"] == ref
+    assert {params["visitor_ref"] for name, params in room.told if name == "sensed"} == {ref}
+    room.told.clear()
+    # The end of what was announced names no visitor that does not consent any more.
+    ann.consent(Purpose.LIVE)
+    room.eyes.watch.seen.notify_all(Sighting(room.clock.now(), (seen_person(), seen_person(2)), ref))
+    assert room.names() == ["person_detected", "seen"]
+    room.told.clear()
+    # Without a picture there is no visitor to be told of.
+    room.eyes.watch.seen.notify_all(Sighting(room.clock.now()))
+    assert room.names() == ["person_detected", "seen"]

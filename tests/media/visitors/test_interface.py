@@ -1,0 +1,203 @@
+"""Visitors and listeners at the Streaming Interface of an adapter."""
+
+import json
+from collections.abc import AsyncIterator
+from typing import Any
+
+import pytest
+from openrois_media.streaming_interface import Published, StreamingInterface
+from openrois_media.visitors.registry import VisitorRegistry
+from openrois_media.visitors.relay import MAX_RELAYED_CAMERAS
+from openrois_streaming.peer import peer as peer_module
+
+from openrois.contract import Client
+from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
+from openrois.types.codes import Purpose
+from tests.media.test_streaming_interface import OK, Caller
+from tests.support.streaming import VirtualClock, settle
+from tests.support.viewing import FakeInlet, FedPublisher, WirelessConnection
+
+VIDEO, AUDIO, SPEAKER = "robot/video_streaming", "robot/audio_streaming", "robot/speaker"
+
+
+class Stage:
+    """The streams of a body to which visitors send, and which has a loudspeaker for one application."""
+
+    def __init__(self) -> None:
+        self.clock = VirtualClock()
+        self.visitors = VisitorRegistry("robot", self.clock)
+        published = {
+            VIDEO: Published(FedPublisher(), "video", self.visitors.cameras),
+            AUDIO: Published(FedPublisher(), "audio", self.visitors.microphones),
+            SPEAKER: Published(None, "audio", FakeInlet()),
+        }
+        self.streams = StreamingInterface("robot", published, self.clock, visitors=self.visitors)
+
+
+class Application(Caller):
+    """An application that says what the gateway lets through."""
+
+    def __init__(self, stage: Stage, name: str) -> None:
+        self.told = []
+        self._streams = stage.streams
+        self.client = Client(name, lambda method, params: self.told.append((method, params)))
+
+    async def stream(self, component_ref: str, role: str | None = None, **transport: Any) -> str:
+        parameters = [{"name": "transport_parameters", "data_type_ref": "String", "value": json.dumps(transport)}]
+        more = {} if role is None else {"role": role}
+        answer = await self.ask(
+            "rois.stream.connect_stream", component_ref=component_ref, parameters=parameters, **more
+        )
+        return str(answer["stream_id"])
+
+    async def send(self, component_ref: str = AUDIO, consent: Any = ("live",)) -> str:
+        return await self.stream(component_ref, "visitor", direction="sendonly", consent=consent)
+
+    async def listen(self, visitor_ref: str, component_ref: str = AUDIO, purposes: Any = ("live",)) -> str:
+        return await self.stream(component_ref, "listener", visitor_ref=visitor_ref, purposes=purposes)
+
+
+@pytest.fixture
+async def stage(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Stage]:
+    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
+    WirelessConnection.made = []
+    stage = Stage()
+    async with stage.streams.sessions:
+        yield stage
+
+
+@pytest.fixture
+def ann(stage: Stage) -> Application:
+    return Application(stage, "ann")
+
+
+@pytest.fixture
+def eve(stage: Stage) -> Application:
+    return Application(stage, "eve")
+
+
+def refs(stage: Stage) -> list[str]:
+    return [each.visitor_ref for each in stage.visitors.present]
+
+
+async def test_several_applications_send_to_one_component_each_as_a_visitor(stage: Stage, ann: Application) -> None:
+    bob = Application(stage, "bob")
+    await ann.send(AUDIO, ["live", "recognition"])
+    await ann.send(VIDEO, ["live", "recognition"])
+    await bob.stream(AUDIO, direction="sendrecv")
+    first, second = stage.visitors.present
+    assert first.visitor_ref != second.visitor_ref
+    assert (first.sends("video"), second.sends("video"), second.sends("audio")) == (True, False, True)
+    assert first.consent.purposes == second.consent.purposes == {Purpose.LIVE, Purpose.RECOGNITION}
+
+
+async def test_consent_is_stated_anew_while_it_is_sent(stage: Stage, ann: Application) -> None:
+    stream_id = await ann.send()
+    assert await ann.ask("rois.stream.set_consent", stream_id=stream_id, consent=["agent"]) == OK
+    assert stage.visitors.present[0].consent.purposes == {Purpose.AGENT}
+    assert await ann.ask("rois.stream.set_consent", stream_id=stream_id, consent=[]) == OK
+    assert stage.visitors.present[0].consent.purposes == set()
+    for wrong in (["everything"], "live", None, ["live"] * 17):
+        with pytest.raises(BadParameter):
+            await ann.ask("rois.stream.set_consent", stream_id=stream_id, consent=wrong)
+
+
+@pytest.mark.parametrize("consent", [["everything"], "live", [1], {"live": True}, ["live"] * 17])
+async def test_what_is_no_consent_is_refused_before_anything_is_sent(
+    stage: Stage, ann: Application, consent: Any
+) -> None:
+    with pytest.raises(BadParameter, match="consent"):
+        await ann.send(AUDIO, consent)
+    assert refs(stage) == []
+
+
+async def test_a_visitor_whose_streams_have_ended_has_left(stage: Stage, ann: Application) -> None:
+    stream_id = await ann.send()
+    assert len(refs(stage)) == 1
+    await ann.ask("rois.stream.disconnect_stream", stream_id=stream_id)
+    await settle()
+    assert refs(stage) == []
+    await ann.send()
+    await stage.streams.forget_client(ann.client)
+    assert refs(stage) == []
+
+
+async def test_an_uplink_of_one_application_stays_that(stage: Stage, ann: Application, eve: Application) -> None:
+    await ann.send(SPEAKER)
+    with pytest.raises(OutOfResources, match="another application sends to robot/speaker already"):
+        await eve.send(SPEAKER)
+    assert len(refs(stage)) == 1
+
+
+async def test_a_listener_receives_what_a_visitor_consents_to(stage: Stage, ann: Application, eve: Application) -> None:
+    await ann.send(AUDIO, ["live", "agent"])
+    (ref,) = refs(stage)
+    streams = [await eve.listen(ref), await eve.listen(ref, AUDIO, ["agent", "live"])]
+    offer = await eve.answer()
+    assert [each["stream_id"] for each in offer["streams"]] == streams
+
+
+@pytest.mark.parametrize(
+    ("transport", "role", "refusal", "reason"),
+    [
+        ({"purposes": ["live"]}, None, Unsupported, "only the role listener"),
+        ({"purposes": ["live"]}, "visitor", Unsupported, "only the role listener"),
+        ({}, "listener", BadParameter, "set purposes in transport_parameters"),
+        ({"purposes": ["live", "recording", "agent"]}, "listener", Unsupported, "does not consent to agent, recording"),
+        ({"purposes": ["fun"]}, "listener", BadParameter, "purposes"),
+        ({"purposes": ["live"], "direction": "sendonly"}, "listener", Unsupported, "use the direction recvonly"),
+        ({"purposes": ["live"], "visitor_ref": "urn:x"}, "listener", Unsupported, "there is no visitor 'urn:x'"),
+    ],
+)
+async def test_what_a_listener_does_not_receive(
+    stage: Stage,
+    ann: Application,
+    eve: Application,
+    transport: dict[str, Any],
+    role: str | None,
+    refusal: type[RoISError],
+    reason: str,
+) -> None:
+    await ann.send()
+    with pytest.raises(refusal, match=reason):
+        await eve.stream(AUDIO, role, **{"visitor_ref": refs(stage)[0], **transport})
+    with pytest.raises(Unsupported, match="sends no camera"):
+        await eve.listen(refs(stage)[0], VIDEO)
+    with pytest.raises(Unsupported, match="robot/speaker takes nothing of visitors"):
+        await eve.listen(refs(stage)[0], SPEAKER)
+    assert eve.told == []
+
+
+async def ended(application: Application) -> list[str]:
+    """Return the ids of the streams that have ended."""
+    await settle()
+    told = application.all("rois.stream.notify_stream_status")
+    return [each["stream_id"] for each in told if each["status"] == "STREAMING_NOT_CONNECTED"]
+
+
+async def test_a_withdrawal_ends_what_rests_on_it_and_nothing_else(
+    stage: Stage, ann: Application, eve: Application
+) -> None:
+    sent = await ann.send(AUDIO, ["live", "agent"])
+    (ref,) = refs(stage)
+    live, agent = await eve.listen(ref), await eve.listen(ref, AUDIO, ["agent"])
+    await ann.ask("rois.stream.set_consent", stream_id=sent, consent=["live"])
+    assert await ended(eve) == [agent]
+    with pytest.raises(Unsupported, match="does not consent to agent"):
+        await eve.listen(ref, AUDIO, ["agent"])
+    await stage.streams.forget_client(ann.client)
+    assert await ended(eve) == [agent, live]
+
+
+async def test_so_many_cameras_are_relayed_at_a_time(stage: Stage, eve: Application) -> None:
+    visitors = [Application(stage, f"visitor {number}") for number in range(MAX_RELAYED_CAMERAS + 1)]
+    for each in visitors:
+        await each.send(VIDEO)
+    *relayed, last = refs(stage)
+    streams = [await eve.listen(ref, VIDEO) for ref in relayed]
+    await eve.listen(relayed[0], VIDEO)
+    with pytest.raises(OutOfResources, match="4 cameras of visitors are relayed, which is the limit"):
+        await eve.listen(last, VIDEO)
+    await eve.ask("rois.stream.disconnect_stream", stream_id=streams[1])
+    await settle()
+    await eve.listen(last, VIDEO)
