@@ -282,7 +282,7 @@ class StreamingInterface:
         if sink is not None:
             if not isinstance(published.inlet, VisitorUplink):
                 self._senders[params.component_ref] = stream_id
-            self.visitors.begin(
+            self.visitors.add_stream(
                 client, stream_id, sink, None if transport.consent is None else frozenset(transport.consent)
             )
         return {"stream_id": stream_id}
@@ -309,7 +309,7 @@ class StreamingInterface:
         stream_id = new_id(self._engine_id)
         caps = encoding.caps() if self._cap is None else encoding.caps().within(self._cap(client))
         session.connect(stream_id, params.component_ref, publisher, published.kind, encoding.codecs, caps=caps)
-        self._relays.begin(client, stream_id, visitor, published.kind, purposes)
+        self._relays.add_stream(client, stream_id, visitor, published.kind, purposes)
         return {"stream_id": stream_id}
 
     def _end_relays(self, visitor: Visitor, withdrawn: frozenset[Purpose]) -> None:
@@ -344,8 +344,8 @@ class StreamingInterface:
             if change.ended:
                 if self._senders.get(change.component_ref) == change.stream_id:
                     del self._senders[change.component_ref]
-                self._relays.end(change.stream_id)
-                self.visitors.end(client, change.stream_id)
+                self._relays.end_stream(change.stream_id)
+                self.visitors.end_stream(client, change.stream_id)
             self._announce(client, change)
 
         def reply(message: str | bytes) -> None:

@@ -91,7 +91,7 @@ class Attention:
             async with AsyncExitStack() as stack:
                 tasks = await stack.enter_async_context(TaskScope())
                 if self._faces is not None:
-                    tasks.start(self._faces.look(self._unseen))
+                    tasks.start(self._faces.watch_visitors(self._unseen))
                 while self._several.is_set():
                     self._measure(tasks)
                     await self._clock.sleep_until(self._clock.now() + LEVEL_INTERVAL)
@@ -135,7 +135,7 @@ class Attention:
         """Measure every microphone, and no other."""
         sending = [each for each in self._visitors.present if each.sends("audio")]
         for visitor in [each for each in self._meters if each not in sending]:
-            self._meters.pop(visitor).end()
+            self._meters.pop(visitor).cancel()
         for visitor in sending:
             if visitor not in self._meters:
                 meter = self._meters[visitor] = _Meter()
@@ -161,7 +161,7 @@ class _Meter:
         """Take the loudness since the last reading."""
         self.loudness = self._meter.read().rms
 
-    def end(self) -> None:
+    def cancel(self) -> None:
         """Stop measuring."""
         if self.task is not None:
             self.task.cancel()

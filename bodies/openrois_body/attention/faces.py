@@ -70,7 +70,7 @@ class FaceSizes:
         self._shares = {ref: share for ref, share in self._shares.items() if ref in visitor_refs}
         self._analysed_at = {ref: at for ref, at in self._analysed_at.items() if ref in visitor_refs}
 
-    async def look(self, visitors: Callable[[], tuple[Visitor, ...]]) -> None:
+    async def watch_visitors(self, visitors: Callable[[], tuple[Visitor, ...]]) -> None:
         """Look at one visitor after the other until cancelled.
 
         Args:

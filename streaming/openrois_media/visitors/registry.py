@@ -108,7 +108,9 @@ class VisitorRegistry:
             )
         return ConsentedSink(visitor, visitor.inlet(kind), None)
 
-    def begin(self, client: Client, stream_id: str, sink: ConsentedSink, consent: frozenset[Purpose] | None) -> None:
+    def add_stream(
+        self, client: Client, stream_id: str, sink: ConsentedSink, consent: frozenset[Purpose] | None
+    ) -> None:
         """Note a stream whose sink was made here, and what its sender consents to; None where it states nothing."""
         visitor = sink.visitor
         if client not in self._visitors:
@@ -133,7 +135,7 @@ class VisitorRegistry:
         visitor.state(consent)
         self.changed.notify_all(visitor)
 
-    def end(self, client: Client, stream_id: str) -> None:
+    def end_stream(self, client: Client, stream_id: str) -> None:
         """Forget a stream that has ended; one that is received is ignored."""
         visitor = self._visitors.get(client)
         if visitor is not None and visitor.remove(stream_id):

@@ -72,13 +72,13 @@ class Relays:
             self._publishers[relay] = self._make(relay)
         return self._publishers[relay]
 
-    def begin(
+    def add_stream(
         self, client: Client, stream_id: str, visitor: Visitor, kind: MediaKind, purposes: frozenset[Purpose]
     ) -> None:
         """Note a stream of a listener."""
         self._streams[stream_id] = client, _Relay(visitor, kind, purposes)
 
-    def end(self, stream_id: str) -> None:
+    def end_stream(self, stream_id: str) -> None:
         """Forget a stream that has ended; another one is ignored."""
         _, relay = self._streams.pop(stream_id, (None, None))
         if relay is not None and all(relay != each for _, each in self._streams.values()):

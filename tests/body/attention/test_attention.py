@@ -161,7 +161,7 @@ async def test_the_nearest_face_is_attended_to_by_one_picture_a_second(place: Pl
     for name in ("ann", "bob"):
         sender = place.senders[name]
         sink = place.visitors.sink(sender.client, place.visitors.cameras, "video")
-        place.visitors.begin(sender.client, f"{name}/camera", sink, None)
+        place.visitors.add_stream(sender.client, f"{name}/camera", sink, None)
         cameras[name] = FedSource()
         sink.plug(f"{name}/camera", cameras[name])
     looks, seconds = place.finder.looked, 8
@@ -180,7 +180,7 @@ async def test_the_nearest_face_is_attended_to_by_one_picture_a_second(place: Pl
 async def test_another_visitor_is_seen_where_the_attended_one_has_no_camera(place: Place) -> None:
     place.come("ann", "bob")
     bob = place.senders["bob"]
-    place.visitors.begin(
+    place.visitors.add_stream(
         bob.client, "bob/camera", place.visitors.sink(bob.client, place.visitors.cameras, "video"), None
     )
     assert place.attention.attended == place.ref("ann")

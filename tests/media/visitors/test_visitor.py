@@ -37,7 +37,7 @@ class Sender:
         self.sink = visitors.sink(self.client, visitors.microphones, "audio")
         self.source: FedSource[RawAudio] = FedSource()
         self.stream_id = f"{name}/microphone"
-        visitors.begin(self.client, self.stream_id, self.sink, consent)
+        visitors.add_stream(self.client, self.stream_id, self.sink, consent)
         self.sink.plug(self.stream_id, self.source)
         self.visitor = self.sink.visitor
 
@@ -157,20 +157,20 @@ async def test_a_sender_that_states_nothing_is_heard_live_and_recognised_and_not
     # A second device that states nothing changes nothing.
     sender.consent(Purpose.AGENT)
     camera = visitors.sink(sender.client, visitors.cameras, "video")
-    visitors.begin(sender.client, "ann/camera", camera, None)
+    visitors.add_stream(sender.client, "ann/camera", camera, None)
     assert sender.visitor.consent.purposes == AGENT
 
 
 async def test_microphone_and_camera_of_one_application_are_one_visitor(visitors: VisitorRegistry, ann: Sender) -> None:
     camera = visitors.sink(ann.client, visitors.cameras, "video")
-    visitors.begin(ann.client, "ann/camera", camera, BOTH)
+    visitors.add_stream(ann.client, "ann/camera", camera, BOTH)
     assert camera.visitor is ann.visitor
     assert visitors.present == (ann.visitor,)
     assert ann.visitor.visitor_ref.startswith("urn:x-rois:def:visitor:OpenRoIS::robot/")
     with pytest.raises(OutOfResources, match="this application sends a camera to robot already"):
         visitors.sink(ann.client, visitors.cameras, "video")
-    visitors.end(ann.client, ann.stream_id)
-    visitors.end(ann.client, "ann/camera")
+    visitors.end_stream(ann.client, ann.stream_id)
+    visitors.end_stream(ann.client, "ann/camera")
     assert visitors.present == ()
     assert Sender(visitors).visitor is not ann.visitor
     again = visitors.sink(ann.client, visitors.microphones, "audio")
@@ -217,7 +217,7 @@ async def test_an_uplink_of_one_sender_at_a_time_gets_what_is_consented_to_be_li
 ) -> None:
     speaker, source, client = AudioUplink(), FedSource[RawAudio](), application()
     sink = visitors.sink(client, speaker, "audio")
-    visitors.begin(client, "ann/1", sink, RECOGNITION)
+    visitors.add_stream(client, "ann/1", sink, RECOGNITION)
     sink.plug("ann/1", source)
     assert speaker.stream_id is None
     visitors.set_consent(client, "ann/1", BOTH)
