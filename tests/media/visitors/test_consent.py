@@ -57,30 +57,36 @@ class Deliveries(RuleBasedStateMachine):
     def __init__(self) -> None:
         super().__init__()
         self.consent = Consent()
-        self.now = 0
-        self.said: list[frozenset[Purpose]] = []
-        """What was consented to in each second; the first statement counts from the beginning."""
-        self.stated = frozenset[Purpose]()
+        self.moments: list[list[frozenset[Purpose]]] = [[frozenset()]]
+        """What was consented to, one statement after the other, in each second."""
         self.is_first = True
+
+    @property
+    def now(self) -> float:
+        return float(len(self.moments) - 1)
+
+    @property
+    def stated(self) -> frozenset[Purpose]:
+        return self.moments[-1][-1]
 
     @rule(purposes=SOME)
     def state(self, purposes: frozenset[Purpose]) -> None:
-        withdrawn = self.consent.state(purposes, float(self.now))
-        assert withdrawn == self.stated - purposes
+        assert self.consent.state(purposes, self.now) == self.stated - purposes
         if self.is_first:
-            self.said = [purposes] * self.now
+            # It holds for whatever was captured before.
+            self.moments = [[purposes] for _ in self.moments]
+        self.moments[-1].append(purposes)
         self.is_first = False
-        self.stated = purposes
 
     @rule()
     def wait(self) -> None:
-        self.said.append(self.stated)
-        self.now += 1
+        self.moments.append([self.stated])
 
     @rule(purposes=SOME, ago=st.integers(0, 20))
     def deliver(self, purposes: frozenset[Purpose], ago: int) -> None:
-        captured = max(0, self.now - ago)
-        held = [*self.said[captured:], self.stated]
+        captured = max(0, len(self.moments) - 1 - ago)
+        first, *later = self.moments[captured:]
+        held = [first[-1], *(each for moment in later for each in moment)]
         expected = bool(purposes) and all(purposes <= each for each in held)
         assert self.consent.admits(purposes, float(captured)) == expected
 
