@@ -23,8 +23,10 @@ if TYPE_CHECKING:
     from openrois_streaming.capture.video import EncodedSource, VideoSource
     from openrois_streaming.network.settings import NetworkSettings
 
+    from openrois.types.codes import Purpose
     from openrois_media.client.media import Media
     from openrois_media.client.speaking import SpokenWord
+    from openrois_media.client.visitors import Visitor
     from openrois_media.command import main
     from openrois_media.running import run, serve
     from openrois_media.streams import Stream
@@ -36,10 +38,12 @@ __all__ = [
     "EncodedSource",
     "Media",
     "NetworkSettings",
+    "Purpose",
     "SpokenWord",
     "Stream",
     "VideoSource",
     "VideoUplink",
+    "Visitor",
     "ffmpeg_input",
     "main",
     "opencv_camera",
@@ -57,10 +61,12 @@ _PLACES = {
     "EncodedSource": "openrois_streaming.capture.video",
     "Media": "openrois_media.client.media",
     "NetworkSettings": "openrois_streaming.network.settings",
+    "Purpose": "openrois.types.codes",
     "SpokenWord": "openrois_media.client.speaking",
     "Stream": "openrois_media.streams",
     "VideoSource": "openrois_streaming.capture.video",
     "VideoUplink": "openrois_media.uplinks",
+    "Visitor": "openrois_media.client.visitors",
     "ffmpeg_input": "openrois_streaming.capture.devices",
     "main": "openrois_media.command",
     "opencv_camera": "openrois_streaming.capture.devices",

@@ -2,11 +2,11 @@
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Collection, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 from types import TracebackType
-from typing import Any, Final, Literal, Self, TypeVar, overload
+from typing import Any, Final, Literal, Self, TypeAlias, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +23,21 @@ from openrois.aio.tasks import TaskScope
 from openrois.catalog.component_type import ComponentType
 from openrois.client import BadParameter, Client, ComponentProxy, Unsupported
 from openrois.client.components import AudioStreaming, VideoStreaming
-from openrois.types.codes import ComponentFunction, StreamStatus
+from openrois.types.codes import ComponentFunction, Purpose, StreamStatus
 from openrois.types.references import engine_of
 from openrois_media.client.readers import Block, Frame, StreamReader, block_of, frame_of
 from openrois_media.client.speaking import Speaking
-from openrois_media.client.stream import AUDIO_BLOCKS, CarrierStream, ClientStream, ReceivedStream, SentStream
+from openrois_media.client.stream import (
+    AUDIO_BLOCKS,
+    NOTHING_MORE,
+    CarrierStream,
+    ClientStream,
+    ReceivedStream,
+    SentStream,
+)
 from openrois_media.client.stream_state import Desire
 from openrois_media.client.streams import Streams
+from openrois_media.client.visitors import Visitor, VisitorCamera, VisitorDevice, VisitorMicrophone, read_visitors
 
 __all__ = ["Media", "Sending"]
 
@@ -56,12 +64,16 @@ _METHODS: Final[dict[MediaKind, str]] = {"video": "frames", "audio": "blocks"}
 
 T = TypeVar("T")
 
+_Key: TypeAlias = tuple[str, MediaKind, str]
+"""What a stream is known by: its component, its kind, and what else was asked for."""
+
 
 @dataclass(eq=False)
 class _Shared:
     """A received stream and its readers."""
 
     stream: ReceivedStream
+    key: _Key
     readers: list[StreamReader[Any]] = field(default_factory=list)
     users: int = 0
 
@@ -80,9 +92,10 @@ class Sending:
         component_refs: the components that it is sent to.
     """
 
-    def __init__(self, streams: list[SentStream]) -> None:
+    def __init__(self, streams: list[SentStream], client: Client) -> None:
         self.component_refs = tuple(stream.component_ref for stream in streams)
         self._streams = streams
+        self._client = client
 
     @property
     def status(self) -> dict[str, StreamStatus | None]:
@@ -101,6 +114,21 @@ class Sending:
     async def resume(self) -> None:
         """Go on."""
         await self._want(Desire.RUNNING)
+
+    async def consent(self, *purposes: Purpose) -> None:
+        """Consent to these purposes, and to no other, from now on; without any everything is withdrawn.
+
+        It holds for all that this application sends to the body, also after it was connected again.
+
+        Raises:
+            RoISError: the engine refuses.
+        """
+        connected = None
+        for stream in self._streams:
+            stream.transport = _consenting(purposes)
+            connected = connected or stream.state.stream_id
+        if connected is not None:
+            await self._client.call("rois.stream.set_consent", stream_id=connected, consent=sorted(purposes))
 
     async def finished(self) -> None:
         """Wait until every source has ended, such as one that plays a file.
@@ -137,7 +165,7 @@ class Media:
         self._clock = clock or SystemClock()
         self._stack = AsyncExitStack()
         self._streams: Streams | None = None
-        self._shared: dict[tuple[str, MediaKind], _Shared] = {}
+        self._shared: dict[_Key, _Shared] = {}
 
     async def __aenter__(self) -> Self:
         self._streams = await self._stack.enter_async_context(Streams(self._client, self._clock))
@@ -154,12 +182,16 @@ class Media:
 
     @asynccontextmanager
     async def frames(
-        self, camera: str | ComponentProxy, format: FrameFormat = "rgb24", *, timeout: float = CONNECT_TIMEOUT
+        self,
+        camera: str | ComponentProxy | VisitorDevice,
+        format: FrameFormat = "rgb24",
+        *,
+        timeout: float = CONNECT_TIMEOUT,
     ) -> AsyncIterator[StreamReader[Frame]]:
         """Yield the pictures of a component, the newest one at each step: `async for frame in frames`.
 
         Args:
-            camera: a component with a stream of pictures, such as VideoStreaming, or its reference.
+            camera: a component with a stream of pictures, such as VideoStreaming, or its reference; or a visitor's.
             format: how the pixels come: `rgb24`, `bgr24`, or `i420`, which costs least.
             timeout: seconds that connecting the stream may take.
 
@@ -175,14 +207,15 @@ class Media:
 
     @asynccontextmanager
     async def blocks(
-        self, microphone: str | ComponentProxy, *, timeout: float = CONNECT_TIMEOUT
+        self, microphone: str | ComponentProxy | VisitorDevice, *, timeout: float = CONNECT_TIMEOUT
     ) -> AsyncIterator[StreamReader[Block]]:
         """Yield the sound of a component without a break, in blocks: `async for block in blocks`.
 
         Lost sound is concealed. A reader that is slow loses the oldest when a second of sound waits.
 
         Args:
-            microphone: a component with a stream of sound, such as AudioStreaming, or its reference.
+            microphone: a component with a stream of sound, such as AudioStreaming, or its reference; or that of a
+                visitor.
             timeout: seconds that connecting the stream may take.
 
         Raises:
@@ -195,15 +228,19 @@ class Media:
 
     @overload
     async def snapshot(
-        self, camera: str | ComponentProxy, format: Literal["jpeg"] = "jpeg", *, timeout: float = CONNECT_TIMEOUT
+        self,
+        camera: str | ComponentProxy | VisitorDevice,
+        format: Literal["jpeg"] = "jpeg",
+        *,
+        timeout: float = CONNECT_TIMEOUT,
     ) -> bytes: ...
     @overload
     async def snapshot(
-        self, camera: str | ComponentProxy, format: FrameFormat, *, timeout: float = CONNECT_TIMEOUT
+        self, camera: str | ComponentProxy | VisitorDevice, format: FrameFormat, *, timeout: float = CONNECT_TIMEOUT
     ) -> NDArray[np.uint8]: ...
     async def snapshot(
         self,
-        camera: str | ComponentProxy,
+        camera: str | ComponentProxy | VisitorDevice,
         format: Literal["jpeg"] | FrameFormat = "jpeg",
         *,
         timeout: float = CONNECT_TIMEOUT,
@@ -238,23 +275,58 @@ class Media:
                 raise TimeoutError(f"{reader.component_ref} gave no picture: the client is closed") from None
         return jpeg_of(picture.raw()) if format == "jpeg" else picture.pixels(format).copy()
 
+    async def visitors(self, body: str | ComponentProxy, *, purposes: Collection[Purpose]) -> tuple[Visitor, ...]:
+        """Return the visitors of a body, with microphone and camera of each for these purposes.
+
+        Where the gateway asks for tokens, the role listener is needed to receive them, and consent of the visitor to
+        every purpose.
+
+        Args:
+            body: its engine id, or any component of it, or its reference.
+            purposes: all that this application uses their sound and pictures for, one at least.
+
+        Raises:
+            ValueError: there is no purpose.
+            Unsupported: the body tells no visitors apart.
+            RoISError: the engine did not answer.
+        """
+        self._require_open()
+        if not purposes:
+            raise ValueError("say what the media of visitors are for: give one purpose at least")
+        text = body if isinstance(body, str) else body.component_ref
+        engine_id = engine_of(text) or text
+        present = await read_visitors(self._client, engine_id)
+        uplinks: dict[MediaKind, str] = (
+            {kind: await self._destination(kind, engine_id) for kind in ("audio", "video")} if present else {}
+        )
+        return tuple(
+            Visitor(
+                **each,
+                microphone=VisitorMicrophone(uplinks["audio"], each["visitor_ref"], frozenset(purposes), self),
+                camera=VisitorCamera(uplinks["video"], each["visitor_ref"], frozenset(purposes), self),
+            )
+            for each in present
+        )
+
     @asynccontextmanager
     async def send(
         self,
         *,
         camera: MediaSource[RawVideo] | None = None,
         microphone: MediaSource[RawAudio] | None = None,
+        consent: Collection[Purpose] | None = None,
         to: str | ComponentProxy | None = None,
         timeout: float = CONNECT_TIMEOUT,
     ) -> AsyncIterator[Sending]:
         """Send pictures, sound or both to a body, for as long as the block runs.
 
-        Where the gateway asks for tokens, an actuation component of the body has to be bound, as for operating it. One
-        application at a time sends to a component.
+        Where the gateway asks for tokens, the role visitor is needed, and consent to something; or an actuation
+        component of the body has to be bound, as for operating it.
 
         Args:
             camera: source of the pictures, open while they can be sent.
             microphone: source of the sound, likewise.
+            consent: all that they may be used for; None to leave it at live and recognition.
             to: any component of the body; needed where several bodies take what applications send.
             timeout: seconds that connecting may take.
 
@@ -273,8 +345,9 @@ class Media:
         for name, source in (("camera", camera), ("microphone", microphone)):
             if source is not None and not is_source(source):
                 raise TypeError(f"{name} is a {type(source).__name__} and no source: {source_remedy(source)}")
+        stated = NOTHING_MORE if consent is None else _consenting(consent)
         sent = [
-            SentStream(await self._destination(kind, to), kind, source, streams, self._clock)
+            SentStream(await self._destination(kind, to), kind, source, streams, self._clock, stated)
             for kind, source in sources.items()
             if source is not None
         ]
@@ -287,7 +360,7 @@ class Media:
             for stream in sent:
                 await _established(stream, timeout)
                 tasks.start(stream.run_source())
-            yield Sending(sent)
+            yield Sending(sent, self._client)
 
     @asynccontextmanager
     async def speech(
@@ -373,14 +446,20 @@ class Media:
     @asynccontextmanager
     async def _reading(
         self,
-        component: str | ComponentProxy,
+        component: str | ComponentProxy | VisitorDevice,
         kind: MediaKind,
         waiting: int,
         convert: Callable[[Any], T],
         timeout: float,
     ) -> AsyncIterator[StreamReader[T]]:
-        component_ref = await self._require_kind(component, kind)
-        shared = self._share(component_ref, kind)
+        transport = NOTHING_MORE
+        if isinstance(component, VisitorDevice):
+            if component.kind != kind:
+                raise ValueError(f"a visitor's {component.name} has {component.kind}, not {kind}")
+            component_ref, transport = component.component_ref, component.transport
+        else:
+            component_ref = await self._require_kind(component, kind)
+        shared = self._share(component_ref, kind, transport)
         try:
             async with shared.stream.subscribe(waiting) as subscription:
                 reader = StreamReader(shared.stream, subscription, convert, self._clock, shared.follow)
@@ -394,22 +473,24 @@ class Media:
                     if shared.readers:
                         shared.follow()
         finally:
-            await self._release(component_ref, kind, shared)
+            await self._release(shared)
 
-    def _share(self, component_ref: str, kind: MediaKind) -> _Shared:
+    def _share(self, component_ref: str, kind: MediaKind, transport: Mapping[str, Any]) -> _Shared:
         streams = self._require_open()
-        shared = self._shared.get((component_ref, kind))
+        key = component_ref, kind, json.dumps(dict(transport))
+        shared = self._shared.get(key)
         if shared is None:
-            shared = _Shared(ReceivedStream(component_ref, kind, streams, self._clock))
-            self._shared[component_ref, kind] = shared
+            shared = self._shared[key] = _Shared(
+                ReceivedStream(component_ref, kind, streams, self._clock, transport), key
+            )
             streams.add(shared.stream)
         shared.users += 1
         return shared
 
-    async def _release(self, component_ref: str, kind: MediaKind, shared: _Shared) -> None:
+    async def _release(self, shared: _Shared) -> None:
         shared.users -= 1
         if shared.users == 0:
-            del self._shared[component_ref, kind]
+            del self._shared[shared.key]
             if self._streams is not None:
                 await self._streams.remove(shared.stream)
 
@@ -422,7 +503,7 @@ class Media:
         """Return the reference of a component, unless its type has streams of the other kind alone."""
         self._require_open()
         component_ref = component if isinstance(component, str) else component.component_ref
-        if (component_ref, kind) in self._shared:
+        if any(key[:2] == (component_ref, kind) for key in self._shared):
             return component_ref
         urn = (await self._client.component(component_ref).profile()).component_type
         for other, proxy in _TYPES.items():
@@ -436,7 +517,7 @@ class Media:
         if to is not None:
             ref = to if isinstance(to, str) else to.component_ref
             exact = [each for each in known if each.component_ref == ref]
-            known = exact or [each for each in known if engine_of(each.component_ref) == engine_of(ref)]
+            known = exact or [each for each in known if engine_of(each.component_ref) == (engine_of(ref) or ref)]
         taking = [each.component_ref for each in known if await _takes(each)]
         where = "" if to is None else f" of {to if isinstance(to, str) else to.component_ref}"
         if not taking:
@@ -473,6 +554,11 @@ async def _takes(component: ComponentProxy) -> bool:
     except (ValueError, AttributeError):
         return False
     return "sendonly" in directions
+
+
+def _consenting(purposes: Collection[Purpose]) -> Mapping[str, Any]:
+    """Return the member of `transport_parameters` that states consent."""
+    return {"consent": sorted(purposes)}
 
 
 def _as_it_is(picture: Any) -> Any:

@@ -2,7 +2,8 @@
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any, Final, Protocol
 
 from openrois_signaling.messages import Direction, MediaKind
@@ -18,10 +19,22 @@ from openrois_media.client.peer import Attachment, Place
 from openrois_media.client.playout_reports import PlayoutReports
 from openrois_media.client.stream_state import Desire, Failure, Problem, StreamState, Verb
 
-__all__ = ["AUDIO_BLOCKS", "CarrierStream", "ClientStream", "News", "ReceivedStream", "SentStream", "StreamOperations"]
+__all__ = [
+    "AUDIO_BLOCKS",
+    "NOTHING_MORE",
+    "CarrierStream",
+    "ClientStream",
+    "News",
+    "ReceivedStream",
+    "SentStream",
+    "StreamOperations",
+]
 
 AUDIO_BLOCKS: Final = 50
 """Blocks of sound, 20 ms each, that wait for a slow reader; the oldest makes room for the newest."""
+
+NOTHING_MORE: Final[Mapping[str, Any]] = MappingProxyType({})
+"""Members of `transport_parameters` of a stream that is received, or sent, as any other."""
 
 _log = logging.getLogger(__name__)
 
@@ -70,9 +83,9 @@ class ClientStream:
         component_ref: its component.
         kind: "video" or "audio".
         direction: seen from the application.
-        speech: whether the engine is asked for channels of speech as sound beside it.
         operations: what it needs of all streams.
         clock: monotonic times.
+        transport: members of its `transport_parameters` beside the direction.
     """
 
     def __init__(
@@ -82,10 +95,9 @@ class ClientStream:
         direction: Direction,
         operations: StreamOperations,
         clock: MediaClock,
-        *,
-        speech: bool = False,
+        transport: Mapping[str, Any],
     ) -> None:
-        self.speech = speech
+        self.transport = transport
         self.component_ref = component_ref
         self.kind = kind
         self.direction = direction
@@ -244,8 +256,15 @@ def _failure_of(error: Exception) -> Failure:
 class ReceivedStream(ClientStream):
     """A stream that the application receives, shared by its readers: one decoder for all."""
 
-    def __init__(self, component_ref: str, kind: MediaKind, operations: StreamOperations, clock: MediaClock) -> None:
-        super().__init__(component_ref, kind, "recvonly", operations, clock)
+    def __init__(
+        self,
+        component_ref: str,
+        kind: MediaKind,
+        operations: StreamOperations,
+        clock: MediaClock,
+        transport: Mapping[str, Any] = NOTHING_MORE,
+    ) -> None:
+        super().__init__(component_ref, kind, "recvonly", operations, clock, transport)
         self._source = SwitchedSource[Any](component_ref, self._switched)
         self._reports = PlayoutReports()
 
@@ -283,7 +302,7 @@ class CarrierStream(ClientStream):
     """A suspended stream, for the peer connection that it has: over its channels the application speaks by sound."""
 
     def __init__(self, component_ref: str, kind: MediaKind, operations: StreamOperations, clock: MediaClock) -> None:
-        super().__init__(component_ref, kind, "recvonly", operations, clock, speech=True)
+        super().__init__(component_ref, kind, "recvonly", operations, clock, {"speech": True})
 
     @property
     def expects_media(self) -> bool:
@@ -312,8 +331,9 @@ class SentStream(ClientStream):
         source: MediaSource[RawVideo] | MediaSource[RawAudio],
         operations: StreamOperations,
         clock: MediaClock,
+        transport: Mapping[str, Any] = NOTHING_MORE,
     ) -> None:
-        super().__init__(component_ref, kind, "sendonly", operations, clock)
+        super().__init__(component_ref, kind, "sendonly", operations, clock, transport)
         self._source: MediaSource[Any] = source
         self.failure: Exception | None = None
         self.ended = False

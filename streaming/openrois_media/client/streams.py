@@ -146,9 +146,7 @@ class Streams:
         await self._ice_servers.refresh()
         parameters = (
             _json_parameter("encoding_parameters", {"codecs": CODECS[stream.kind]}),
-            _json_parameter(
-                "transport_parameters", {"direction": stream.direction, **({"speech": True} if stream.speech else {})}
-            ),
+            _json_parameter("transport_parameters", {"direction": stream.direction, **stream.transport}),
         )
         return await self._client.connect_stream(stream.component_ref, parameters)
 

@@ -1,0 +1,166 @@
+"""A visitor sends to a body over WebRTC, and a listener receives it from there, as far as the visitor consents."""
+
+import asyncio
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from openrois_body.attention.attention import Attention
+from openrois_body.components.visitors import Visitors
+from openrois_media import Media, Stream
+from openrois_media.devices import Camera, Microphone
+from openrois_media.streams import AdapterStreams
+from openrois_media.visitors.registry import VisitorRegistry
+from openrois_streaming.clock import SystemClock
+from openrois_streaming.synthetic import ColourBars, Tone
+
+from openrois import adapter
+from openrois.client import BadParameter, Client, Unsupported
+from openrois.gateway.server import run_gateway
+from openrois.gateway.settings import GatewaySettings
+from openrois.types.codes import Purpose, StreamStatus
+from tests.support.components import Lamp
+from tests.support.loopback import PATIENCE, some_address
+from tests.support.media_body import read
+from tests.support.tokens import issue, key_file
+
+pytestmark = pytest.mark.media
+
+LIVE, AGENT = Purpose.LIVE, Purpose.AGENT
+
+
+def token(role: str) -> str:
+    return issue(time.time(), sub=role, roles=[role], scope=["robot/*"])
+
+
+@dataclass
+class Body:
+    """A body that takes what visitors send, behind a gateway that asks for tokens."""
+
+    url: str
+    visitors: VisitorRegistry
+    streams: AdapterStreams
+
+    @asynccontextmanager
+    async def application(self, role: str) -> AsyncIterator[Media]:
+        async with Client(self.url, token=token(role)) as client, Media(client) as media:
+            yield media
+
+
+@pytest.fixture
+async def body(tmp_path: Path) -> AsyncIterator[Body]:
+    settings = GatewaySettings(port=0, auth_keys=(key_file(tmp_path),))
+    (tmp_path / "token").write_text(token("adapter"))
+    clock = SystemClock()
+    visitors = VisitorRegistry("robot", clock)
+    uplinks = {
+        "video_streaming": Stream(uplink=visitors.cameras),
+        "audio_streaming": Stream(uplink=visitors.microphones),
+    }
+    streams = AdapterStreams("robot", uplinks, clock=clock, visitors=visitors)
+    attention = Attention(visitors, Microphone(clock, visitors), Camera(visitors), clock)
+    with some_address():
+        async with (
+            run_gateway(settings) as gateway,
+            adapter.serve(
+                *streams.components.values(),
+                Visitors("robot", visitors, attention),
+                Lamp(),
+                engine_id="robot",
+                gateway=gateway.url,
+                token_file=tmp_path / "token",
+                extension=streams,
+            ),
+        ):
+            await until(lambda: gateway.engine.components)
+            yield Body(gateway.url.replace("http", "ws", 1), visitors, streams)
+
+
+async def until(so: Callable[[], object]) -> None:
+    """Wait for what is not announced."""
+    async with asyncio.timeout(PATIENCE):
+        while not so():  # noqa: ASYNC110 - see above
+            await asyncio.sleep(0.01)
+
+
+async def test_a_listener_hears_and_sees_a_visitor_that_consents_and_no_more_when_it_withdraws(body: Body) -> None:
+    clock = SystemClock()
+    async with (
+        body.application("visitor") as sender,
+        sender.send(
+            camera=ColourBars(160, 120, 15, clock=clock), microphone=Tone(clock=clock), consent=[LIVE, AGENT]
+        ) as sending,
+        body.application("listener") as listener,
+    ):
+        (visitor,) = await listener.visitors("robot", purposes=[AGENT])
+        assert (visitor.devices, visitor.consent, visitor.is_attended) == (
+            {"microphone", "camera"},
+            {"live", "agent"},
+            True,
+        )
+        assert visitor.visitor_ref == body.visitors.present[0].visitor_ref
+        async with visitor.microphone.blocks() as blocks, visitor.camera.frames() as frames:
+            heard, seen = await read(blocks, 20), await read(frames, 2)
+            assert max(np.abs(each.samples).max() for each in heard) > 100
+            assert seen[0].data.shape == (120, 160, 3)
+            assert (await visitor.camera.snapshot())[:2] == b"\xff\xd8"
+            await sending.consent(LIVE)
+            await until(lambda: blocks.status is StreamStatus.STREAMING_NOT_CONNECTED)
+            await until(lambda: "does not consent to agent" in blocks.problem + frames.problem)
+            # Given again, it goes on by itself.
+            await sending.consent(LIVE, AGENT)
+            await until(lambda: blocks.status is StreamStatus.STREAMING_RUNNING)
+            await read(blocks)
+        await sending.consent()
+        assert body.visitors.present[0].consent.purposes == set()
+
+
+async def test_a_listener_says_what_it_is_for_and_gets_nothing_else(body: Body) -> None:
+    async with (
+        body.application("visitor") as sender,
+        sender.send(microphone=Tone(clock=SystemClock()), consent=[LIVE]),
+        body.application("listener") as listener,
+        body.application("operator") as operator,
+    ):
+        with pytest.raises(ValueError, match="give one purpose at least"):
+            await listener.visitors("robot", purposes=[])
+        (visitor,) = await listener.visitors("robot/lamp", purposes=[LIVE, Purpose.RECORDING])
+        with pytest.raises(Unsupported, match="does not consent to recording"):
+            async with visitor.microphone.blocks():
+                pass
+        with pytest.raises(ValueError, match="a visitor's microphone has audio, not video"):
+            async with listener.frames(visitor.microphone):
+                pass
+        (visitor,) = await listener.visitors("robot", purposes=[LIVE])
+        with pytest.raises(Unsupported, match="sends no camera"):
+            await visitor.camera.snapshot()
+        (visitor,) = await operator.visitors("robot", purposes=[LIVE])
+        with pytest.raises(Unsupported, match="only the role listener"):
+            async with visitor.microphone.blocks():
+                pass
+
+
+async def test_a_visitor_states_its_consent_and_needs_no_lease(body: Body) -> None:
+    tone = Tone(clock=SystemClock())
+    async with body.application("visitor") as sender, body.application("listener") as listener:
+        with pytest.raises(BadParameter, match="set consent in transport_parameters"):
+            async with sender.send(microphone=tone):
+                pass
+        assert await listener.visitors("robot", purposes=[LIVE]) == ()
+        async with sender.send(microphone=tone, consent=[], to="robot") as sending:
+            await until(lambda: body.visitors.present)
+            # Nothing is decoded that is for nothing.
+            assert body.visitors.present[0].microphone.stream_id is None
+            await sending.consent(LIVE)
+            await until(lambda: body.visitors.present[0].microphone.stream_id is not None)
+        await until(lambda: not body.visitors.present)
+
+
+async def test_a_body_that_tells_no_visitors_apart_says_so(body: Body) -> None:
+    async with body.application("listener") as listener:
+        with pytest.raises(Unsupported, match="other tells no visitors apart"):
+            await listener.visitors("other", purposes=[LIVE])
