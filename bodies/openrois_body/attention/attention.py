@@ -20,6 +20,7 @@ from openrois_body.attention.rule import NEAREST, AttentionRule, Candidate
 __all__ = ["Attention"]
 
 _LIVE: Final = frozenset({Purpose.LIVE})
+_USES: Final = frozenset({Purpose.LIVE, Purpose.RECOGNITION})
 _RECOGNITION: Final = frozenset({Purpose.RECOGNITION})
 
 
@@ -75,7 +76,9 @@ class Attention:
 
     def choose(self) -> None:
         """Choose by what is known now."""
-        present, before = self._visitors.present, self._rule.attended
+        # Who consents to nothing cannot be attended to.
+        present = [each for each in self._visitors.present if each.consent.purposes & _USES]
+        before = self._rule.attended
         candidates = [self._candidate(each) for each in present]
         attended = self._rule.choose(self.mode, candidates, self._clock.now())
         ordered = sorted(present, key=lambda each: each.visitor_ref != attended)

@@ -155,6 +155,16 @@ async def test_what_is_consented_to_for_one_purpose_goes_to_that_alone(place: Pl
     assert place.to_recognise
 
 
+async def test_one_that_withdraws_everything_is_followed_by_the_other(place: Place) -> None:
+    place.come("ann", "bob")
+    place.senders["ann"].consent()
+    assert place.attention.attended == place.ref("bob")
+    assert place.microphone.inlet.stream_id == place.ref("bob")
+    place.senders["bob"].consent(Purpose.AGENT)
+    assert place.attention.attended == ""
+    assert place.microphone.inlet.stream_id is None
+
+
 async def test_the_nearest_face_is_attended_to_by_one_picture_a_second(place: Place) -> None:
     place.come("ann", "bob")
     cameras: dict[str, FedSource[RawVideo]] = {}
