@@ -72,12 +72,10 @@ def microphone_senses(
     if visitors is None:
         recognition = Recognition(speech, recognizer, clock, may_send)
     else:
-        admits = partial(_admits, visitors)
-        recognition = Recognition(speech, recognizer, clock, may_send, admits)
+        purposes = purposes_of(recognizer)
+        recognition = Recognition(speech, recognizer, clock, may_send, partial(_admits, visitors, purposes))
         visitors.withdrawn.add(
-            lambda visitor, purposes: (
-                recognition.forget_speech(visitor.visitor_ref) if purposes & _RECOGNITION else None
-            )
+            lambda visitor, withdrawn: recognition.forget_speech(visitor.visitor_ref) if withdrawn & purposes else None
         )
     components = (
         SoundDetection(ear, clock),
@@ -88,5 +86,10 @@ def microphone_senses(
     return MicrophoneSenses(components, speech, ear, recognition)
 
 
-def _admits(visitors: VisitorRegistry, sender: str, began_at: float) -> bool:
-    return visitors.admits(sender, _RECOGNITION, began_at)
+def purposes_of(recognizer: SpeechRecognizer) -> frozenset[Purpose]:
+    """Return what a visitor has to consent to for its speech to be given to a recogniser."""
+    return _RECOGNITION | {Purpose.TRANSFER} if recognizer.destination else _RECOGNITION
+
+
+def _admits(visitors: VisitorRegistry, purposes: frozenset[Purpose], sender: str, began_at: float) -> bool:
+    return visitors.admits(sender, purposes, began_at)

@@ -138,7 +138,7 @@ def add_ears_options(parser: argparse.ArgumentParser) -> None:
         "--ears-consented",
         action="store_true",
         help="all who speak before the microphone have agreed that the sound is sent to a server on another machine;"
-        " without it nothing is sent there",
+        " without it nothing is sent there, and with it nothing of visitors who do not consent to transfer",
     )
 
 

@@ -18,6 +18,7 @@ from openrois.transport.backoff import Backoff
 from openrois_body.hearing.downsample import SPEECH_RATE
 from openrois_body.hearing.recognizer import Expectation, RecognizerFailed, SpeechRecognizer, Transcriber
 from openrois_body.hearing.speech_detector import SpeechDetector
+from openrois_body.hearing.voice_activity import PREROLL
 from openrois_body.sensing.figures import SenseFigures
 
 __all__ = ["Recognition", "Utterance"]
@@ -289,6 +290,9 @@ class Recognition:
             await self._changed.wait()
 
     def _begin_utterance(self, at: float) -> None:
+        # The sound begins a little before the speech was noticed.
+        if not self._admits(self._speech.sender, at - PREROLL):
+            return
         if len(self._waiting) == WAITING and self._waiting[0] is not self._tried:
             self.figures.lost = 1 + (self.figures.lost or 0)
         self._current = Utterance(at, self.expected(), self._speech.sender)

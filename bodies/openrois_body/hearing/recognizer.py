@@ -78,7 +78,10 @@ class SpeechRecognizer(Backend, Protocol):
 
     @property
     def destination(self) -> str:
-        """Where sound is sent, as `https://host`; empty where it stays on this machine."""
+        """Where sound is sent, as `https://host`; empty where it stays on this machine.
+
+        One that has a destination gets the speech of those visitors alone who consent to that, too.
+        """
         ...
 
     @property

@@ -1,7 +1,7 @@
 """Each event of a sense names its visitor, and none tells of what the visitor does not consent to be recognised."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 
 import numpy as np
 import pytest
@@ -33,13 +33,17 @@ UTTERANCE = np.concatenate([SILENCE, VOICE, SILENCE])
 class Room:
     """The senses of a body with visitors, and what applications are told."""
 
-    def __init__(self) -> None:
+    def __init__(
+        self, recognizer: ScriptedRecognizer | None = None, may_send: Callable[[], bool] | None = None
+    ) -> None:
         self.clock = VirtualClock()
         self.visitors = VisitorRegistry("avatar", self.clock)
         self.microphone, self.camera = Microphone(self.clock, self.visitors), Camera(self.visitors)
         self.attention = Attention(self.visitors, self.microphone, self.camera, self.clock)
-        self.recognizer = ScriptedRecognizer()
-        self.ears = microphone_senses("avatar", self.microphone, self.clock, self.recognizer, visitors=self.visitors)
+        self.recognizer = recognizer or ScriptedRecognizer()
+        self.ears = microphone_senses(
+            "avatar", self.microphone, self.clock, self.recognizer, may_send, visitors=self.visitors
+        )
         self.eyes = camera_senses("avatar", self.camera, self.clock)
         senses = (*self.ears.components, *self.eyes.components)
         operator = Operator(self.microphone, self.camera)
@@ -127,6 +131,60 @@ async def test_what_was_said_before_a_withdrawal_is_not_recognised_after_it(room
     if again:
         await room.say(ann, UTTERANCE)
         assert "speech_recognized" in room.names()
+
+
+async def test_a_recogniser_elsewhere_gets_the_speech_of_those_alone_who_consent_to_that() -> None:
+    allowed = [False]
+    recognizer = ScriptedRecognizer()
+    recognizer.destination = "https://h.example"
+    room = Room(recognizer, lambda: allowed[-1])
+    recognition = room.ears.recognition
+    running = [asyncio.ensure_future(work) for work in (room.microphone.listen(), room.ears.run())]
+    await room.subscribe(speech_recognized="speech_recognizer", speech_input_started="speech_recognizer")
+    ann = Sender(room.visitors)
+    await settle()
+    # Neither the consent of the visitor is enough nor that of those who run the body: the stricter wins.
+    ann.consent(Purpose.RECOGNITION, Purpose.TRANSFER)
+    await room.say(ann, UTTERANCE)
+    assert recognition.withheld
+    allowed.append(True)
+    ann.consent(Purpose.RECOGNITION)
+    await room.say(ann, UTTERANCE)
+    assert recognition.withheld
+    assert set(room.names()) == {"speech_input_started"}
+    assert room.recognizer.heard == []
+    ann.consent(Purpose.RECOGNITION, Purpose.TRANSFER)
+    await room.say(ann, UTTERANCE)
+    assert recognition.withheld == ""
+    assert room.names()[-1] == "speech_recognized"
+    for task in running:
+        task.cancel()
+    await asyncio.wait(running)
+
+
+async def test_a_withdrawal_in_the_middle_of_speech_keeps_all_of_it_from_a_recogniser_elsewhere() -> None:
+    recognizer = ScriptedRecognizer()
+    recognizer.destination = "https://h.example"
+    room = Room(recognizer, lambda: True)
+    failures: list[str] = []
+    room.ears.recognition.failed.add(failures.append)
+    running = [asyncio.ensure_future(work) for work in (room.microphone.listen(), room.ears.run())]
+    await room.subscribe(speech_recognized="speech_recognizer")
+    ann = Sender(room.visitors, frozenset({Purpose.RECOGNITION, Purpose.TRANSFER}))
+    await settle()
+    await room.say(ann, np.concatenate([SILENCE, VOICE]))
+    ann.consent(Purpose.RECOGNITION)
+    ann.consent(Purpose.RECOGNITION, Purpose.TRANSFER)
+    await room.say(ann, np.concatenate([VOICE, SILENCE]))
+    # A recogniser sends when the utterance ends, and this one was not ended.
+    assert room.recognizer.heard == []
+    assert room.names() == []
+    await room.say(ann, UTTERANCE)
+    assert room.names() == ["speech_recognized"]
+    assert failures == []
+    for task in running:
+        task.cancel()
+    await asyncio.wait(running)
 
 
 async def test_who_is_not_to_be_recognised_is_heard_live_and_announced_by_no_sense(room: Room) -> None:
