@@ -1,7 +1,7 @@
 /** A stream of this machine's microphone or camera to a component. */
 
 import type { BackoffOptions } from "../rois/backoff.ts";
-import type { StreamStatus } from "../rois/generated/types.ts";
+import type { Purpose, StreamStatus } from "../rois/generated/types.ts";
 import type { Capture, CaptureProblem } from "./capture.ts";
 import type { Attachment } from "./place.ts";
 import { ControlledStream } from "./stream.ts";
@@ -13,6 +13,7 @@ import type { EncodingLimits, StreamDescription, StreamOperations } from "./stre
  */
 export class LocalStream extends ControlledStream {
   readonly #capture: Capture;
+  readonly #operations: StreamOperations;
   /** Whether the engine has suspended it. */
   #held = false;
 
@@ -23,6 +24,7 @@ export class LocalStream extends ControlledStream {
     backoff: BackoffOptions = {},
   ) {
     super(what, operations, backoff);
+    this.#operations = operations;
     this.#capture = capture;
     this.place.onAttached = (attachment) => void this.#send(attachment);
     capture.onChange(() => this.#follow());
@@ -51,6 +53,23 @@ export class LocalStream extends ControlledStream {
   /** @internal */
   override get expectsMedia(): boolean {
     return super.expectsMedia && (this.outgoing !== null || this.direction === "sendrecv");
+  }
+
+  /** All that it may be used for, as it was said last; null where nothing is said. */
+  get consent(): readonly Purpose[] | null {
+    return this.stated;
+  }
+
+  /**
+   * Consents to these purposes, and to no other, from now on; it holds for all that this application sends to the body,
+   * so tell its other streams as well. Without any everything is withdrawn.
+   *
+   * @throws RoISError when the body refuses; what was said holds from the next connection on all the same
+   */
+  async setConsent(consent: readonly Purpose[]): Promise<void> {
+    this.stated = [...consent];
+    this.changed();
+    if (this.streamId !== null) await this.#operations.setConsent(this.streamId, this.stated);
   }
 
   /** The devices that could be used; before the user's consent browsers hide their names. */

@@ -1,6 +1,6 @@
 /** What a stream is asked for: of the engine, and of a device. Pure. */
 
-import type { Direction, Parameter } from "../rois/generated/types.ts";
+import type { Direction, Parameter, Purpose } from "../rois/generated/types.ts";
 import type { EncodingLimits } from "./stream.ts";
 
 /** Returns the parameters of `connect_stream`: JSON text each. */
@@ -9,10 +9,12 @@ export function streamParameters(
   limits: EncodingLimits,
   direction: Direction,
   input = false,
+  consent: readonly Purpose[] | null = null,
 ): Parameter[] {
+  const transport = { direction, ...(input && { input }), ...(consent !== null && { consent }) };
   return [
     jsonParameter("encoding_parameters", { codecs, ...limits }),
-    jsonParameter("transport_parameters", input ? { direction, input } : { direction }),
+    jsonParameter("transport_parameters", transport),
   ];
 }
 

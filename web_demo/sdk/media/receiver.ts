@@ -91,10 +91,11 @@ export class MediaReceiver {
    * device: call it when the user wants it, and not before.
    */
   sending(componentRef: string, kind: MediaKind, options: SendingOptions = {}): LocalStream {
-    const { direction = "sendonly", limits = {}, constraints } = options;
+    const { direction = "sendonly", limits = {}, consent = null, constraints } = options;
     return this.#known(`to ${componentRef}`, (backoff) => {
       const capture = new Capture(kind, { ...sizeWanted(limits), ...constraints }, this.#options.devices);
-      return new LocalStream({ componentRef, kind, direction, limits }, capture, this.#operations(), backoff);
+      const what = { componentRef, kind, direction, limits, consent };
+      return new LocalStream(what, capture, this.#operations(), backoff);
     });
   }
 
@@ -145,17 +146,20 @@ export class MediaReceiver {
       ready: () => this.#link.state.name === "connected",
       connect: (stream) => this.#connect(stream),
       perform: (verb, streamId) => this.#perform(verb, streamId),
+      setConsent: async (streamId, consent) => {
+        await this.#link.call("rois.stream.set_consent", { stream_id: streamId, consent: [...consent] });
+      },
       relocate: (stream) => this.#relocate(stream),
     };
   }
 
-  async #connect({ componentRef, kind, direction, limits }: ControlledStream): Promise<string> {
+  async #connect({ componentRef, kind, direction, limits, stated }: ControlledStream): Promise<string> {
     const usable = direction === "recvonly" ? decodableCodecs : encodableCodecs;
     const codecs = (this.#options.codecs ?? usable)(kind);
     await this.#iceServers.refresh();
     const params = {
       component_ref: componentRef,
-      parameters: streamParameters(codecs, limits, direction, this.#options.input),
+      parameters: streamParameters(codecs, limits, direction, this.#options.input, stated),
     };
     const { stream_id: streamId = "" } = await this.#link.call(
       "rois.stream.connect_stream",

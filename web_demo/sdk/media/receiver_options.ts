@@ -3,7 +3,7 @@
 import type { Notification } from "../jsonrpc/peer.ts";
 import type { BackoffOptions } from "../rois/backoff.ts";
 import type { ConnectionState } from "../rois/connection.ts";
-import type { MediaKind } from "../rois/generated/types.ts";
+import type { MediaKind, Purpose } from "../rois/generated/types.ts";
 import type { Call } from "../rois/link.ts";
 import type { Devices } from "./capture.ts";
 import type { CreatePeerConnection } from "./peer.ts";
@@ -33,6 +33,8 @@ export interface SendingOptions {
   /** `sendrecv` also receives; for sound only. */
   readonly direction?: "sendonly" | "sendrecv";
   readonly limits?: EncodingLimits;
+  /** All that it may be used for. Nothing is said by default, which a body takes for live and recognition. */
+  readonly consent?: readonly Purpose[];
   /** Further constraints of the device. */
   readonly constraints?: MediaTrackConstraints;
 }

@@ -2,7 +2,7 @@
 
 import { Emitter } from "../jsonrpc/events.ts";
 import type { BackoffOptions } from "../rois/backoff.ts";
-import type { Direction, MediaKind, StreamStatus } from "../rois/generated/types.ts";
+import type { Direction, MediaKind, Purpose, StreamStatus } from "../rois/generated/types.ts";
 import { captureTime } from "./engine_clock.ts";
 import { Hush } from "./hush.ts";
 import { StreamPlace } from "./place.ts";
@@ -39,6 +39,7 @@ export interface StreamOperations {
   ready(): boolean;
   connect(stream: ControlledStream): Promise<string>;
   perform(verb: Exclude<Verb, "connect">, streamId: string): Promise<void>;
+  setConsent(streamId: string, consent: readonly Purpose[]): Promise<void>;
   /** The stream has another id, or none: see where it is carried. */
   relocate(stream: ControlledStream): void;
 }
@@ -49,6 +50,8 @@ export interface StreamDescription {
   /** Which way the media goes, as this application sees it; `sendrecv` is for sound only. */
   readonly direction: Direction;
   readonly limits: EncodingLimits;
+  /** What its sender consents to; null where nothing is said. */
+  readonly consent?: readonly Purpose[] | null;
 }
 
 /**
@@ -63,6 +66,8 @@ export abstract class ControlledStream {
   readonly kind: MediaKind;
   readonly direction: Direction;
   readonly limits: EncodingLimits;
+  /** What is consented to when it is connected next; null where nothing is said. @internal */
+  stated: readonly Purpose[] | null;
   /** For the `MediaReceiver` that owns the stream. @internal */
   readonly place: StreamPlace;
   readonly #events = new Emitter<StreamEvents>();
@@ -76,6 +81,7 @@ export abstract class ControlledStream {
     this.kind = what.kind;
     this.direction = what.direction;
     this.limits = what.limits;
+    this.stated = what.consent ?? null;
     this.place = new StreamPlace(this.#events, what.direction !== "sendonly");
     this.place.onFlow = () => {
       this.#reconciler.succeeded();

@@ -87,6 +87,36 @@ afterEach(() => {
 });
 
 describe("a local stream", () => {
+  it("says what it may be used for before it sends, anew when that changes, and again when it is connected again", async () => {
+    gateway.on("rois.stream.set_consent", () => ({}));
+    await microphone.setConsent(["live"]);
+    expect(gateway.called("rois.stream.set_consent")).toEqual([]);
+    await microphone.connect();
+    await microphone.setConsent(["live", "agent"]);
+    await microphone.setConsent([]);
+    const id = microphone.streamId;
+    expect(gateway.called("rois.stream.set_consent")).toEqual([
+      { stream_id: id, consent: ["live", "agent"] },
+      { stream_id: id, consent: [] },
+    ]);
+    expect(microphone.consent).toEqual([]);
+    status("STREAMING_NOT_CONNECTED");
+    await pass(1000);
+    const stated = gateway
+      .called("rois.stream.connect_stream")
+      .map((params) => (params as { parameters: { value: string }[] }).parameters[1]?.value);
+    expect(stated).toEqual([
+      '{"direction":"sendonly","consent":["live"]}',
+      '{"direction":"sendonly","consent":[]}',
+    ]);
+  });
+
+  it("is made with what it may be used for", async () => {
+    const camera = receiver.sending("avatar/video", "video", { consent: ["recognition"] });
+    expect(camera.consent).toEqual(["recognition"]);
+    expect(microphone.consent).toBeNull();
+  });
+
   it("asks for the device, then the engine, and sends where the engine offers it", async () => {
     await microphone.connect();
     expect(fake.asked).toHaveLength(1);
