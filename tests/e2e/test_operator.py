@@ -1,5 +1,6 @@
 """The operator's microphone and camera reach the avatar, and only while the operator has switched them on."""
 
+import json
 import re
 
 import pytest
@@ -13,6 +14,7 @@ pytestmark = [
     pytest.mark.usefixtures("devices"),
 ]
 
+_VISITORS = "openrois.client.query('visitors', \"component_ref = 'avatar/visitors'\")"
 _CAMERA = "openrois.client.query('camera', \"component_ref = 'avatar/operator'\")"
 
 
@@ -36,6 +38,23 @@ async def test_microphone_and_camera_reach_the_avatar_and_are_released(visit: Vi
     await visit.until("openrois.microphone.status === 'STREAMING_NOT_CONNECTED'")
     await visit.plays()
     await visit.status("video", "RUNNING")
+
+
+async def test_what_may_be_done_is_chosen_before_shown_meanwhile_and_withdrawn_in_one_press(visit: Visit) -> None:
+    await visit.plays(1)
+    await expect(visit.item("consent-live")).to_be_checked()
+    await expect(visit.item("consent-recording")).not_to_be_checked()
+    await expect(visit.item("consent-withdraw")).to_be_hidden()
+    await visit.item("consent-recognition").uncheck()
+    await visit.press("microphone-toggle")
+    await visit.until("openrois.microphone.status === 'STREAMING_RUNNING'")
+    await expect(visit.item("consent-words")).to_have_text("You may be heard and seen live.")
+    told = {each["name"]: each["value"] for each in await visit.page.evaluate(_VISITORS)}
+    assert json.loads(told["consent"]) == ["live"]
+    await visit.press("consent-withdraw")
+    await visit.until("openrois.microphone.status === 'STREAMING_NOT_CONNECTED'")
+    await expect(visit.item("consent-withdraw")).to_be_hidden()
+    await expect(visit.item("microphone-toggle")).to_be_disabled()
 
 
 @pytest.mark.long

@@ -91,9 +91,10 @@ const activity = new Activity(document);
 const isUsed = (): boolean => activity.within(IN_USE);
 const body = new BodyControl(client, controlChanged, isUsed);
 const parts = new PartsPanel(body);
-// With tokens, only the visitor in control may send sound and pictures.
+// With tokens, the page sends sound and pictures while it has control, or by the role visitor.
+const needsControl = (): boolean => token.counts && !token.visits;
 const operator = new OperatorCard(client, receiver, () =>
-  token.counts ? body.takeControl() : Promise.resolve(() => undefined),
+  needsControl() ? body.takeControl() : Promise.resolve(() => undefined),
 );
 const map = new MapCard(client, byRole("card-map", HTMLElement), "map");
 const control = new Control(client, receiver, body, stage.video, scene);
@@ -103,10 +104,10 @@ const stoppedBodies = new StoppedBodies(client, () => stoppedNote.render());
 const stoppedNote = new StoppedNote(stoppedBodies);
 body.onLost = (why) => {
   control.controlLost(why);
-  if (token.counts) operator.off(why);
+  if (needsControl()) operator.off(why);
 };
 operator.onChange = () => {
-  const words = token.counts ? operator.sending : "";
+  const words = needsControl() ? operator.sending : "";
   handover.held = words && `${words}: you have control`;
 };
 new MessageLog(client);
@@ -203,7 +204,7 @@ function controlChanged(): void {
   for (const part of [say, stopButton]) part.barred = watching;
   control.barred = taken;
   reactions.barred = why(present?.reaction ?? null);
-  operator.barred = present === null ? AWAY : token.counts ? taken : watching;
+  operator.barred = present === null ? AWAY : needsControl() ? taken : "";
   for (const card of [videoCard, audioCard]) card.present = present !== null;
   gaze.setComponent(why(present?.gaze ?? null) === "" ? (present?.gaze ?? null) : null);
   parts.mayOperate = watching === "";

@@ -32,6 +32,7 @@ const TYPES = {
   sight: "Sight",
   enrolment: "Enrolment",
   hearing: "Hearing",
+  visitors: "Visitors",
 } as const;
 
 type Part = keyof typeof TYPES;

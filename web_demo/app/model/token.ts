@@ -44,6 +44,12 @@ export class PageToken {
     return [roles].flat().some((role) => role === "operator" || role === "administrator");
   }
 
+  /** Whether it lets its bearer send microphone and camera without control; where none counts, control is not asked for. */
+  get visits(): boolean {
+    const { roles = "" } = claimsOf(this.#value ?? "");
+    return this.counts && [roles].flat().includes("visitor");
+  }
+
   /** @param now milliseconds since the epoch */
   hasEnded(now: number): boolean {
     const { exp } = claimsOf(this.#value ?? "");

@@ -4,11 +4,14 @@ import type { Client } from "../../sdk/index.ts";
 import type { LocalStream, MediaReceiver } from "../../sdk/media/index.ts";
 import type { PageBody } from "../model/bodies.ts";
 import type { GiveBack } from "../model/body_control.ts";
+import { ConsentPanel } from "./consent.ts";
 import { DeviceControl } from "./device_control.ts";
 import { sendingWords } from "../model/device_words.ts";
 import { byRole, byTestId, make, setText } from "../dom/elements.ts";
 import { HearingPanel } from "../senses/hearing_panel.ts";
 import { SightPanel } from "../senses/sight_panel.ts";
+
+const NOTHING_CHOSEN = "Choose what microphone and camera may be used for";
 
 export class OperatorCard {
   readonly #client: Client;
@@ -19,6 +22,12 @@ export class OperatorCard {
   readonly #hearing: HearingPanel;
   readonly #microphone: DeviceControl;
   readonly #camera: DeviceControl;
+  readonly #consent: ConsentPanel;
+  /** The streams to the body that is shown. */
+  #streams: readonly LocalStream[] = [];
+  /** Whether that body keeps to what is consented to; others are told nothing. */
+  #asksConsent = false;
+  #barred = "";
   /** Components that accept streams of applications. */
   readonly #accepting = new Set<string>();
   /** Is called when a device is switched on or off. */
@@ -41,8 +50,16 @@ export class OperatorCard {
       this.#sight.show(track);
       this.#showSending();
     });
+    this.#consent = new ConsentPanel(
+      () => this.#stateConsent(),
+      () => {
+        this.#stateConsent();
+        this.off("");
+      },
+    );
     this.#element.append(
       make("h2", { id: "operator-title" }, "You"),
+      this.#consent.element,
       make("div", { class: "devices" }, this.#microphone.element, this.#camera.element),
     );
   }
@@ -60,6 +77,10 @@ export class OperatorCard {
       video !== null && this.#accepting.has(video)
         ? this.#receiver.sending(video, "video", { limits })
         : null;
+    this.#asksConsent = body.visitors !== null;
+    this.#consent.element.hidden = !this.#asksConsent;
+    this.#streams = [microphone, camera].filter((stream) => stream !== null);
+    this.#stateConsent();
     this.#microphone.watch(microphone);
     this.#camera.watch(camera);
     this.#element.hidden = microphone === null && camera === null;
@@ -70,7 +91,8 @@ export class OperatorCard {
 
   /** Why nothing can be sent; empty where it can. */
   set barred(barred: string) {
-    this.#microphone.barred = this.#camera.barred = barred;
+    this.#barred = barred;
+    this.#bar();
   }
 
   /** What is on, in words; empty for nothing. */
@@ -81,6 +103,21 @@ export class OperatorCard {
   /** Lets go of the devices that are in use. @param why in a sentence */
   off(why: string): void {
     for (const device of [this.#microphone, this.#camera]) void device.off(why);
+  }
+
+  /** Says to the body what is consented to, from now on and whenever something is sent. */
+  #stateConsent(): void {
+    this.#bar();
+    if (!this.#asksConsent) return;
+    for (const stream of this.#streams) {
+      // A body that cannot be told now is told when the stream is connected again.
+      stream.setConsent(this.#consent.purposes).catch(() => undefined);
+    }
+  }
+
+  #bar(): void {
+    const chosen = !this.#asksConsent || this.#consent.purposes.length > 0;
+    this.#microphone.barred = this.#camera.barred = this.#barred || (chosen ? "" : NOTHING_CHOSEN);
   }
 
   toggleMicrophone(): void {
@@ -100,6 +137,7 @@ export class OperatorCard {
     const words = this.sending;
     this.#sending.hidden = words === "";
     setText(this.#sending, words);
+    this.#consent.sending = words !== "";
     this.onChange();
   }
 

@@ -228,6 +228,7 @@ describe("findBodies", () => {
       sight: null,
       enrolment: null,
       hearing: null,
+      visitors: null,
     };
     expect(findBodies(profile)).toEqual([
       { ...nothing, engineId: "a", video: "a/eyes", speech: "a/mouth" },

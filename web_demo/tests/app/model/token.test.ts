@@ -82,6 +82,20 @@ describe("the page's token", () => {
     expect(token.ranks).toBe(false);
   });
 
+  it.each([
+    [{ roles: "visitor" }, true],
+    [{ roles: ["operator", "visitor"] }, true],
+    [{ roles: ["operator", "viewer"] }, false],
+    [{}, false],
+  ])("says of %j whether its bearer sends without control: %s", (claims, expected) => {
+    const token = new PageToken(new Store());
+    expect(token.visits).toBe(false);
+    token.give(`e30.${btoa(JSON.stringify(claims)).replaceAll("=", "")}.c2ln`);
+    expect(token.visits).toBe(expected);
+    token.asked = false;
+    expect(token.visits).toBe(false);
+  });
+
   it("counts where the gateway asks for one, and bars no action elsewhere", () => {
     const token = new PageToken(new Store());
     expect(token.counts).toBe(false);

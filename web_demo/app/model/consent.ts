@@ -1,0 +1,31 @@
+/** What microphone and camera may be used for, in words. Pure. */
+
+import type { Purpose } from "../../sdk/index.ts";
+
+/** Every purpose with what it lets be done, in the order of the page. */
+export const PURPOSE_WORDS: Readonly<Record<Purpose, string>> = {
+  live: "Be heard and seen live",
+  recognition: "Words and faces may be recognised",
+  agent: "A program that answers may get them",
+  recording: "They may be recorded",
+  transfer: "They may go to another machine",
+};
+
+/** What a body did with them before it asked: that is chosen at first. */
+export const AT_FIRST: readonly Purpose[] = ["live", "recognition"];
+
+const SHORT: Readonly<Record<Purpose, string>> = {
+  live: "heard and seen live",
+  recognition: "recognised",
+  agent: "passed to a program that answers",
+  recording: "recorded",
+  transfer: "sent to another machine",
+};
+
+/** Says what is consented to while something is sent. */
+export function consentWords(purposes: readonly Purpose[]): string {
+  const words = purposes.map((purpose) => SHORT[purpose]);
+  const last = words.pop();
+  if (last === undefined) return "Nothing that you send is used.";
+  return `You may be ${words.length > 0 ? `${words.join(", ")} and ${last}` : last}.`;
+}
