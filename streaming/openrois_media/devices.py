@@ -110,6 +110,10 @@ class Camera:
         """Tell whether something may be recognised in a picture, and announced, now."""
         return _admits(self._visitors, picture, _RECOGNITION)
 
+    def may_keep(self, sender: str) -> bool:
+        """Tell whether what is recognised of this visitor may be kept; of the body's own camera it may."""
+        return self._visitors is None or self._visitors.may_keep(sender)
+
     async def picture(self, timeout: float = 2.0) -> RawVideo:
         """Return the next picture that may be seen live.
 

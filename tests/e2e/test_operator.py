@@ -67,6 +67,8 @@ async def test_avatar_looks_at_the_camera_only_when_allowed_and_remembers_a_face
     subscribed = [m["params"]["event_type"] for m in visit.sent if m["method"] == "rois.event.subscribe"]
     assert "seen" not in subscribed
 
+    # A face is remembered of who may be recorded.
+    await visit.item("consent-recording").check()
     await visit.press("sight-switch")
     await expect(visit.item("camera-toggle")).to_contain_text("Sent, looked at")
     face = visit.item("face")

@@ -1,6 +1,7 @@
 """Enrolment: the persons that PersonIdentification knows. A component of OpenRoIS; biometric data, in memory only."""
 
 import asyncio
+from collections.abc import Callable
 from typing import Annotated, Final
 
 from openrois_media.devices import Camera
@@ -88,7 +89,7 @@ class Enrolment(Component, authority="OpenRoIS", function="function"):
         return self._gallery.names
 
     async def _looks(self) -> list[Likeness]:
-        looks = _Looks()
+        looks = _Looks(self._camera.may_keep)
         leave = self._watch.seen.add(looks.add_seen)
         try:
             with self._watch.collecting():
@@ -102,9 +103,14 @@ class Enrolment(Component, authority="OpenRoIS", function="function"):
 
 
 class _Looks:
-    """Samples of one person's face; another person, or two at once, begin anew."""
+    """Samples of one person's face; another person, or two at once, begin anew.
 
-    def __init__(self) -> None:
+    Args:
+        may_keep: tells whether what a visitor's camera shows may be kept.
+    """
+
+    def __init__(self, may_keep: Callable[[str], bool]) -> None:
+        self._may_keep = may_keep
         self.taken: list[Likeness] = []
         self.enough = asyncio.Event()
         self.trouble = "no face was seen"
@@ -112,6 +118,10 @@ class _Looks:
 
     def add_seen(self, seen: Sighting) -> None:
         """Add the face that one picture shows."""
+        if not self._may_keep(seen.visitor_ref):
+            self.taken.clear()
+            self.trouble = "the visitor does not consent to be recorded, as an enrolment does: ask for that first"
+            return
         faces = [person for person in seen.persons if person.face]
         if len(faces) != 1 or faces[0].number != self._number:
             self.taken.clear()

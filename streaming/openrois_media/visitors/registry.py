@@ -21,6 +21,8 @@ __all__ = ["MAX_VISITORS", "VisitorRegistry", "VisitorUplink"]
 MAX_VISITORS: Final = 8
 """Applications that send to one body at a time."""
 
+_KEPT: Final = frozenset({Purpose.RECOGNITION, Purpose.RECORDING})
+
 _DEVICES: Final[dict[MediaKind, str]] = {"video": "camera", "audio": "microphone"}
 
 
@@ -86,6 +88,11 @@ class VisitorRegistry:
         visitor = self._named(sender)
         return not sender or (visitor is not None and visitor.consent.holds(purposes))
 
+    def may_keep(self, sender: str) -> bool:
+        """Tell whether what is recognised of this sender may be kept; of one that states nothing it may, as ever."""
+        visitor = self._named(sender)
+        return not sender or (visitor is not None and (not visitor.states_consent or visitor.consent.holds(_KEPT)))
+
     def sink(self, client: Client, uplink: UplinkSink | VisitorUplink, kind: MediaKind) -> ConsentedSink:
         """Return the sink of a stream that an application is about to send.
 
@@ -118,6 +125,7 @@ class VisitorRegistry:
             visitor.withdrawn.add(lambda purposes: self.withdrawn.notify_all(visitor, purposes))
         visitor.add(stream_id, sink)
         if consent is not None:
+            visitor.states_consent = True
             visitor.state(consent)
         elif not visitor.consent.was_stated:
             visitor.state(UNSTATED)
@@ -132,6 +140,7 @@ class VisitorRegistry:
         visitor = self._visitors.get(client)
         if visitor is None or not visitor.has(stream_id):
             raise Unsupported("consent is stated for what is sent, and this stream is received: name one that is sent")
+        visitor.states_consent = True
         visitor.state(consent)
         self.changed.notify_all(visitor)
 

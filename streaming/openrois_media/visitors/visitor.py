@@ -44,6 +44,8 @@ class Visitor:
         self.consent = Consent()
         self.withdrawn: Listeners[frozenset[Purpose]] = Listeners()
         self.microphone, self.camera = AudioUplink("microphone of a visitor"), VideoUplink("camera of a visitor")
+        self.states_consent = False
+        """Whether it says itself what it consents to; else that is assumed."""
         self._clock = clock
         self._sinks: dict[str, ConsentedSink] = {}
 

@@ -8,6 +8,7 @@ import pytest
 from numpy.typing import NDArray
 from openrois_body.attention.attention import Attention
 from openrois_body.camera_senses import camera_senses
+from openrois_body.components.enrolment import LOOKS, Enrolment
 from openrois_body.components.operator import Operator
 from openrois_body.components.visitors import Visitors
 from openrois_body.microphone_senses import microphone_senses
@@ -18,6 +19,7 @@ from openrois_streaming.source.source import RawAudio
 
 from openrois.contract import Event
 from openrois.engine.registry import LocalRegistry
+from openrois.errors import ComponentFailed
 from openrois.types.codes import Purpose
 from tests.media.visitors.test_visitor import Sender
 from tests.support.camera import seen_person
@@ -197,6 +199,32 @@ async def test_who_is_not_to_be_recognised_is_heard_live_and_announced_by_no_sen
     levels = [params for name, params in room.told if name == "microphone_level"]
     assert levels[0]["visitor_ref"] == ann.visitor.visitor_ref
     assert set(room.names()) == {"microphone_level"}
+
+
+async def test_a_face_is_kept_of_a_visitor_who_consents_to_that(room: Room) -> None:
+    ann = Sender(room.visitors)
+    room.visitors.add_stream(
+        ann.client, "ann/camera", room.visitors.sink(ann.client, room.visitors.cameras, "video"), None
+    )
+    (enrolment,) = (each for each in room.eyes.components if isinstance(each, Enrolment))
+    enrolment._patience = 0.1
+    near = Sighting(room.clock.now(), (seen_person(likeness=np.zeros(4)),), ann.visitor.visitor_ref)
+
+    async def enrol() -> str:
+        enrolling = asyncio.ensure_future(enrolment.enrol("Ann"))
+        await settle()
+        for _ in range(LOOKS):
+            room.eyes.watch.seen.notify_all(near)
+        return await enrolling
+
+    with pytest.raises(ComponentFailed, match="the visitor does not consent to be recorded"):
+        await enrol()
+    ann.consent(Purpose.RECOGNITION, Purpose.RECORDING)
+    assert (await enrol()).endswith("enrolled/Ann")
+    # Of one that states nothing it is kept as before there were statements.
+    assert room.visitors.may_keep(Sender(room.visitors, None, "bob").visitor.visitor_ref)
+    assert room.visitors.may_keep("")
+    assert not room.visitors.may_keep("urn:gone")
 
 
 async def test_what_is_seen_names_whose_camera_it_is(room: Room) -> None:
