@@ -196,7 +196,11 @@ class Client:
 
 
 class Extension(Protocol):
-    """Methods of a bus beside the five: streaming and signaling, where each call names its application."""
+    """Methods of a bus beside the five: streaming and signaling, where each call names its application.
+
+    One with a true attribute `takes_role` tells visitors apart and keeps to their consent: it gets `role` beside
+    the params of connect_stream. Others are not asked for what needs that.
+    """
 
     def engines(self) -> frozenset[str]:
         """Return the ids of the engines that have these methods; others of the same bus have the five methods only."""

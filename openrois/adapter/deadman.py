@@ -195,6 +195,11 @@ class HolderExtension:
         """Return the ids of the engines that have streams."""
         return frozenset() if self._inner is None else self._inner.engines()
 
+    @property
+    def takes_role(self) -> bool:
+        """Whether visitors are told apart."""
+        return getattr(self._inner, "takes_role", False)
+
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
         """Pass on streaming and signaling."""
         if self._inner is None:

@@ -331,6 +331,9 @@ class _TreeExtension:
         extension = self.engine.extension_at(engine_of(subject))
         if extension is None:
             raise Unsupported(f"there is no engine with streams for {subject[:200]!r}")
+        if "role" in params and not getattr(extension, "takes_role", False):
+            # What is not known there is not asked: consent that is passed over would be none.
+            raise Unsupported("the engine tells no visitors apart, and knows no consent: its adapter is too old")
         bus = self.engine.route(subject)
         self.engine.users.note(client, bus)
         try:

@@ -8,7 +8,7 @@ from typing import Any, Final
 from openrois.aio.lean_queue import LeanQueue
 from openrois.aio.tasks import TaskScope
 from openrois.contract import Client
-from openrois.errors import ComponentFailed, Unsupported
+from openrois.errors import ComponentFailed
 from openrois.jsonrpc.outbox import Outbox
 from openrois.jsonrpc.session import NotificationHandler
 from openrois.observability.logs import Tally
@@ -117,9 +117,6 @@ class RemoteExtension:
         """Call a method for an application; from its first connect_stream on it gets the other side's notifications."""
         client_id = self._ids.get(client) or self._free_id(client)
         if method == _CONNECT:
-            if "role" in params and not self.takes_role:
-                # What is not known there is not asked: consent that is passed over would be none.
-                raise Unsupported("the engine tells no visitors apart, and knows no consent: its adapter is too old")
             self._note(client, client_id)
             if not self.takes_may_bind:
                 params = {name: value for name, value in params.items() if name != "may_bind"}

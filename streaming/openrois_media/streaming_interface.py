@@ -135,6 +135,9 @@ class StreamingInterface:
         visitors: the applications that send; None: those of this engine alone.
     """
 
+    takes_role: Final = True
+    """Visitors are told apart here, and their consent is kept to."""
+
     def __init__(
         self,
         engine_id: str,

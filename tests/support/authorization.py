@@ -73,6 +73,10 @@ class Watched:
     async def unsubscribe(self, subscribe_id: str) -> None:
         await self.robot.registry.unsubscribe(subscribe_id)
 
+    @property
+    def takes_role(self) -> bool:
+        return self.streams.takes_role
+
     def engines(self) -> frozenset[str]:
         return self.streams.engines()
 

@@ -93,6 +93,8 @@ class FakeStreams:
         self.may_answer = asyncio.Event()
         self.may_answer.set()
 
+    takes_role = True
+
     def engines(self) -> frozenset[str]:
         return frozenset({self.engine_id})
 

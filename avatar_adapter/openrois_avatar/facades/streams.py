@@ -152,8 +152,6 @@ class FacadeStreams:
         # Codecs are negotiated between the browser and the game engine.
         read_parameter(params.parameters, "encoding_parameters", EncodingParameters)
         direction = read_parameter(params.parameters, "transport_parameters", TransportParameters).direction
-        if params.role is not None:
-            raise Unsupported(f"{params.component_ref} takes nothing that visitors send, and relays none of it")
         if direction != "recvonly":
             raise Unsupported(f"{params.component_ref} has no streams of direction {direction!r}, only recvonly")
         if self._streamer() is None:

@@ -57,6 +57,7 @@ class Far:
 class FarExtension:
     def __init__(self, *engines: str, broken: bool = False) -> None:
         self.reach = frozenset(engines)
+        self.takes_role = False
         self.calls: list[tuple[str, str]] = []
         self.forgotten: list[str] = []
         self.broken = broken
@@ -319,6 +320,18 @@ class TestExtension:
         await engine.attach(Far(tree("a")))
         with pytest.raises(Unsupported):
             await engine.extension.call("x", params, Client("me", lambda _method, _params: None))
+
+    async def test_an_engine_that_tells_no_visitors_apart_is_asked_nothing_that_needs_it(self, engine: Engine) -> None:
+        far, client = Far(tree("a")), Client("me", lambda _method, _params: None)
+        far.extension = FarExtension("a")
+        await engine.attach(far)
+        params = {"component_ref": "a/camera", "role": "visitor"}
+        with pytest.raises(Unsupported, match="its adapter is too old"):
+            await engine.extension.call("x", params, client)
+        assert far.extension.calls == []
+        far.extension.takes_role = True
+        await engine.extension.call("x", params, client)
+        assert far.extension.calls == [("x", "me")]
 
     async def test_a_holder_is_notified_to_the_engine_of_the_component_also_without_streams(
         self, engine: Engine

@@ -9,7 +9,7 @@ import pytest
 
 from openrois.aio.tasks import TaskScope
 from openrois.contract import Client
-from openrois.errors import ComponentFailed, Unsupported
+from openrois.errors import ComponentFailed
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
 from openrois.remote import extension
 from openrois.remote.extension import EXTENSION_NOTIFICATIONS, RemoteExtension
@@ -97,16 +97,6 @@ async def test_whether_an_application_may_bind_is_said_to_those_that_want_to_kno
     other.extension.takes_may_bind = True
     await other.extension.call(CONNECT, {"may_bind": False}, ann)
     assert [params for _, params in other.asked] == [{"client_id": "ann"}, {"client_id": "ann", "may_bind": False}]
-
-
-async def test_an_engine_that_tells_no_visitors_apart_is_asked_nothing_that_needs_it(other: OtherSide) -> None:
-    ann = Heard().client("ann")
-    with pytest.raises(Unsupported, match="its adapter is too old"):
-        await other.extension.call(CONNECT, {"role": "visitor"}, ann)
-    assert other.asked == []
-    other.extension.takes_role = True
-    await other.extension.call(CONNECT, {"role": "visitor"}, ann)
-    assert [params for _, params in other.asked] == [{"client_id": "ann", "role": "visitor"}]
 
 
 @pytest.mark.parametrize("answer", [None, [], "OK", 5])
