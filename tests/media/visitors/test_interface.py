@@ -5,6 +5,9 @@ from collections.abc import AsyncIterator
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from openrois_media.stream_requests import TransportParameters, read_parameter
 from openrois_media.streaming_interface import Published, StreamingInterface
 from openrois_media.visitors.registry import VisitorRegistry
 from openrois_media.visitors.relay import MAX_RELAYED_CAMERAS
@@ -13,6 +16,8 @@ from openrois_streaming.peer import peer as peer_module
 from openrois.contract import Client
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
 from openrois.types.codes import Purpose
+from openrois.types.messages import Parameter
+from openrois.types.streams import MAX_PURPOSES
 from tests.media.test_streaming_interface import OK, Caller
 from tests.support.streaming import VirtualClock, settle
 from tests.support.viewing import FakeInlet, FedPublisher, WirelessConnection
@@ -109,6 +114,19 @@ async def test_what_is_no_consent_is_refused_before_anything_is_sent(
     with pytest.raises(BadParameter, match="consent"):
         await ann.send(AUDIO, consent)
     assert refs(stage) == []
+
+
+@given(st.recursive(st.none() | st.booleans() | st.text() | st.sampled_from(Purpose), st.lists, max_leaves=20))
+def test_whatever_is_stated_is_a_list_of_purposes_or_refused(stated: Any) -> None:
+    text = json.dumps({"consent": stated, "purposes": stated})
+    parameter = Parameter(name="transport_parameters", data_type_ref="string", value=text)
+    try:
+        read = read_parameter((parameter,), "transport_parameters", TransportParameters)
+    except BadParameter:
+        assert not (isinstance(stated, list) and len(stated) <= MAX_PURPOSES and set(map(str, stated)) <= set(Purpose))
+    else:
+        assert read.purposes == read.consent == tuple(stated)
+        assert set(stated) <= set(Purpose)
 
 
 async def test_a_visitor_whose_streams_have_ended_has_left(stage: Stage, ann: Application) -> None:

@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given, settings
 
 from openrois.aio.tasks import TaskScope
-from openrois.contract import ComponentBus, Event, SubscriptionLost
+from openrois.contract import Client, ComponentBus, Event, SubscriptionLost
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
+from openrois.errors import Unsupported
 from openrois.gateway.adapters import serve_adapter
 from openrois.remote.serve import serve_engine
 from openrois.session import change_notice
@@ -23,6 +24,7 @@ from tests.support.offers import CHANGES, Bus, attach, bodies, change, engine, o
 from tests.support.streams import Camera, FakeStreams
 
 PATIENCE = 30.0
+CONNECT = "rois.stream.connect_stream"
 
 
 @asynccontextmanager
@@ -86,6 +88,21 @@ async def test_all_that_its_profile_says_is_there() -> None:
         assert behind(outer, inner) == offered(inner)
         assert outer.engine.extension.engines() == {"eye"}
         assert outer.engine.tree.directory.profile.sub_profiles[0].identifier.authority == "OpenRoIS"
+
+
+async def test_the_role_of_an_application_reaches_engines_that_tell_visitors_apart_and_no_others() -> None:
+    inner, eye, former = Engine("inner"), FakeStreams("eye"), FakeStreams("former")
+    former.takes_role = False
+    for streams in (eye, former):
+        await inner.attach(LocalRegistry(streams.engine_id, [Camera()], extension=streams))
+    async with nested(inner) as (outer, _):
+        client = Client("ann", lambda _method, _params: None)
+        params = {"parameters": [], "role": "visitor"}
+        await outer.engine.extension.call(CONNECT, {**params, "component_ref": "eye/camera"}, client)
+        assert eye.calls[0][1]["role"] == "visitor"
+        with pytest.raises(Unsupported, match="its adapter is too old"):
+            await outer.engine.extension.call(CONNECT, {**params, "component_ref": "former/camera"}, client)
+        assert former.calls == []
 
 
 async def test_one_change_behind_it_is_one_read() -> None:
