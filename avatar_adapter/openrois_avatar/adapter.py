@@ -170,7 +170,6 @@ async def serve_scene(
         cap=cap,
         operator=scene.operator_control,
         speech=scene.speech_control,
-        visitors=visitors,
     )
     showing = streams.components[VIDEO]
     information, operator = SystemInformation(engine_id, scene.status, scene.place), Operator(microphone, camera)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from openrois_media.running import run, serve
     from openrois_media.streams import Stream
     from openrois_media.uplinks import AudioUplink, VideoUplink
+    from openrois_media.visitors.registry import VisitorRegistry
 
 __all__ = [
     "AudioSource",
@@ -44,6 +45,7 @@ __all__ = [
     "VideoSource",
     "VideoUplink",
     "Visitor",
+    "VisitorRegistry",
     "ffmpeg_input",
     "main",
     "opencv_camera",
@@ -67,6 +69,7 @@ _PLACES = {
     "VideoSource": "openrois_streaming.capture.video",
     "VideoUplink": "openrois_media.uplinks",
     "Visitor": "openrois_media.client.visitors",
+    "VisitorRegistry": "openrois_media.visitors.registry",
     "ffmpeg_input": "openrois_streaming.capture.devices",
     "main": "openrois_media.command",
     "opencv_camera": "openrois_streaming.capture.devices",

@@ -85,7 +85,6 @@ class AdapterStreams:
         encoders: limit on the encoders of all sources.
         operator: input of the operator; None: the body cannot be operated by hand.
         speech: speech as sound; None: the body speaks none.
-        visitors: the visitors whose uplinks are among the streams; None where there are no such uplinks.
 
     Attributes:
         components: the streaming components, by name.
@@ -111,7 +110,6 @@ class AdapterStreams:
         encoders: EncoderLimit | None = None,
         operator: OperatorInput | None = None,
         speech: SpeechInput | None = None,
-        visitors: VisitorRegistry | None = None,
     ) -> None:
         self._clock = clock or SystemClock()
         self._encoders = encoders or EncoderLimit()
@@ -120,7 +118,9 @@ class AdapterStreams:
         self.supervised: dict[str, Supervised] = {}
         _check_distinct(streams)
         published = {reference(engine_id, name): self._add(name, each) for name, each in streams.items()}
-        self.interface = StreamingInterface(engine_id, published, self._clock, network, cap, operator, speech, visitors)
+        self.interface = StreamingInterface(
+            engine_id, published, self._clock, network, cap, operator, speech, _visitors_of(streams)
+        )
         self._stack = AsyncExitStack()
 
     async def __aenter__(self) -> StreamingInterface:
@@ -194,6 +194,15 @@ def _check_distinct(streams: Mapping[str, Source | Stream]) -> None:
         if label in seen:
             raise ValueError(f"{label!r} is the label of two streams: give each its own")
         seen[label] = name
+
+
+def _visitors_of(streams: Mapping[str, Source | Stream]) -> VisitorRegistry | None:
+    """Return the visitors whose uplinks are among the streams; None where there are no such uplinks."""
+    uplinks = [each.uplink for each in streams.values() if isinstance(each, Stream)]
+    found = {uplink.visitors for uplink in uplinks if isinstance(uplink, VisitorUplink)}
+    if len(found) > 1:
+        raise ValueError("the streams take the visitors of several registries: make one VisitorRegistry for all")
+    return found.pop() if found else None
 
 
 def codecs_of(publisher: Publishing) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from openrois_media.components import AudioStreaming, VideoStreaming
 from openrois_media.running import run, serve
 from openrois_media.streams import AdapterStreams, Source, Stream
 from openrois_media.uplinks import AudioUplink, VideoUplink
+from openrois_media.visitors.registry import VisitorRegistry
 from openrois_streaming.capture.audio import AudioSource
 from openrois_streaming.capture.video import EncodedSource, Picture, VideoSource
 from openrois_streaming.publish.encoder_limit import EncoderLimit
@@ -105,6 +106,15 @@ def test_what_would_be_opened_or_counted_twice_is_refused() -> None:
         adapter(porch=Stream(camera(), label="front"), roof=Stream(camera(), label="front"))
     with pytest.raises(ValueError, match="'porch' is the label of two streams"):
         adapter(porch=camera(), roof=Stream(camera(), label="porch"))
+
+
+def test_visitors_of_several_registries_are_refused() -> None:
+    one, other = VisitorRegistry("robot"), VisitorRegistry("robot")
+    with pytest.raises(ValueError, match="make one VisitorRegistry for all"):
+        adapter(ears=Stream(uplink=one.microphones), eyes=Stream(uplink=other.cameras))
+    with pytest.raises(ValueError, match="right and left have one uplink: make one for each"):
+        adapter(left=Stream(uplink=one.microphones), right=Stream(uplink=one.microphones))
+    assert adapter(ears=Stream(uplink=one.microphones), eyes=Stream(uplink=one.cameras)).interface.visitors is one
 
 
 def test_a_name_that_no_reference_has_is_refused() -> None:

@@ -1,11 +1,11 @@
 """Visitors of one body: one for each application that sends, and a limit on their number."""
 
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 from openrois_signaling.messages import MediaKind
-from openrois_streaming.clock import MediaClock
+from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source.uplink_sink import UplinkSink
 
 from openrois.aio.listeners import Listeners
@@ -26,11 +26,12 @@ _KEPT: Final = frozenset({Purpose.RECOGNITION, Purpose.RECORDING})
 _DEVICES: Final[dict[MediaKind, str]] = {"video": "camera", "audio": "microphone"}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class VisitorUplink:
     """Uplink of a streaming component to which every visitor may send, each its own; made by `VisitorRegistry`."""
 
     kind: MediaKind
+    visitors: "VisitorRegistry" = field(repr=False)
 
 
 class VisitorRegistry:
@@ -41,7 +42,7 @@ class VisitorRegistry:
 
     Args:
         engine_id: part of every visitor_ref.
-        clock: the clock of the capture times.
+        clock: the clock of the capture times; this machine's unless given.
 
     Attributes:
         cameras: uplink of a component that takes the camera of every visitor.
@@ -50,12 +51,12 @@ class VisitorRegistry:
         withdrawn: called with a visitor and what it does not consent to any more; all of it when the visitor has left.
     """
 
-    def __init__(self, engine_id: str, clock: MediaClock) -> None:
-        self.cameras, self.microphones = VisitorUplink("video"), VisitorUplink("audio")
+    def __init__(self, engine_id: str, clock: MediaClock | None = None) -> None:
+        self.cameras, self.microphones = VisitorUplink("video", self), VisitorUplink("audio", self)
         self.changed: Listeners[Visitor] = Listeners()
         self.withdrawn: Listeners[Visitor, frozenset[Purpose]] = Listeners()
         self._engine_id = engine_id
-        self._clock = clock
+        self._clock = clock or SystemClock()
         self._visitors: dict[Client, Visitor] = {}
         """Every application that has sent and has not left since, in the order of their first streams."""
 

@@ -31,6 +31,23 @@ def pieces(one: Body, role: str) -> dict[str, Any]:
     return defined | {"Client": lambda: Client(one.url, token=token(role))}
 
 
+async def test_an_adapter_reads_a_visitor_for_what_it_is_for(body: Body) -> None:
+    defined, heard = pieces(body, "visitor"), asyncio.Event()
+    assert {name: stream.kind for name, stream in defined["streams"].items()} == {"ears": "audio", "eyes": "video"}
+    hear = defined["hear"]
+    hear.__globals__.update(understand=lambda _samples: heard.set())
+    async with body.application("visitor") as media:
+        sending = media.send(microphone=Tone(clock=SystemClock()), consent=[Purpose.LIVE])
+        async with sending as sent:
+            hearing = asyncio.ensure_future(hear(body.visitors.present[0]))
+            await sent.consent(Purpose.AGENT)
+            async with asyncio.timeout(30):
+                await heard.wait()
+            hearing.cancel()
+            with suppress(asyncio.CancelledError):
+                await hearing
+
+
 async def test_what_visits_is_understood_by_what_listens(body: Body) -> None:
     clock, understood = SystemClock(), asyncio.Event()
     visiting, listening = pieces(body, "visitor"), pieces(body, "listener")

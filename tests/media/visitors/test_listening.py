@@ -61,7 +61,7 @@ async def body(tmp_path: Path) -> AsyncIterator[Body]:
         "video_streaming": Stream(uplink=visitors.cameras),
         "audio_streaming": Stream(uplink=visitors.microphones),
     }
-    streams = AdapterStreams("robot", uplinks, clock=clock, visitors=visitors)
+    streams = AdapterStreams("robot", uplinks, clock=clock)
     attention = Attention(visitors, Microphone(clock, visitors), Camera(visitors), clock)
     with some_address():
         async with (
