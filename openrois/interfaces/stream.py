@@ -43,6 +43,7 @@ from openrois.types.streams import (
     HelloResult,
     ReportPlayoutParams,
     SetConsentParams,
+    SetConsentResult,
     StreamParams,
     StreamStatusResult,
     subject_of,
@@ -109,15 +110,15 @@ class _Streams:
         await _call(self.app, "rois.stream.report_playout", params.model_dump(mode="json"), ReturnResult)
         return ReturnResult()
 
-    async def set_consent(self, params: SetConsentParams) -> ReturnResult:
+    async def set_consent(self, params: SetConsentParams) -> SetConsentResult:
         self.app.extended = True
         _require_own(self.app, params.stream_id)
-        await _call(self.app, "rois.stream.set_consent", params.model_dump(mode="json"), ReturnResult)
+        result = await _call(self.app, "rois.stream.set_consent", params.model_dump(mode="json"), SetConsentResult)
         stated = f"{params.stream_id} {' '.join(params.consent)}"
         self.app.host.audit.acted(
             self.app.principal, "rois.stream.set_consent", self.app.streams.get(params.stream_id, ""), stated
         )
-        return ReturnResult()
+        return SetConsentResult(visitor_ref=result.visitor_ref)
 
 
 def _acting(verb: str) -> Callable[[_Streams, StreamParams], Awaitable[ReturnResult]]:
@@ -140,7 +141,7 @@ _VERBS: Final[Mapping[str, SharedMethod]] = {
 _METHODS: Final[Mapping[str, SharedMethod]] = {
     "openrois.hello": shared_operation(HelloParams, HelloResult, _Streams.say_hello),
     "rois.stream.report_playout": shared_operation(ReportPlayoutParams, ReturnResult, _Streams.report_playout),
-    "rois.stream.set_consent": shared_operation(SetConsentParams, ReturnResult, _Streams.set_consent),
+    "rois.stream.set_consent": shared_operation(SetConsentParams, SetConsentResult, _Streams.set_consent),
     **{name: reply_first(method) for name, method in _VERBS.items()},
 }
 

@@ -66,6 +66,7 @@ from openrois.types.streams import (
     HelloResult,
     ReportPlayoutParams,
     SetConsentParams,
+    SetConsentResult,
     StreamParams,
     StreamStatusNotification,
     StreamStatusResult,
@@ -154,7 +155,7 @@ METHODS: Final[tuple[MethodType, ...]] = (
     MethodType(
         "rois.stream.set_consent",
         SetConsentParams,
-        ReturnResult,
+        SetConsentResult,
         "Say all that what is sent here may be used for from now on.",
         "rois.stream",
     ),

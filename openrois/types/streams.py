@@ -26,6 +26,7 @@ __all__ = [
     "HolderNotification",
     "ReportPlayoutParams",
     "SetConsentParams",
+    "SetConsentResult",
     "StreamParams",
     "StreamStatusNotification",
     "StreamStatusResult",
@@ -108,6 +109,12 @@ class SetConsentParams(StreamParams):
     """Params of set_consent: all that the sender of the stream consents to from now on; the rest is withdrawn."""
 
     consent: Purposes
+
+
+class SetConsentResult(ReturnResult):
+    """Result of set_consent: the name of the visitor that the application is to others."""
+
+    visitor_ref: str = ""
 
 
 class ConnectStreamResult(ReturnResult):

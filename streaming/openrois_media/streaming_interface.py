@@ -215,7 +215,7 @@ class StreamingInterface:
                 session.report_playout(report.stream_id, report.milliseconds / 1000)
             case "rois.stream.set_consent":
                 stated = SetConsentParams.model_validate(params)
-                self.visitors.set_consent(client, stated.stream_id, frozenset(stated.consent))
+                return {"visitor_ref": self.visitors.set_consent(client, stated.stream_id, frozenset(stated.consent))}
             case _:
                 await self._signal(method, params, client)
         return {}

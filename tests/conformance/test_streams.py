@@ -139,7 +139,10 @@ class TestStreamMethods:
     ) -> None:
         method, stream_id = "rois.stream.set_consent", await stream_of(app)
         for consent in ([], ["live"], [str(each) for each in Purpose], ["live"] * MAX_PURPOSES):
-            assert await app.ask(method, stream_id=stream_id, consent=consent) == {"return_code": "OK"}
+            assert await app.ask(method, stream_id=stream_id, consent=consent) == {
+                "return_code": "OK",
+                "visitor_ref": "",
+            }
             assert robot.streams.calls[-1][:2] == (method, {"stream_id": stream_id, "consent": consent})
         assert await other.code(method, stream_id=stream_id, consent=["live"]) == "UNSUPPORTED"
         assert await app.code(method, stream_id="robot/nothing", consent=["live"]) == "UNSUPPORTED"

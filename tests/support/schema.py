@@ -122,7 +122,7 @@ RESULTS: dict[str, dict[str, Any]] = {
     "rois.stream.resume_stream": {},
     "rois.stream.query_stream_status": {"status": STREAM_STATUS},
     "rois.stream.report_playout": {},
-    "rois.stream.set_consent": {},
+    "rois.stream.set_consent": {"visitor_ref": str},
     "openrois.directory.list": {"engines": [ENGINE_ENTRY], "next": str, "count": int},
     "openrois.directory.read": {"engines": [ENGINE_ENTRY], "left": [str]},
     "openrois.directory.profiles": {"profiles": {"*": COMPONENT_PROFILE}, "left": [str]},

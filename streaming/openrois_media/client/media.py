@@ -95,6 +95,8 @@ class Sending:
     def __init__(self, streams: list[SentStream], client: Client) -> None:
         self.component_refs = tuple(stream.component_ref for stream in streams)
         self._streams = streams
+        self.visitor_ref = ""
+        """Name of the visitor that this application is to others; known once `consent` was called."""
         self._client = client
 
     @property
@@ -128,7 +130,8 @@ class Sending:
             stream.transport = _consenting(purposes)
             connected = connected or stream.state.stream_id
         if connected is not None:
-            await self._client.call("rois.stream.set_consent", stream_id=connected, consent=sorted(purposes))
+            told = await self._client.call("rois.stream.set_consent", stream_id=connected, consent=sorted(purposes))
+            self.visitor_ref = told.get("visitor_ref", "")
 
     async def finished(self) -> None:
         """Wait until every source has ended, such as one that plays a file.

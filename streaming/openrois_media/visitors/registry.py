@@ -132,8 +132,8 @@ class VisitorRegistry:
             visitor.state(UNSTATED)
         self.changed.notify_all(visitor)
 
-    def set_consent(self, client: Client, stream_id: str, consent: frozenset[Purpose]) -> None:
-        """State all that an application consents to from now on, by a stream that it sends.
+    def set_consent(self, client: Client, stream_id: str, consent: frozenset[Purpose]) -> str:
+        """State all that an application consents to from now on, by a stream that it sends; return its visitor_ref.
 
         Raises:
             Unsupported: it sends no such stream.
@@ -144,6 +144,7 @@ class VisitorRegistry:
         visitor.states_consent = True
         visitor.state(consent)
         self.changed.notify_all(visitor)
+        return visitor.visitor_ref
 
     def end_stream(self, client: Client, stream_id: str) -> None:
         """Forget a stream that has ended; one that is received is ignored."""

@@ -98,9 +98,10 @@ async def test_several_applications_send_to_one_component_each_as_a_visitor(stag
 
 async def test_consent_is_stated_anew_while_it_is_sent(stage: Stage, ann: Application) -> None:
     stream_id = await ann.send()
-    assert await ann.ask("rois.stream.set_consent", stream_id=stream_id, consent=["agent"]) == OK
+    told = {**OK, "visitor_ref": refs(stage)[0]}
+    assert await ann.ask("rois.stream.set_consent", stream_id=stream_id, consent=["agent"]) == told
     assert stage.visitors.present[0].consent.purposes == {Purpose.AGENT}
-    assert await ann.ask("rois.stream.set_consent", stream_id=stream_id, consent=[]) == OK
+    assert await ann.ask("rois.stream.set_consent", stream_id=stream_id, consent=[]) == told
     assert stage.visitors.present[0].consent.purposes == set()
     for wrong in (["everything"], "live", None, ["live"] * 17):
         with pytest.raises(BadParameter):

@@ -111,6 +111,7 @@ async def test_a_listener_hears_and_sees_a_visitor_that_consents_and_no_more_whe
             assert seen[0].data.shape == (120, 160, 3)
             assert (await visitor.camera.snapshot())[:2] == b"\xff\xd8"
             await sending.consent(LIVE)
+            assert sending.visitor_ref == visitor.visitor_ref
             await until(lambda: blocks.status is StreamStatus.STREAMING_NOT_CONNECTED)
             await until(lambda: "does not consent to agent" in blocks.problem + frames.problem)
             # Given again, it goes on by itself.

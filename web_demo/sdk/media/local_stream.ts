@@ -14,6 +14,7 @@ import type { EncodingLimits, StreamDescription, StreamOperations } from "./stre
 export class LocalStream extends ControlledStream {
   readonly #capture: Capture;
   readonly #operations: StreamOperations;
+  #visitorRef = "";
   /** Whether the engine has suspended it. */
   #held = false;
 
@@ -55,6 +56,11 @@ export class LocalStream extends ControlledStream {
     return super.expectsMedia && (this.outgoing !== null || this.direction === "sendrecv");
   }
 
+  /** The visitor that this application is to others, once it has said anew what it consents to; empty before. */
+  get visitorRef(): string {
+    return this.#visitorRef;
+  }
+
   /** All that it may be used for, as it was said last; null where nothing is said. */
   get consent(): readonly Purpose[] | null {
     return this.stated;
@@ -69,7 +75,9 @@ export class LocalStream extends ControlledStream {
   async setConsent(consent: readonly Purpose[]): Promise<void> {
     this.stated = [...consent];
     this.changed();
-    if (this.streamId !== null) await this.#operations.setConsent(this.streamId, this.stated);
+    if (this.streamId !== null) {
+      this.#visitorRef = await this.#operations.setConsent(this.streamId, this.stated);
+    }
   }
 
   /** The devices that could be used; before the user's consent browsers hide their names. */

@@ -147,7 +147,8 @@ export class MediaReceiver {
       connect: (stream) => this.#connect(stream),
       perform: (verb, streamId) => this.#perform(verb, streamId),
       setConsent: async (streamId, consent) => {
-        await this.#link.call("rois.stream.set_consent", { stream_id: streamId, consent: [...consent] });
+        const params = { stream_id: streamId, consent: [...consent] };
+        return (await this.#link.call("rois.stream.set_consent", params)).visitor_ref ?? "";
       },
       relocate: (stream) => this.#relocate(stream),
     };

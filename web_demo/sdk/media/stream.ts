@@ -39,7 +39,8 @@ export interface StreamOperations {
   ready(): boolean;
   connect(stream: ControlledStream): Promise<string>;
   perform(verb: Exclude<Verb, "connect">, streamId: string): Promise<void>;
-  setConsent(streamId: string, consent: readonly Purpose[]): Promise<void>;
+  /** Returns the visitor that this application is. */
+  setConsent(streamId: string, consent: readonly Purpose[]): Promise<string>;
   /** The stream has another id, or none: see where it is carried. */
   relocate(stream: ControlledStream): void;
 }

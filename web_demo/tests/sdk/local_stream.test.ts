@@ -88,7 +88,7 @@ afterEach(() => {
 
 describe("a local stream", () => {
   it("says what it may be used for before it sends, anew when that changes, and again when it is connected again", async () => {
-    gateway.on("rois.stream.set_consent", () => ({}));
+    gateway.on("rois.stream.set_consent", () => ({ visitor_ref: "urn:me" }));
     await microphone.setConsent(["live"]);
     expect(gateway.called("rois.stream.set_consent")).toEqual([]);
     await microphone.connect();
@@ -99,7 +99,7 @@ describe("a local stream", () => {
       { stream_id: id, consent: ["live", "agent"] },
       { stream_id: id, consent: [] },
     ]);
-    expect(microphone.consent).toEqual([]);
+    expect([microphone.consent, microphone.visitorRef]).toEqual([[], "urn:me"]);
     status("STREAMING_NOT_CONNECTED");
     await pass(1000);
     const stated = gateway

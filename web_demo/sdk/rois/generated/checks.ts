@@ -144,6 +144,11 @@ const isStreamStatusResult: Check = object({
   status: optional(isStreamStatus),
 });
 
+const isSetConsentResult: Check = object({
+  return_code: isReturnCode,
+  visitor_ref: optional(text),
+});
+
 const isComponentEntry: Check = object({
   component_ref: text,
   component_type: text,
@@ -406,7 +411,7 @@ export const RESULTS: { readonly [Name in MethodName]: Check } = {
   "rois.stream.resume_stream": isReturnResult,
   "rois.stream.query_stream_status": isStreamStatusResult,
   "rois.stream.report_playout": isReturnResult,
-  "rois.stream.set_consent": isReturnResult,
+  "rois.stream.set_consent": isSetConsentResult,
   "openrois.directory.list": isDirectoryListResult,
   "openrois.directory.read": isDirectoryReadResult,
   "openrois.directory.profiles": isDirectoryProfilesResult,

@@ -56,6 +56,7 @@ import type {
   ReturnResult,
   SearchResult,
   SetConsentParams,
+  SetConsentResult,
   SetParameterParams,
   SetParameterResult,
   StopAllParams,
@@ -120,7 +121,7 @@ export interface Methods {
   /** Say how long what arrives of a stream waits here until it is played. */
   readonly "rois.stream.report_playout": { params: ReportPlayoutParams; result: ReturnResult };
   /** Say all that what is sent here may be used for from now on. */
-  readonly "rois.stream.set_consent": { params: SetConsentParams; result: ReturnResult };
+  readonly "rois.stream.set_consent": { params: SetConsentParams; result: SetConsentResult };
   /** Ask which engines there are, page by page. */
   readonly "openrois.directory.list": { params: DirectoryListParams; result: DirectoryListResult };
   /** Ask for some engines. */

@@ -611,6 +611,12 @@ export interface SetConsentParams {
   readonly consent: readonly Purpose[];
 }
 
+/** Result of set_consent: the name of the visitor that the application is to others. */
+export interface SetConsentResult {
+  readonly return_code: ReturnCode;
+  readonly visitor_ref?: string;
+}
+
 /** Params of set_parameter: several parameters are one change. */
 export interface SetParameterParams {
   readonly component_ref: string;

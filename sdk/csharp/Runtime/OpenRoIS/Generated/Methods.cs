@@ -77,8 +77,8 @@ namespace OpenRoIS
         public static readonly Method<ReportPlayoutParams, ReturnResult> StreamReportPlayout =
             new Method<ReportPlayoutParams, ReturnResult>("rois.stream.report_playout");
         /// <summary>Say all that what is sent here may be used for from now on.</summary>
-        public static readonly Method<SetConsentParams, ReturnResult> StreamSetConsent =
-            new Method<SetConsentParams, ReturnResult>("rois.stream.set_consent");
+        public static readonly Method<SetConsentParams, SetConsentResult> StreamSetConsent =
+            new Method<SetConsentParams, SetConsentResult>("rois.stream.set_consent");
         /// <summary>Ask which engines there are, page by page.</summary>
         public static readonly Method<DirectoryListParams, DirectoryListResult> DirectoryList =
             new Method<DirectoryListParams, DirectoryListResult>("openrois.directory.list");

@@ -1208,6 +1208,16 @@ namespace OpenRoIS
         public List<Purpose> Consent { get; set; } = new List<Purpose>();
     }
 
+    /// <summary>Result of set_consent: the name of the visitor that the application is to others.</summary>
+    public sealed class SetConsentResult : IOutcome
+    {
+        [JsonProperty("return_code", Required = Required.Always)]
+        public ReturnCode ReturnCode { get; set; }
+
+        [JsonProperty("visitor_ref")]
+        public string VisitorRef { get; set; } = "";
+    }
+
     /// <summary>Params of set_parameter: several parameters are one change.</summary>
     public sealed class SetParameterParams
     {
