@@ -29,3 +29,12 @@ export function consentWords(purposes: readonly Purpose[]): string {
   if (last === undefined) return "Nothing that you send is used.";
   return `You may be ${words.length > 0 ? `${words.join(", ")} and ${last}` : last}.`;
 }
+
+/**
+ * Whether an event tells of this page: senses follow one visitor, which may be another one.
+ *
+ * @param visitorRef the visitor that the page is; empty while that is not known
+ */
+export function isOwn(told: { readonly visitor_ref?: string }, visitorRef: string): boolean {
+  return told.visitor_ref === undefined || visitorRef === "" || told.visitor_ref === visitorRef;
+}

@@ -89,9 +89,11 @@ export interface Seen {
   readonly box: readonly string[];
   readonly name: readonly string[];
   readonly gesture_ref: readonly string[];
+  /** Whose camera it is, where visitors are told apart. */
+  readonly visitor_ref?: string;
 }
 
-/** What the avatar sees of its operator. */
+/** What the avatar sees of the visitor that it attends to. */
 export class Sight extends RoISCommon {
   static readonly componentType = `${URN}Sight`;
   readonly seen = this.event<Seen>("seen", {
@@ -99,6 +101,7 @@ export class Sight extends RoISCommon {
     box: "string[]",
     name: "string[]",
     gesture_ref: "string[]",
+    visitor_ref: "string?",
   });
 }
 
@@ -143,10 +146,11 @@ export class Viewpoint extends RoISCommon {
 /** Speech that the avatar has understood. */
 export class Hearing extends RoISCommon {
   static readonly componentType = `${URN}Hearing`;
-  readonly heard = this.event<{ readonly text: string; readonly final: boolean }>("heard", {
-    text: "string",
-    final: "bool",
-  });
+  readonly heard = this.event<{
+    readonly text: string;
+    readonly final: boolean;
+    readonly visitor_ref?: string;
+  }>("heard", { text: "string", final: "bool", visitor_ref: "string?" });
 
   recognizer(): Promise<Recognizer> {
     return this.query<Recognizer>("recognizer", { sent_to: "string", allowed: "bool" });
@@ -156,8 +160,9 @@ export class Hearing extends RoISCommon {
 /** What the avatar receives of its operator: levels of the microphone. */
 export class Operator extends RoISCommon {
   static readonly componentType = `${URN}Operator`;
-  readonly microphoneLevel = this.event<{ readonly rms: number; readonly peak: number }>("microphone_level", {
-    rms: "double",
-    peak: "double",
-  });
+  readonly microphoneLevel = this.event<{
+    readonly rms: number;
+    readonly peak: number;
+    readonly visitor_ref?: string;
+  }>("microphone_level", { rms: "double", peak: "double", visitor_ref: "string?" });
 }

@@ -27,6 +27,8 @@ export class OperatorCard {
   #streams: readonly LocalStream[] = [];
   /** Whether that body keeps to what is consented to; others are told nothing. */
   #asksConsent = false;
+  /** The connection of each stream that was told last. */
+  readonly #told = new Map<LocalStream, string | null>();
   #barred = "";
   /** Components that accept streams of applications. */
   readonly #accepting = new Set<string>();
@@ -81,6 +83,11 @@ export class OperatorCard {
     this.#consent.element.hidden = !this.#asksConsent;
     this.#streams = [microphone, camera].filter((stream) => stream !== null);
     this.#stateConsent();
+    for (const stream of this.#streams) {
+      if (this.#told.has(stream)) continue;
+      this.#told.set(stream, null);
+      stream.on("change", () => this.#connected(stream));
+    }
     this.#microphone.watch(microphone);
     this.#camera.watch(camera);
     this.#element.hidden = microphone === null && camera === null;
@@ -113,6 +120,18 @@ export class OperatorCard {
       // A body that cannot be told now is told when the stream is connected again.
       stream.setConsent(this.#consent.purposes).catch(() => undefined);
     }
+  }
+
+  /** Learns which visitor this page is, once it sends something. */
+  #connected(stream: LocalStream): void {
+    const { streamId } = stream;
+    if (!this.#asksConsent || streamId === this.#told.get(stream)) return;
+    this.#told.set(stream, streamId);
+    if (streamId === null) return;
+    const learn = (): void => {
+      this.#hearing.visitorRef = this.#sight.visitorRef = stream.visitorRef;
+    };
+    stream.setConsent(this.#consent.purposes).then(learn, () => undefined);
   }
 
   #bar(): void {

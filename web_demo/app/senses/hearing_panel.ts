@@ -10,12 +10,15 @@ import { Hearing, Operator, SpeechProgress } from "../model/own_components.ts";
 import { sentToWords } from "../model/sent_to.ts";
 import { Switch } from "./switch.ts";
 import { Wanted } from "./wanted.ts";
+import { isOwn } from "../model/consent.ts";
 
 /** So many sentences are kept in view. */
 const KEPT = 3;
 const BUSY = "Another visitor uses it now";
 
 export class HearingPanel {
+  /** The visitor that this page is; empty while that is not known. */
+  visitorRef = "";
   readonly element = make("div", { class: "sense" });
   readonly #client: Client;
   readonly #onChange: () => void;
@@ -64,14 +67,22 @@ export class HearingPanel {
       const component = operator === null ? null : new Operator(this.#client, operator);
       this.#operator = component;
       this.#level.from(
-        component && (() => component.microphoneLevel.subscribe((level) => this.#there.show(level))),
+        component &&
+          (() =>
+            component.microphoneLevel.subscribe((level) => {
+              if (isOwn(level, this.visitorRef)) this.#there.show(level);
+            })),
       );
     }
     if (hearing !== (this.#hearing?.componentRef ?? null)) {
       const component = hearing === null ? null : new Hearing(this.#client, hearing);
       this.#hearing = component;
       this.#heard.from(
-        component && (() => component.heard.subscribe(({ text, final }) => this.#addHeard(text, final))),
+        component &&
+          (() =>
+            component.heard.subscribe((heard) => {
+              if (isOwn(heard, this.visitorRef)) this.#addHeard(heard.text, heard.final);
+            })),
       );
       void this.#askRecognizer(component);
     }

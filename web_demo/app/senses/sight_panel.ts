@@ -9,6 +9,7 @@ import { Faces, inMirror } from "./boxes.ts";
 import type { Box, Face } from "./boxes.ts";
 import { Switch } from "./switch.ts";
 import { Wanted } from "./wanted.ts";
+import { isOwn } from "../model/consent.ts";
 
 /** Milliseconds after which faces without a new event are removed. */
 const FRESH = 1500;
@@ -19,6 +20,8 @@ const KEPT =
   "A face is kept in the memory of the body's adapter and nowhere else, and is gone when that ends.";
 
 export class SightPanel {
+  /** The visitor that this page is; empty while that is not known. */
+  visitorRef = "";
   readonly element = make("div", { class: "sense" });
   readonly #client: Client;
   readonly #onChange: () => void;
@@ -76,7 +79,10 @@ export class SightPanel {
       this.#sight = component;
       this.#seen.from(
         component &&
-          (() => component.seen.subscribe((seen) => this.#show(this.#faces.see(seen, performance.now())))),
+          (() =>
+            component.seen.subscribe((seen) => {
+              if (isOwn(seen, this.visitorRef)) this.#show(this.#faces.see(seen, performance.now()));
+            })),
       );
     }
     if (enrolment !== (this.#enrolment?.componentRef ?? null))

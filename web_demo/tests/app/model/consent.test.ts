@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { AT_FIRST, PURPOSE_WORDS, consentWords } from "../../../app/model/consent.ts";
+import { AT_FIRST, PURPOSE_WORDS, consentWords, isOwn } from "../../../app/model/consent.ts";
 import { Purpose } from "../../../sdk/index.ts";
 
 it("has words for every purpose", () => {
@@ -19,4 +19,10 @@ it("says all that holds, and that nothing does", () => {
     "You may be heard and seen live, recognised and recorded.",
   );
   expect(consentWords([])).toBe("Nothing that you send is used.");
+});
+
+it("knows what is told of this page, and of another visitor", () => {
+  expect(isOwn({ visitor_ref: "urn:me" }, "urn:me")).toBe(true);
+  expect(isOwn({ visitor_ref: "urn:other" }, "urn:me")).toBe(false);
+  expect([isOwn({}, "urn:me"), isOwn({ visitor_ref: "urn:other" }, "")]).toEqual([true, true]);
 });
