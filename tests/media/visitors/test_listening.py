@@ -1,6 +1,7 @@
 """A visitor sends to a body over WebRTC, and a listener receives it from there, as far as the visitor consents."""
 
 import asyncio
+import itertools
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -10,15 +11,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 from openrois_body.attention.attention import Attention
+from openrois_body.attention.rule import LOUDEST
 from openrois_body.components.visitors import Visitors
 from openrois_media import Media, Stream
 from openrois_media.devices import Camera, Microphone
 from openrois_media.streams import AdapterStreams
 from openrois_media.visitors.registry import VisitorRegistry
 from openrois_streaming.clock import SystemClock
+from openrois_streaming.source.source import RawAudio
 from openrois_streaming.synthetic import ColourBars, Tone
 
 from openrois import adapter
+from openrois.aio.tasks import TaskScope
 from openrois.client import BadParameter, Client, Unsupported
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
@@ -43,7 +47,8 @@ class Body:
 
     url: str
     visitors: VisitorRegistry
-    streams: AdapterStreams
+    microphone: Microphone
+    attention: Attention
 
     @asynccontextmanager
     async def application(self, role: str) -> AsyncIterator[Media]:
@@ -62,9 +67,11 @@ async def body(tmp_path: Path) -> AsyncIterator[Body]:
         "audio_streaming": Stream(uplink=visitors.microphones),
     }
     streams = AdapterStreams("robot", uplinks, clock=clock)
-    attention = Attention(visitors, Microphone(clock, visitors), Camera(visitors), clock)
+    microphone = Microphone(clock, visitors)
+    attention = Attention(visitors, microphone, Camera(visitors), clock)
     with some_address():
         async with (
+            TaskScope() as tasks,
             run_gateway(settings) as gateway,
             adapter.serve(
                 *streams.components.values(),
@@ -77,7 +84,9 @@ async def body(tmp_path: Path) -> AsyncIterator[Body]:
             ),
         ):
             await until(lambda: gateway.engine.components)
-            yield Body(gateway.url.replace("http", "ws", 1), visitors, streams)
+            tasks.start(microphone.listen())
+            tasks.start(attention.run())
+            yield Body(gateway.url.replace("http", "ws", 1), visitors, microphone, attention)
 
 
 async def until(so: Callable[[], object]) -> None:
@@ -85,6 +94,44 @@ async def until(so: Callable[[], object]) -> None:
     async with asyncio.timeout(PATIENCE):
         while not so():  # noqa: ASYNC110 - see above
             await asyncio.sleep(0.01)
+
+
+class Noise:
+    """Noise of one loudness without a break, in blocks of 20 ms."""
+
+    def __init__(self, level: int) -> None:
+        self._block = np.random.default_rng(1).integers(-level, level, (960, 1), np.int16)
+
+    @asynccontextmanager
+    async def open(self) -> AsyncIterator[AsyncIterator[RawAudio]]:
+        yield self._blocks()
+
+    async def _blocks(self) -> AsyncIterator[RawAudio]:
+        clock = SystemClock()
+        began = clock.now()
+        for number in itertools.count():
+            await clock.sleep_until(began + number * 0.02)
+            yield RawAudio(self._block, began + number * 0.02)
+
+
+async def test_of_two_visitors_the_loudest_is_heard(body: Body) -> None:
+    heard: list[RawAudio] = []
+    body.microphone.sound_received.add(heard.append)
+    body.attention.set_mode(LOUDEST)
+    async with (
+        body.application("visitor") as quiet,
+        quiet.send(microphone=Noise(40), consent=[LIVE]),
+        body.application("visitor") as loud,
+        loud.send(microphone=Noise(12_000), consent=[LIVE]),
+    ):
+        await until(lambda: len(body.visitors.present) == 2)
+        first, second = (each.visitor_ref for each in body.visitors.present)
+        await until(lambda: heard)
+        assert heard[0].sender == first
+        await until(lambda: body.attention.attended == second)
+        await until(lambda: heard[-1].sender == second)
+        changed_at = next(place for place, each in enumerate(heard) if each.sender == second)
+        assert {each.sender for each in heard[changed_at:]} == {second}
 
 
 async def test_a_listener_hears_and_sees_a_visitor_that_consents_and_no_more_when_it_withdraws(body: Body) -> None:
