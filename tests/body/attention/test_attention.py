@@ -22,6 +22,7 @@ from openrois.errors import BadParameter
 from openrois.types.codes import Purpose
 from openrois.types.messages import Argument
 from tests.media.visitors.test_visitor import BOTH, LIVE, Sender, block
+from tests.support.loopback import PATIENCE
 from tests.support.streaming import FedSource, VirtualClock, settle
 
 LOUD, QUIET = 16_000, 30
@@ -178,9 +179,13 @@ async def test_the_nearest_face_is_attended_to_by_one_picture_a_second(place: Pl
     for _ in range(seconds * 5):
         for name, brightness in (("ann", 50), ("bob", 200)):
             if cameras[name].is_open:
+                before = place.finder.looked
                 await cameras[name].feed(picture(brightness, place.clock.now()))
-        # The finder runs in a thread.
-        await asyncio.to_thread(lambda: None)
+                # The finder runs in a thread.
+                async with asyncio.timeout(PATIENCE):
+                    while place.finder.looked == before:  # noqa: ASYNC110 - see above
+                        await asyncio.sleep(0.001)
+                await settle()
         await place.clock.advance(0.2)
     assert place.attention.attended == place.ref("bob")
     assert place.camera.inlet.stream_id == place.ref("bob")
