@@ -229,7 +229,7 @@ class _Pieces:
     def finish(self) -> None:
         """Send the rest."""
         self._sound.append(self._resampler.finish())
-        self._words += self._finder.finish()
+        self._words += self._finder.find_last()
         self._put(inf, last=True)
 
     def _put(self, until_ms: float, *, last: bool) -> None:

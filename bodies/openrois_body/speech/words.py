@@ -55,7 +55,7 @@ class WordFinder:
             self._reported = place
         return found
 
-    def finish(self) -> list[Place]:
+    def find_last(self) -> list[Place]:
         """Return the last word, if there is one: the report has ended."""
         return self._find(None)
 

@@ -20,12 +20,12 @@ from openrois_streaming.source.av_frames import FrameFormat
 from openrois_streaming.source.source import SAMPLE_RATE, MediaSource, RawAudio, RawVideo
 
 from openrois.aio.tasks import TaskScope
-from openrois.catalog.component_type import ComponentType
-from openrois.client import BadParameter, Client, ComponentProxy, Unsupported
-from openrois.client.components import AudioStreaming, VideoStreaming
-from openrois.types.codes import ComponentFunction, Purpose, StreamStatus
+from openrois.client import Client, ComponentProxy
+from openrois.types.codes import Purpose, StreamStatus
 from openrois.types.references import engine_of
+from openrois_media.client.destinations import STREAMING_TYPES, find_carrier, find_speaker, find_uplink
 from openrois_media.client.readers import Block, Frame, StreamReader, block_of, frame_of
+from openrois_media.client.sending import Sending, consenting
 from openrois_media.client.speaking import Speaking
 from openrois_media.client.stream import (
     AUDIO_BLOCKS,
@@ -39,7 +39,7 @@ from openrois_media.client.stream_state import Desire
 from openrois_media.client.streams import Streams
 from openrois_media.client.visitors import Visitor, VisitorCamera, VisitorDevice, VisitorMicrophone, read_visitors
 
-__all__ = ["Media", "Sending"]
+__all__ = ["Media"]
 
 CONNECT_TIMEOUT: Final = 10.0
 """Default seconds that connecting a stream, or taking a snapshot, may take."""
@@ -47,19 +47,6 @@ CONNECT_TIMEOUT: Final = 10.0
 SNAPSHOT_AGE: Final = 1.0
 """Seconds that may have passed since a snapshot was captured."""
 
-_TYPES: Final[dict[MediaKind, type[VideoStreaming] | type[AudioStreaming]]] = {
-    "video": VideoStreaming,
-    "audio": AudioStreaming,
-}
-SPEECH_STREAM: Final = ComponentType(
-    "SpeechStream",
-    "speech_stream",
-    "The body speaks sound that an application sends.",
-    "",
-    ComponentFunction.ACTUATION,
-    authority="OpenRoIS",
-)
-"""The type of components that speak by sound."""
 _METHODS: Final[dict[MediaKind, str]] = {"video": "frames", "audio": "blocks"}
 
 T = TypeVar("T")
@@ -83,72 +70,6 @@ class _Shared:
         desire = Desire.RUNNING if runs or not self.readers else Desire.SUSPENDED
         if desire is not self.stream.state.desire:
             self.stream.want(desire)
-
-
-class Sending:
-    """What an application sends, inside its `async with` block.
-
-    Attributes:
-        component_refs: the components that it is sent to.
-    """
-
-    def __init__(self, streams: list[SentStream], client: Client) -> None:
-        self.component_refs = tuple(stream.component_ref for stream in streams)
-        self._streams = streams
-        self.visitor_ref = ""
-        """Name of the visitor that this application is to others; known once `consent` was called."""
-        self._client = client
-
-    @property
-    def status(self) -> dict[str, StreamStatus | None]:
-        """Status of each stream by its component; None without a connection to the gateway."""
-        return {stream.component_ref: stream.state.status for stream in self._streams}
-
-    @property
-    def problem(self) -> str:
-        """What keeps a stream from running, in a sentence; it is tried again. Empty for nothing."""
-        return next((each.problem for each in self._streams if each.problem), "")
-
-    async def suspend(self) -> None:
-        """Stop reading the sources, and sending, until `resume`."""
-        await self._want(Desire.SUSPENDED)
-
-    async def resume(self) -> None:
-        """Go on."""
-        await self._want(Desire.RUNNING)
-
-    async def consent(self, *purposes: Purpose) -> None:
-        """Consent to these purposes, and to no other, from now on; without any everything is withdrawn.
-
-        It holds for all that this application sends to the body, also after it was connected again.
-
-        Raises:
-            RoISError: the engine refuses.
-        """
-        connected = None
-        for stream in self._streams:
-            stream.transport = _consenting(purposes)
-            connected = connected or stream.state.stream_id
-        if connected is not None:
-            told = await self._client.call("rois.stream.set_consent", stream_id=connected, consent=sorted(purposes))
-            self.visitor_ref = told.get("visitor_ref", "")
-
-    async def finished(self) -> None:
-        """Wait until every source has ended, such as one that plays a file.
-
-        Raises:
-            Exception: what a source has raised.
-        """
-        for stream in self._streams:
-            await stream.news.until(lambda stream=stream: stream.ended)  # type: ignore[misc]
-            if stream.failure is not None:
-                raise stream.failure
-
-    async def _want(self, desire: Desire) -> None:
-        for stream in self._streams:
-            stream.want(desire)
-        for stream in self._streams:
-            await stream.settled()
 
 
 class Media:
@@ -300,7 +221,7 @@ class Media:
         engine_id = engine_of(text) or text
         present = await read_visitors(self._client, engine_id)
         uplinks: dict[MediaKind, str] = (
-            {kind: await self._destination(kind, engine_id) for kind in ("audio", "video")} if present else {}
+            {kind: await find_uplink(self._client, kind, engine_id) for kind in ("audio", "video")} if present else {}
         )
         return tuple(
             Visitor(
@@ -348,9 +269,9 @@ class Media:
         for name, source in (("camera", camera), ("microphone", microphone)):
             if source is not None and not is_source(source):
                 raise TypeError(f"{name} is a {type(source).__name__} and no source: {source_remedy(source)}")
-        stated = NOTHING_MORE if consent is None else _consenting(consent)
+        stated = NOTHING_MORE if consent is None else consenting(consent)
         sent = [
-            SentStream(await self._destination(kind, to), kind, source, streams, self._clock, stated)
+            SentStream(await find_uplink(self._client, kind, to), kind, source, streams, self._clock, stated)
             for kind, source in sources.items()
             if source is not None
         ]
@@ -398,8 +319,8 @@ class Media:
             raise ValueError(
                 f"{format!r} at {rate!r} Hz is not possible: use pcm16 at 16000, 24000 or 48000, or opus at 48000"
             )
-        speaker = await self._speaker(to)
-        carrier = CarrierStream(*await self._carrier_of(speaker.component_ref), streams, self._clock)
+        speaker = await find_speaker(self._client, to)
+        carrier = CarrierStream(*await find_carrier(self._client, speaker.component_ref), streams, self._clock)
         async with AsyncExitStack() as stack:
             await stack.enter_async_context(speaker.bound())
             streams.add(carrier)
@@ -422,29 +343,6 @@ class Media:
                 await speaking.finish_all()
             finally:
                 speaking.close()
-
-    async def _speaker(self, to: str | ComponentProxy | None) -> ComponentProxy:
-        """Return the component that speaks by sound."""
-        ref = None if to is None else to if isinstance(to, str) else to.component_ref
-        known = await self._client.find_all(SPEECH_STREAM)
-        found = [each for each in known if ref is None or engine_of(each.component_ref) in (ref, engine_of(ref))]
-        if not found:
-            raise Unsupported(
-                f"no component{'' if ref is None else f' of {ref}'} speaks by sound: it has no SpeechStream"
-            )
-        if len(found) > 1:
-            names = ", ".join(each.component_ref for each in found)
-            raise BadParameter(f"several components speak by sound, say which: {names}")
-        return found[0]
-
-    async def _carrier_of(self, component_ref: str) -> tuple[str, MediaKind]:
-        """Return a streaming component of the same body, and its kind: sound rather than pictures."""
-        kinds: tuple[MediaKind, ...] = ("audio", "video")
-        for kind in kinds:
-            for each in await self._client.find_all(_TYPES[kind]):
-                if engine_of(each.component_ref) == engine_of(component_ref):
-                    return each.component_ref, kind
-        raise Unsupported(f"the body of {component_ref} streams nothing, so there is no way to it")
 
     @asynccontextmanager
     async def _reading(
@@ -509,25 +407,10 @@ class Media:
         if any(key[:2] == (component_ref, kind) for key in self._shared):
             return component_ref
         urn = (await self._client.component(component_ref).profile()).component_type
-        for other, proxy in _TYPES.items():
+        for other, proxy in STREAMING_TYPES.items():
             if other != kind and proxy.component_type is not None and urn == proxy.component_type.urn:
                 raise ValueError(f"{component_ref} has {other}, not {kind}: use media.{_METHODS[other]}")
         return component_ref
-
-    async def _destination(self, kind: MediaKind, to: str | ComponentProxy | None) -> str:
-        """Return the component that takes what an application sends."""
-        known = await self._client.find_all(_TYPES[kind])
-        if to is not None:
-            ref = to if isinstance(to, str) else to.component_ref
-            exact = [each for each in known if each.component_ref == ref]
-            known = exact or [each for each in known if engine_of(each.component_ref) == (engine_of(ref) or ref)]
-        taking = [each.component_ref for each in known if await _takes(each)]
-        where = "" if to is None else f" of {to if isinstance(to, str) else to.component_ref}"
-        if not taking:
-            raise Unsupported(f"no component{where} takes the {kind} of an application")
-        if len(taking) > 1:
-            raise BadParameter(f"several components take the {kind} of an application, say which: {', '.join(taking)}")
-        return taking[0]
 
 
 async def _opened(carrier: CarrierStream, timeout: float) -> None:
@@ -545,23 +428,6 @@ async def _established(stream: ClientStream, timeout: float) -> None:
             await stream.established()
     except TimeoutError:
         raise TimeoutError(f"the stream of {stream.component_ref} is not connected within {timeout:g} s") from None
-
-
-async def _takes(component: ComponentProxy) -> bool:
-    """Tell whether a component says that applications may send to it."""
-    parameters = await component.client.get_parameter(component.component_ref)
-    text = next((each.value for each in parameters if each.name == "available_transports"), "")
-    try:
-        transports = json.loads(text) if text else {}
-        directions = transports.get("direction", [])
-    except (ValueError, AttributeError):
-        return False
-    return "sendonly" in directions
-
-
-def _consenting(purposes: Collection[Purpose]) -> Mapping[str, Any]:
-    """Return the member of `transport_parameters` that states consent."""
-    return {"consent": sorted(purposes)}
 
 
 def _as_it_is(picture: Any) -> Any:

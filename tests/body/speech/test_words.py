@@ -12,7 +12,7 @@ def plain(text: str) -> list[tuple[int, int]]:
 def words(reported: list[Place], text: str, origins: list[tuple[int, int]]) -> list[Place]:
     finder = WordFinder(text, origins)
     found = [word for place in reported for word in finder.add([place])]
-    return found + finder.finish()
+    return found + finder.find_last()
 
 
 def told(text: str, *places: tuple[float, int, int]) -> list[tuple[float, str]]:
@@ -59,7 +59,7 @@ def test_a_word_is_found_when_the_next_one_is_told() -> None:
     assert finder.add([Place(200, 1, 1)]) == []
     assert finder.add([Place(400, 3, 3)]) == [Place(200, 1, 1)]
     assert finder.pending_ms == 400
-    assert finder.finish() == [Place(400, 3, 3)]
+    assert finder.find_last() == [Place(400, 3, 3)]
     assert finder.pending_ms == inf
 
 
