@@ -30,7 +30,8 @@ class MicrophoneResult(Payload):
 class RecognizerResult(Payload):
     """Where the sound of speech is sent to be recognised, as `https://host`; empty where it stays with the adapter.
 
-    It is sent only while `allowed`: the person who speaks has agreed, or it stays with the adapter.
+    It is sent only while `allowed`: those who speak have agreed, or it stays with the adapter. A visitor's is sent only
+    where that one consents to it, too.
     """
 
     sent_to: str

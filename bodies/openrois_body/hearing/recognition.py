@@ -135,8 +135,8 @@ class Recognition:
 
     @property
     def withheld(self) -> str:
-        """Why the sound of this moment is not sent to the recogniser, a sentence; empty if it is."""
-        if self._may_send() and (not self.destination or self._admits(self._speech.sender, self._clock.now())):
+        """Why the sound of this moment is not sent to the recogniser, a sentence; empty if that rests on its sender."""
+        if self._may_send():
             return ""
         return f"the person who speaks has not agreed that the sound is sent to {self.destination or 'a recogniser'}"
 

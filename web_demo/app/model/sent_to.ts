@@ -3,14 +3,18 @@
 export interface Recognizer {
   /** Where sound is sent to be recognised, as `https://host`; empty where it stays with the body. */
   readonly sent_to: string;
-  /** Whether it is sent there now: the person who speaks has agreed, or it stays with the body. */
+  /** Whether it may be sent there: of a visitor, where that one agrees, too. */
   readonly allowed: boolean;
 }
 
-/** Returns a sentence for the person who speaks; nothing where the sound stays with the body. */
-export function sentToWords(recognizer: Recognizer | null): string {
+/**
+ * Returns a sentence for the person who speaks; nothing where the sound stays with the body.
+ *
+ * @param agrees whether that person agrees to another machine, as far as the body asks for that
+ */
+export function sentToWords(recognizer: Recognizer | null, agrees: boolean): string {
   if (recognizer === null || recognizer.sent_to === "") return "";
-  return recognizer.allowed
+  return recognizer.allowed && agrees
     ? `To be written down, what you say is sent to ${recognizer.sent_to}.`
     : `Nothing is written down: what you say would be sent to ${recognizer.sent_to}, and you have not agreed to that.`;
 }

@@ -115,6 +115,7 @@ export class OperatorCard {
   /** Says to the body what is consented to, from now on and whenever something is sent. */
   #stateConsent(): void {
     this.#bar();
+    this.#hearing.agrees = !this.#asksConsent || this.#consent.purposes.includes("transfer");
     if (!this.#asksConsent) return;
     for (const stream of this.#streams) {
       // A body that cannot be told now is told when the stream is connected again.

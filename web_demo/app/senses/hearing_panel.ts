@@ -8,6 +8,7 @@ import { describeFailure } from "../model/outcome.ts";
 import { sentence } from "../model/plain_words.ts";
 import { Hearing, Operator, SpeechProgress } from "../model/own_components.ts";
 import { sentToWords } from "../model/sent_to.ts";
+import type { Recognizer } from "../model/sent_to.ts";
 import { Switch } from "./switch.ts";
 import { Wanted } from "./wanted.ts";
 import { isOwn } from "../model/consent.ts";
@@ -35,6 +36,8 @@ export class HearingPanel {
   #operator: Operator | null = null;
   #hearing: Hearing | null = null;
   #progress: SpeechProgress | null = null;
+  #recognizer: Recognizer | null = null;
+  #agrees = true;
   #track: MediaStreamTrack | null = null;
   #sentences: readonly string[] = [];
 
@@ -54,6 +57,12 @@ export class HearingPanel {
       this.#words,
     );
     this.#update();
+  }
+
+  /** Whether the sound may go to another machine, as far as the body asks for that. */
+  set agrees(agrees: boolean) {
+    this.#agrees = agrees;
+    this.#showSentTo();
   }
 
   /** Whether the avatar writes down for this page what it hears. */
@@ -135,7 +144,13 @@ export class HearingPanel {
   /** Says where the sound goes; a body that does not tell keeps it. */
   async #askRecognizer(hearing: Hearing | null): Promise<void> {
     const recognizer = (await hearing?.recognizer().catch(() => null)) ?? null;
-    if (hearing === this.#hearing) setText(this.#sentTo, sentToWords(recognizer));
+    if (hearing !== this.#hearing) return;
+    this.#recognizer = recognizer;
+    this.#showSentTo();
+  }
+
+  #showSentTo(): void {
+    setText(this.#sentTo, sentToWords(this.#recognizer, this.#agrees));
   }
 
   async #askInterrupt(): Promise<void> {

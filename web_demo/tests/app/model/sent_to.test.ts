@@ -2,19 +2,25 @@ import { expect, it } from "vitest";
 import { sentToWords, textsSentToWords } from "../../../app/model/sent_to.ts";
 
 it("says where the sound goes", () => {
-  const words = sentToWords({ sent_to: "https://ears.example", allowed: true });
+  const words = sentToWords({ sent_to: "https://ears.example", allowed: true }, true);
   expect(words).toBe("To be written down, what you say is sent to https://ears.example.");
 });
 
 it("says that nothing is sent without consent", () => {
-  const words = sentToWords({ sent_to: "https://ears.example", allowed: false });
-  expect(words).toContain("Nothing is written down");
-  expect(words).toContain("https://ears.example");
+  for (const [allowed, agrees] of [
+    [false, true],
+    [true, false],
+    [false, false],
+  ] as const) {
+    const words = sentToWords({ sent_to: "https://ears.example", allowed }, agrees);
+    expect(words).toContain("Nothing is written down");
+    expect(words).toContain("https://ears.example");
+  }
 });
 
 it("says nothing where the sound stays, or where a body does not tell", () => {
-  expect(sentToWords({ sent_to: "", allowed: true })).toBe("");
-  expect(sentToWords(null)).toBe("");
+  expect(sentToWords({ sent_to: "", allowed: true }, false)).toBe("");
+  expect(sentToWords(null, true)).toBe("");
 });
 
 it("says where texts go", () => {
