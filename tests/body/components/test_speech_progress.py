@@ -181,7 +181,7 @@ async def test_a_real_voice_in_the_microphone_barges_in() -> None:
     await stage.clock.advance(0.3)
     sound = np.concatenate((np.zeros(24_000, np.int16), said))[:, np.newaxis].repeat(2, axis=1)
     for first in range(0, len(sound), 480):
-        microphone.sound_received.notify_all(RawAudio(sound[first : first + 480], first / 48_000))
+        microphone.sound_to_recognise.notify_all(RawAudio(sound[first : first + 480], first / 48_000))
         if first < 24_000:
             assert Silence() not in stage.commands
     await settle()
