@@ -244,7 +244,7 @@ async def test_without_authentication_no_lease_is_needed(who: Principal) -> None
         assert await wire.code("rois.stream.connect_stream", connecting()) == "OK"
 
 
-@pytest.mark.parametrize("how", ["release", "disconnect", "take"])
+@pytest.mark.parametrize("how", ["release", "disconnect", "take", "borrow"])
 async def test_losing_control_ends_uplinks(how: str) -> None:
     async with place("fleet", "other") as where, where.application(principal("operator", "*")) as wire:
         await wire.result("openrois.hello", {"version": "1"})
@@ -258,6 +258,10 @@ async def test_losing_control_ends_uplinks(how: str) -> None:
         if how == "take":
             async with where.application(principal("administrator", "*", subject="root")) as other:
                 assert await other.code("openrois.lease.take", {"component_ref": NAVIGATION}) == "OK"
+        elif how == "borrow":
+            async with where.application(principal("operator", "*", subject="ann", rank="person")) as other:
+                assert await other.code("openrois.lease.borrow", {"component_ref": NAVIGATION}) == "OK"
+                assert await wire.code("rois.stream.connect_stream", connecting()) == "OUT_OF_RESOURCES"
         elif how == "release":
             assert await wire.code("rois.command.release", {"component_ref": NAVIGATION}) == "OK"
         else:
