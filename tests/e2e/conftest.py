@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 import pytest_asyncio
-from playwright.async_api import Browser
+from playwright.async_api import Browser, expect
 
 from tests.support.browser import Visit, running_browser, visiting
 from tests.support.conversation import meet
@@ -75,6 +75,11 @@ async def guest(browser: Browser, avatar: Demo) -> AsyncIterator[Visit]:
     async with visiting(browser, avatar.page) as visit:
         await meet(visit)
         yield visit
+        # What a test has stopped stays so for programs, those of other tests too.
+        hand_back = visit.item("stopped-hand-back")
+        if await hand_back.is_visible():
+            await hand_back.click()
+            await expect(hand_back).to_be_hidden()
 
 
 @pytest_asyncio.fixture(loop_scope="session")

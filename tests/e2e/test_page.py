@@ -77,7 +77,8 @@ async def test_tab_key_follows_the_reading_order(guest: Visit) -> None:
         *("say-text", "say-language", "say-send"),  # pause and stop have nothing to do yet
         *reactions,
         *(["map-open", "map-back"] if away else ["map-open"]),  # other tests may have sent it away
-        *("map", "viewpoint", "microphone-toggle", "camera-toggle"),
+        *("map", "viewpoint", "consent-live", "consent-recognition", "consent-agent", "consent-recording"),
+        *("consent-transfer", "microphone-toggle", "camera-toggle"),
         *("video-suspend", "video-disconnect", "audio-suspend", "audio-disconnect"),
         *("log-filter", "log-pause", "log-clear", "log-row"),
     ]
