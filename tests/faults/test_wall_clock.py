@@ -42,6 +42,7 @@ FOLLOWS: Final = {
     "openrois/session/events.py": "how long the details of an event last is read once, when it is told",
     "openrois/engine/faults.py": "the times of faults",
     "openrois/gateway/auth_setup.py": "when tokens begin and end",
+    "openrois/gateway/page_tokens.py": "tokens of pages are good from now on",
     "openrois/gateway/server.py": "TURN credentials, and the first epoch of a process",
     "openrois/journal/file.py": "what a former process left is forgotten after a week",
     "openrois/journal/sqlite_journal.py": "the times of records",
@@ -157,7 +158,7 @@ async def test_f21_nothing_is_due_before_its_time(seed: int, tmp_path: Path, cap
 async def test_f21_what_is_due_comes_in_time(
     seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(server, "Rules", lambda _grace, _answer: Rules(0.05, 0.05))
+    monkeypatch.setattr(server, "Rules", lambda _grace, _answer, _loan: Rules(0.05, 0.05))
     async with place(seed, tmp_path, caplog) as here:
         on = here.on
         other = await on.witness(extended=True)
