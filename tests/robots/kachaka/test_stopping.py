@@ -12,6 +12,7 @@ from openrois_body.teleoperation.pilot import PATIENCE
 from openrois.client import Client
 from openrois.client.components import Move, Navigation
 from openrois.contract import Client as Application
+from openrois.errors import OutOfResources
 from openrois.types.streams import HolderNotification
 from tests.support.kachaka import Linked, staged
 from tests.support.kachaka_home import home
@@ -71,17 +72,20 @@ async def test_an_application_that_lets_go_leaves_a_robot_that_stands(ends_by: s
         await ended(going)
 
 
-async def test_of_two_applications_that_move_the_robot_the_later_one_does_and_the_other_is_told_why() -> None:
+async def test_of_two_commands_that_move_the_robot_the_later_one_does_and_the_other_is_told_why() -> None:
     async with home() as house, Client(house.url) as one, Client(house.url) as other:
-        navigation, move = await one.find(Navigation), await other.find(Move)
+        navigation, move = await one.find(Navigation), await one.find(Move)
         await navigation.bind()
+        # Both are its legs, which no other application moves meanwhile.
+        with pytest.raises(OutOfResources, match="same part"):
+            await (await other.find(Move)).bind()
         await navigation.set(target_positions=["kitchen"])
         going = asyncio.ensure_future(one.run(navigation.start()))
         robot = house.servicer.robot
         await until(lambda: robot.jobs and robot.jobs[0].has_begun)
         async with move.bound():
             await move.set(line=[50, 0])
-            await other.run(move.start())
+            await one.run(move.start())
         assert str(await ended(going)).endswith("ended ABORT: move has begun to go 50 mm")
 
 
