@@ -39,6 +39,8 @@ say("before", [await until(ann, "legs", isProgram), ann.body.state.mayTakeOver])
 
 const giveBack = await ann.body.takeOver();
 say("mine", await until(ann, "legs", ({ lender }) => lender === "night watch"));
+// Each part is notified by itself.
+await until(bob, "legs", ({ lender }) => lender === "night watch");
 say("seen by another", await until(bob, "gesture", ({ holder }) => holder === "ann"));
 await bob.body.takeOver().catch(({ message }) => say("refused", message));
 say("to be asked", bob.body.state.mayTakeOver);
