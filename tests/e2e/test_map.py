@@ -129,6 +129,7 @@ async def _follow(guest: Visit) -> None:
             break
     await guest.press("map-follow")
     await _says(guest, "^Following visitor$")
+    await guest.until_executed("avatar/follower", "start")
 
 
 @pytest.mark.long

@@ -1,6 +1,6 @@
 /** Speaking where another application has the voice: it is taken from one of lower rank for that sentence. */
 
-import { RoISError } from "../../sdk/index.ts";
+import { CommandFailed, RoISError } from "../../sdk/index.ts";
 import type { Control, SpeechSynthesis } from "../../sdk/index.ts";
 
 /** What the loan is made with. */
@@ -11,6 +11,7 @@ type Lending = Pick<Control, "borrow" | "giveBack">;
  *
  * @param speech is bound for that, or taken where it is another application's
  * @param ranked whether this page's token names a rank that counts: without one nothing can be taken
+ * @param signal says that it was stopped: what the voice is still to be taken for is not said then
  * @throws what `perform` throws | RoISError (OUT_OF_RESOURCES: the other application does not rank lower)
  */
 export async function speak(
@@ -18,6 +19,7 @@ export async function speak(
   speech: Pick<SpeechSynthesis, "componentRef" | "perform">,
   parameters: Parameters<SpeechSynthesis["perform"]>[0],
   ranked: boolean,
+  signal: AbortSignal,
 ): Promise<void> {
   try {
     return await speech.perform(parameters);
@@ -26,6 +28,7 @@ export async function speak(
   }
   await control.borrow(speech.componentRef, { forOneCommand: true });
   try {
+    if (signal.aborted) throw new CommandFailed("speech", "", "ABORT", "it was stopped before it began");
     await speech.perform(parameters);
   } finally {
     // Of what was begun it has gone back by itself; what was not begun, or had become free, has to be given back.

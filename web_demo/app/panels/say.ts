@@ -194,7 +194,7 @@ export class SayLine {
       return "stopped";
     }
     const { state, text: words } = await describeEnd(
-      speak(this.#client.control, speech, parameters, this.ranked),
+      speak(this.#client.control, speech, parameters, this.ranked, signal),
       BUSY,
     );
     this.#words.endText();

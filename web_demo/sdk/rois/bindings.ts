@@ -1,7 +1,7 @@
 /** Bindings (reservations) that outlive the session in which they were made. */
 
 import type { BindingClaim, Renewal } from "./claims.ts";
-import { RoISError } from "./errors.ts";
+import { CommandFailed, RoISError } from "./errors.ts";
 import type { LeaseChangedNotification } from "./generated/types.ts";
 import type { Call } from "./link.ts";
 
@@ -19,6 +19,8 @@ export class Bindings {
   /** Number of works that need each component now. */
   readonly #uses = new Map<string, number>();
   readonly #turns = new Map<string, Promise<unknown>>();
+  /** Works that wait for their component. */
+  readonly #awaited = new Set<{ readonly componentRef: string; stopped: boolean }>();
 
   /** Binds until it is released. */
   async bind(call: Call, componentRef: string): Promise<void> {
@@ -56,14 +58,31 @@ export class Bindings {
     this.#states.clear();
   }
 
-  /** Binds for as long as the work lasts; where works overlap, the last one releases. */
+  /**
+   * Binds for as long as the work lasts; where works overlap, the last one releases.
+   *
+   * @throws CommandFailed (ABORT: it was stopped before it began) | what `hold` and the work throw
+   */
   async during<T>(call: Call, componentRef: string, work: () => Promise<T>): Promise<T> {
-    await this.hold(call, componentRef);
+    const awaited = { componentRef, stopped: false };
+    this.#awaited.add(awaited);
     try {
+      await this.hold(call, componentRef);
+    } finally {
+      this.#awaited.delete(awaited);
+    }
+    try {
+      if (awaited.stopped)
+        throw new CommandFailed(`work with ${componentRef}`, "", "ABORT", "it was stopped before it began");
       return await work();
     } finally {
       await this.drop(call, componentRef);
     }
+  }
+
+  /** Notes that components are stopped: the works of `during` that still wait for them do not begin. */
+  stopped(isStopped: (componentRef: string) => boolean): void {
+    for (const awaited of this.#awaited) awaited.stopped ||= isStopped(awaited.componentRef);
   }
 
   /** Binds for one more work, until `drop`. */
@@ -128,7 +147,7 @@ export class Bindings {
     return false;
   }
 
-  /** Releases those of the resumed bindings that are not needed any more. */
+  /** Releases those bindings of the session that are not needed any more. */
   resumed(call: Call, refs: readonly string[]): void {
     for (const componentRef of refs) if (!this.#states.has(componentRef)) this.giveBack(call, componentRef);
   }
@@ -145,12 +164,17 @@ export class Bindings {
     return [...this.#states.values()].some((state) => state !== "held" && state !== "lent");
   }
 
-  /** Binds again what is missing, and what may be. Never rejects. */
-  async renew(call: Call, renewal: Renewal, isDoubtful: (componentRef: string) => boolean): Promise<void> {
+  /** Binds again what is missing, and what may be; returns what that was. Never rejects. */
+  async renew(
+    call: Call,
+    renewal: Renewal,
+    isDoubtful: (componentRef: string) => boolean,
+  ): Promise<readonly string[]> {
     const refs = [...this.#states].flatMap(([ref, state]) =>
       state !== "lent" && (state !== "held" || isDoubtful(ref)) ? [ref] : [],
     );
     await Promise.all(refs.map((ref) => this.#renew(call, ref, renewal)));
+    return refs;
   }
 
   async #bind(call: Call, componentRef: string): Promise<void> {

@@ -209,9 +209,10 @@ export class Client extends Link {
 
   /**
    * Does some work while a component is bound. Where works overlap the last one releases it; a component bound by `bind`
-   * stays so.
+   * stays so. What this client stops meanwhile, by a command `stop` or by `control.stopAll`, does not begin.
    *
-   * @throws RoISError (OUT_OF_RESOURCES: another application has it) | what the work throws
+   * @throws RoISError (OUT_OF_RESOURCES: another application has it) | CommandFailed (ABORT: it was stopped before it
+   *   began) | what the work throws
    */
   bound<T>(componentRef: string, work: () => Promise<T>): Promise<T> {
     return this.#bindings.during(this.call, componentRef, work);
@@ -238,6 +239,7 @@ export class Client extends Link {
     const ids: string[] = [];
     const identified = (command: Command): CommandUnit => {
       const unit = { ...command, command_id: command.command_id ?? newCommandId() };
+      if (unit.command_type === "stop") this.#bindings.stopped((ref) => ref === unit.component_ref);
       ids.push(unit.command_id);
       return unit;
     };

@@ -46,7 +46,6 @@ export class ComponentProxy<Parameters extends object = object, ReadOnly extends
   /** The `data_type_ref` of each parameter. */
   protected readonly parameterTypes: Types<Parameters> = {} as Types<Parameters>;
   readonly #client: Client;
-  readonly #unsent = new Set<{ stopped: boolean }>();
   #works = 0;
 
   constructor(client: Client, componentRef: string) {
@@ -107,13 +106,8 @@ export class ComponentProxy<Parameters extends object = object, ReadOnly extends
     onStart: () => void = () => undefined,
   ): Promise<void> {
     const parameters = encode(this.parameterTypes, values);
-    const unsent = { stopped: false };
-    this.#unsent.add(unsent);
     const work = async (): Promise<void> => {
       const { componentRef: component_ref } = this;
-      this.#unsent.delete(unsent);
-      if (unsent.stopped)
-        throw new CommandFailed(`start of ${component_ref}`, "", "ABORT", "it was stopped before it began");
       const ids = await this.#client.execute([
         { component_ref, command_type: "set_parameter", arguments: parameters },
         { component_ref, command_type: "start" },
@@ -123,12 +117,11 @@ export class ComponentProxy<Parameters extends object = object, ReadOnly extends
       await this.#awaitEnd("set_parameter", set);
       await this.#awaitEnd("start", start);
     };
-    await this.bound(work).finally(() => this.#unsent.delete(unsent));
+    await this.bound(work);
   }
 
   /** Runs a command to its end. */
   protected async execute(commandType: string, values?: readonly Result[]): Promise<void> {
-    if (commandType === "stop") for (const each of this.#unsent) each.stopped = true;
     await this.#run(commandType, values);
   }
 

@@ -184,13 +184,15 @@ export class Control {
   /**
    * Stops everything that acts on an engine; without one, on every engine of which this application holds something,
    * or, as an administrator, sees something. Where it is a person's, programs wait then until a person calls
-   * `releaseStop`. It is no safety-rated emergency stop.
+   * `releaseStop`. Works of `Client.bound` that still wait for their component do not begin. It is no safety-rated
+   * emergency stop.
    *
    * @returns which components have stopped
    * @throws RoISError (ERROR: something did not say that it has stopped; UNSUPPORTED: nothing that acts there is in scope)
    */
   async stopAll(engineId?: string): Promise<readonly string[]> {
     const params = engineId === undefined ? {} : { engine_id: engineId };
+    this.#bindings.stopped((ref) => engineId === undefined || ref.startsWith(`${engineId}/`));
     return (await this.#client.call("openrois.stop_all", params)).stopped ?? [];
   }
 

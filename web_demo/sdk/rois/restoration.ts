@@ -43,7 +43,9 @@ export class Restoration {
    */
   async begin(call: Call): Promise<void> {
     this.#live = true;
-    await this.#bindings.renew(call, this.#renewal, () => true);
+    const refs = await this.#bindings.renew(call, this.#renewal, () => true);
+    // What was released meanwhile, before the application could send anything, the gateway does not know.
+    this.#bindings.resumed(call, refs);
     this.changed(call, null);
   }
 

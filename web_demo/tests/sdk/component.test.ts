@@ -434,6 +434,32 @@ describe("perform", () => {
     await speech.perform({ speech_text: "Again" });
   });
 
+  it.each([["a"], [undefined]])(
+    "is not begun when everything is stopped before it could be (%s)",
+    async (engine) => {
+      gateway.on("openrois.stop_all", () => ({ stopped: ["a/speech"], failed: [] }));
+      const speech = new SpeechSynthesis(client, "a/speech");
+      const performance = speech.perform({ speech_text: "Hello" });
+      await client.control.stopAll(engine);
+      await expect(performance).rejects.toMatchObject({
+        status: "ABORT",
+        reason: "it was stopped before it began",
+      });
+      expect(units()).toEqual([]);
+      expect(steps()).toEqual(["bind", "release"]);
+      completeAtOnce();
+      await speech.perform({ speech_text: "Again" });
+    },
+  );
+
+  it("goes on when another body is stopped", async () => {
+    gateway.on("openrois.stop_all", () => ({ stopped: [], failed: [] }));
+    completeAtOnce();
+    const performance = new SpeechSynthesis(client, "a/speech").perform({ speech_text: "Hello" });
+    await client.control.stopAll("ab");
+    await performance;
+  });
+
   it("throws when another application holds the component, and can be used again", async () => {
     gateway.on("rois.command.bind", () => ({ return_code: "OUT_OF_RESOURCES" }));
     const speech = new SpeechSynthesis(client, "a/speech");

@@ -2,7 +2,7 @@
 
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import type { JsonObject } from "../../sdk/jsonrpc/peer.ts";
-import { RequestTimeout } from "../../sdk/jsonrpc/session.ts";
+import { ConnectionLost, RequestTimeout } from "../../sdk/jsonrpc/session.ts";
 import { Client } from "../../sdk/rois/client.ts";
 import type { Claim, LostClaim } from "../../sdk/rois/claims.ts";
 import type { Subscription } from "../../sdk/rois/subscriptions.ts";
@@ -108,6 +108,22 @@ describe("bindings", () => {
     await client.release(NAVIGATION);
     await pass(60_000);
     expect(count("rois.command.bind")).toBe(before + 3);
+  });
+
+  it("that are released while others are being restored are given back", async () => {
+    await client.bind(NAVIGATION);
+    await client.bind("robot/speech");
+    let bindSpeech = (): void => undefined;
+    gateway.on("rois.command.bind", ({ component_ref }) =>
+      component_ref === NAVIGATION ? {} : new Promise((resolve) => (bindSpeech = () => resolve({}))),
+    );
+    await reconnect();
+    await expect(client.release(NAVIGATION)).rejects.toThrow(ConnectionLost);
+    expect(gateway.called("rois.command.release")).toEqual([]);
+    bindSpeech();
+    await pass();
+    expect(client.state.name).toBe("connected");
+    expect(gateway.called("rois.command.release")).toEqual([{ component_ref: NAVIGATION }]);
   });
 
   it("come back with the engine", async () => {

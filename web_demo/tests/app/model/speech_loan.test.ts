@@ -26,9 +26,12 @@ const speech = {
     if (end) throw end;
   }),
 };
-const say = (ranked = true): Promise<void> => speak(control, speech, { speech_text: "Hi" }, ranked);
+let stopping: AbortController;
+const say = (ranked = true): Promise<void> =>
+  speak(control, speech, { speech_text: "Hi" }, ranked, stopping.signal);
 
 beforeEach(() => {
+  stopping = new AbortController();
   done = [];
   ends = [];
   refusal = null;
@@ -49,6 +52,14 @@ it("gives the voice back when it is stopped", async () => {
   ends = [BUSY, new CommandFailed(REF, "c", "ABORT", "")];
   await expect(say()).rejects.toBeInstanceOf(CommandFailed);
   expect(done.at(-1)).toBe(`give back ${REF}`);
+});
+
+it("says nothing when it is stopped while the voice is being taken", async () => {
+  ends = [BUSY];
+  const saying = say();
+  stopping.abort();
+  await expect(saying).rejects.toMatchObject({ status: "ABORT" });
+  expect(done).toEqual(["perform", `borrow ${REF} for one`, `give back ${REF}`]);
 });
 
 it("says nothing where the other application does not rank lower, or there are no ranks", async () => {
