@@ -34,7 +34,7 @@ robots: .venv/dev.stamp .venv-reachy/stamp
 .venv-reachy/stamp: constraints-reachy.txt
 	python3 -m venv .venv-reachy && PIP_BUILD_CONSTRAINT= .venv-reachy/bin/pip install -q --disable-pip-version-check -c $< reachy-mini && touch $@ || \
 	echo "SKIPPED the daemon of a Reachy Mini: it cannot be installed here; CONTRIBUTING.md says what it needs"
-nightly:; OPENROIS_SEEDS=20 $(MAKE) test LONG=1; tests=$$?; .ci/pythons && $(PY) -m tools.pictures --check && exit $$tests
+nightly:; OPENROIS_SEEDS=$${OPENROIS_SEEDS:-5} $(MAKE) test LONG=1; tests=$$?; .ci/pythons && $(PY) -m tools.pictures --check && exit $$tests
 check: lint test
 lint: .venv/dev.stamp $(NODE_MODULES)
 	.venv/bin/ruff check . && .venv/bin/ruff format --check .
