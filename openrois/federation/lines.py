@@ -129,7 +129,8 @@ class Lines:
         app = self._sessions.get(holding.line_id)
         if app is None:
             # It stands for the session until that comes.
-            principal = Principal(holding.subject, frozenset({Role.OPERATOR}), (f"{holding.engine_id}/*",))
+            scope = (f"{holding.engine_id}/*",)
+            principal = Principal(holding.subject, frozenset({Role.OPERATOR}), scope, rank=holding.rank)
             app = ApplicationSession(self._host, _drop, principal=principal)
             app.detach()
             app.is_relayed = True

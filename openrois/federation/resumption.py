@@ -87,8 +87,8 @@ class Resumption:
         # Refused here where there is no grace.
         routes.app.host.leases.token(routes.app)
         token = new_token()
-        store = routes.federation.resume_store
-        if not await store.issue(line.line_id, line.generation, routes.app.principal.subject, _digest(token)):
+        store, principal = routes.federation.resume_store, routes.app.principal
+        if not await store.issue(line.line_id, line.generation, principal.subject, _digest(token), rank=principal.rank):
             raise Unsupported("this session was resumed by another connection since")
         return token
 

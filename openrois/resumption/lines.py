@@ -48,13 +48,14 @@ Change = Held | Freed
 
 @dataclass(frozen=True, slots=True)
 class Holding:
-    """A component that a line holds, with the subject of the line."""
+    """A component that a line holds, with the subject and the rank of the line."""
 
     component_ref: str
     engine_id: str
     line_id: str
     epoch: int
     subject: str
+    rank: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +68,7 @@ class Line:
         good: the digest of the token that resumes it; None where there is none.
         spent: digests of tokens that it had before, the newest last.
         is_revoked: a token of it was shown a second time.
+        rank: of its principal when its last token was issued.
     """
 
     subject: str
@@ -74,14 +76,15 @@ class Line:
     good: bytes | None = field(default=None, repr=False)
     spent: tuple[bytes, ...] = field(default=(), repr=False)
     is_revoked: bool = False
+    rank: str = ""
 
-    def issued(self, generation: int, subject: str, digest: bytes) -> "Line | None":
+    def issued(self, generation: int, subject: str, digest: bytes, rank: str) -> "Line | None":
         """Return the line with this digest as its good one; None where it is revoked, or was resumed since."""
         if self.is_revoked or generation < self.generation or digest in self.spent:
             return None
         if digest == self.good:
             return self
-        return replace(self._used_up(), subject=subject, generation=generation, good=digest)
+        return replace(self._used_up(), subject=subject, generation=generation, good=digest, rank=rank)
 
     def redeemed(self, digest: bytes) -> "Line":
         """Return the line after one of its tokens was shown; it is revoked where that was used before."""

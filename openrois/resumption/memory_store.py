@@ -37,9 +37,9 @@ class MemoryResumeStore:
         self._kept: dict[str, _Kept] = {}
         """What is kept of each component, the oldest first."""
 
-    async def issue(self, line_id: str, generation: int, subject: str, digest: bytes) -> bool:
+    async def issue(self, line_id: str, generation: int, subject: str, digest: bytes, *, rank: str = "") -> bool:
         """Make a digest the good one of a line."""
-        line = self._lines.get(line_id, Line(subject, generation)).issued(generation, subject, digest)
+        line = self._lines.get(line_id, Line(subject, generation)).issued(generation, subject, digest, rank)
         if line is None or self._line_ids.get(digest, line_id) != line_id:
             return False
         self._put(line_id, line)
@@ -87,7 +87,7 @@ class MemoryResumeStore:
         for component_ref, kept in sorted(self._kept.items()):
             line = self._lines.get(kept.line_id)
             if line is not None and not line.is_revoked and kept.engine_id in wanted:
-                found.append(Holding(component_ref, kept.engine_id, kept.line_id, kept.epoch, line.subject))
+                found.append(Holding(component_ref, kept.engine_id, kept.line_id, kept.epoch, line.subject, line.rank))
         return tuple(found)
 
     def _put(self, line_id: str, line: Line) -> None:

@@ -28,8 +28,10 @@ class ResumeStore(Protocol):
 
     name: str
 
-    async def issue(self, line_id: str, generation: int, subject: str, digest: bytes) -> bool:
+    async def issue(self, line_id: str, generation: int, subject: str, digest: bytes, *, rank: str = "") -> bool:
         """Make a digest the good one of a line, which begins where it is not known; the former one counts as spent.
+
+        The rank is that of the session's principal now: what the line holds is kept for a session of this rank.
 
         Returns:
             False where the line was resumed since, that is has a greater generation, or was revoked. The session that

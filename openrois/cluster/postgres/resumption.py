@@ -17,12 +17,12 @@ _AT_ONCE: Final = 3
 # A digest that is known already is no new one: it is the good one still, or was used.
 _ISSUE: Final = """
     WITH line AS (
-        INSERT INTO openrois.resume_line AS known (line_id, subject, generation, good, touched_ms)
-        SELECT $1::text, $3::text, $2::bigint, $4::bytea, {now}
+        INSERT INTO openrois.resume_line AS known (line_id, subject, generation, good, rank, touched_ms)
+        SELECT $1::text, $3::text, $2::bigint, $4::bytea, $5::text, {now}
         WHERE NOT EXISTS (SELECT FROM openrois.resume_token WHERE digest = $4)
         ON CONFLICT (line_id) DO UPDATE
         SET subject = excluded.subject, generation = excluded.generation, good = excluded.good,
-            touched_ms = excluded.touched_ms
+            rank = excluded.rank, touched_ms = excluded.touched_ms
         WHERE NOT known.is_revoked AND known.generation <= excluded.generation
         RETURNING line_id
     ),
@@ -102,7 +102,7 @@ _PRUNE_HOLDINGS: Final = """
     WHERE holding.component_ref = old.component_ref AND is_held
 """
 _HELD: Final = """
-    SELECT component_ref, engine_id, line_id, epoch, subject
+    SELECT component_ref, engine_id, line_id, epoch, subject, rank
     FROM openrois.holding JOIN openrois.resume_line USING (line_id)
     WHERE engine_id = ANY($1::text[]) AND NOT is_revoked ORDER BY component_ref
 """
@@ -135,10 +135,11 @@ class PostgresResumeStore:
         self._prune_lines = _PRUNE_LINES.format(**words)
         self._prune_holdings = _PRUNE_HOLDINGS.format(**words)
 
-    async def issue(self, line_id: str, generation: int, subject: str, digest: bytes) -> bool:
+    async def issue(self, line_id: str, generation: int, subject: str, digest: bytes, *, rank: str = "") -> bool:
         """Make a digest the good one of a line; some lines that were not touched for long are removed."""
         async with self._calls.connection() as connection:
-            is_good = await connection.fetchval(self._issue, line_id, generation, storable(subject), digest)
+            asked = (line_id, generation, storable(subject), digest, storable(rank))
+            is_good = await connection.fetchval(self._issue, *asked)
             await connection.execute(self._prune_lines)
         return bool(is_good)
 

@@ -95,6 +95,10 @@ STEPS: Final = (
         """,
         back="DROP TABLE openrois.command;",
     ),
+    Step(
+        forward="ALTER TABLE openrois.resume_line ADD COLUMN rank text NOT NULL DEFAULT '';",
+        back="ALTER TABLE openrois.resume_line DROP COLUMN rank;",
+    ),
 )
 """What leads from each version to the next; version 0 is an empty schema."""
 

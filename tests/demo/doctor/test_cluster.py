@@ -14,6 +14,7 @@ from openrois.cli.command_line import CommandLine
 from openrois.cluster.examination import HeardGateway, NatsServerFacts
 from openrois.cluster.postgres.database import Database
 from openrois.cluster.postgres.examination import KnownGateway, StoreFacts, examine_store
+from openrois.cluster.postgres.schema import VERSION
 from openrois.cluster.settings import NatsSettings
 from openrois.gateway.configuration import settings_of
 from tests.support.cluster import Cluster
@@ -35,7 +36,7 @@ GOOD = StoreFacts(
     full_page_writes=True,
     synchronous_commit="on",
     free_connections=50,
-    schema_version=3,
+    schema_version=VERSION,
     may_write=True,
     round_trip=0.001,
     ahead=0.0,
@@ -83,7 +84,7 @@ async def test_gateways_that_run_are_found_with_what_they_own(shared_nats: NatsS
         assert told["gateway b"].detail.endswith("heard at NATS, owns no engine")
         assert told["gateway's id"].detail == "a gateway a runs now"
         assert told["NATS"].detail.startswith(f"{shared_nats.url}, version 2.")
-        assert told["schema"].detail == "version 3"
+        assert told["schema"].detail == f"version {VERSION}"
         # It looks, and is no gateway itself.
         assert set(await found(of(place.cluster, "c"))) >= {"gateway a", "gateway b", "gateway's id"}
         federation = place.gateway("a").federation
@@ -97,7 +98,10 @@ async def test_an_empty_database_is_left_empty(shared_nats: NatsServer, postgres
         await admin.execute("DROP SCHEMA IF EXISTS openrois CASCADE")
         told = await found(shared(shared_nats.url, postgres_server, "a"))
         assert await admin.fetchval("SELECT to_regnamespace('openrois') IS NULL")
-    assert (told["schema"].level, told["schema"].detail) == (Level.OK, "none yet: the first gateway makes version 3")
+    assert (told["schema"].level, told["schema"].detail) == (
+        Level.OK,
+        f"none yet: the first gateway makes version {VERSION}",
+    )
     assert told["gateways"].detail == "none runs"
     assert told["gateway's id"].detail == "a is free"
     assert told["clocks"].level is Level.OK
@@ -209,9 +213,9 @@ def test_wrong_options_end_with_2(arguments: list[str], capsys: pytest.CaptureFi
         ({"is_read_only": True}, "writing", Level.FAIL),
         ({"may_write": False}, "writing", Level.FAIL),
         ({"may_write": False, "schema_version": None}, "writing", Level.FAIL),
-        ({"schema_version": 5}, "schema", Level.FAIL),
-        ({"schema_version": 4}, "", Level.OK),
-        ({"schema_version": 2}, "", Level.OK),
+        ({"schema_version": VERSION + 2}, "schema", Level.FAIL),
+        ({"schema_version": VERSION + 1}, "", Level.OK),
+        ({"schema_version": VERSION - 1}, "", Level.OK),
         ({"fsync": False}, "durability", Level.FAIL),
         ({"synchronous_commit": "off"}, "durability", Level.FAIL),
         ({"full_page_writes": False}, "durability", Level.WARN),

@@ -14,6 +14,7 @@ from openrois.errors import Unsupported
 from openrois.federation.lines import Lines, SessionLine, new_line
 from openrois.federation.resumption import MAX_USED, Resumption
 from openrois.leases.changes import Why
+from openrois.leases.lease_notifications import session_of
 from openrois.leases.tokens import new_token
 from openrois.resumption.holdings_writer import HoldingsWriter
 from openrois.resumption.lines import Holding
@@ -120,6 +121,14 @@ async def test_what_was_held_at_another_gateway_is_reserved(place: Place) -> Non
     place.lines.adopt(app, SessionLine("one"))
     assert place.host.leases.is_held(LAMP, app)
     assert await place.held() == {LAMP: "one"}
+
+
+async def test_what_is_reserved_has_the_rank_of_the_session_that_held_it(place: Place) -> None:
+    place.lines.await_engines([Holding(LAMP, "robot", "one", 5, "helper", "agent")])
+    place.lines.restore(["robot"])
+    holder = place.host.leases.model.holding.holder(LAMP)
+    assert holder is not None
+    assert session_of(holder[0]).principal.rank == "agent"
 
 
 async def test_a_session_that_is_there_already_has_it_at_once(place: Place) -> None:

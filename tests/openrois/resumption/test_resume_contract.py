@@ -102,6 +102,14 @@ class TestTokens:
         assert await kept.store.redeem(digest("two"), "ann") == Redemption()
         assert await kept.store.redeem(digest("two"), "b\0b \ud800") == Redemption("line", 1)
 
+    async def test_a_line_has_the_rank_with_which_its_last_token_was_issued(self, kept: Kept) -> None:
+        await kept.store.issue("line", 0, "ann", digest("one"), rank="person")
+        await kept.store.write([LAMP])
+        assert [each.rank for each in await kept.other.held(["robot"])] == ["person"]
+        await kept.other.redeem(digest("one"), "ann")
+        await kept.other.issue("line", 1, "ann", digest("two"), rank="script")
+        assert [each.rank for each in await kept.store.held(["robot"])] == ["script"]
+
     async def test_used_tokens_of_a_line_are_kept_up_to_a_bound(self, kept: Kept) -> None:
         for number in range(MAX_SPENT + 3):
             await kept.store.issue("line", 0, "ann", digest(number))
