@@ -70,5 +70,16 @@ class Ranks:
         """Tell whether a principal is of another rank than the highest; so is one without a token."""
         return principal is LOCAL or self._level(principal) > 0
 
+    def may_hand_back(self, principal: Principal, stopped_by: str) -> bool:
+        """Tell whether a principal may hand an engine back to programs: it takes a person.
+
+        A gateway without tokens has no persons; what none has stopped may be handed back there as ever.
+
+        Args:
+            principal: asks for it.
+            stopped_by: the person that has stopped the engine; empty where none has.
+        """
+        return self.is_person(principal) or (principal is LOCAL and not stopped_by)
+
     def _level(self, principal: Principal) -> int:
         return self.names.index(principal.rank) if principal.rank in self.names else len(self.names) - 1

@@ -6,7 +6,6 @@ Where a person asks for it, programs wait then until a person hands the engine b
 from collections.abc import Iterable, Mapping
 from typing import Final
 
-from openrois.auth.principal import LOCAL
 from openrois.commands.stop import stop_components
 from openrois.errors import BadParameter, Unsupported
 from openrois.interfaces.operation import shared_operation
@@ -42,20 +41,15 @@ async def _stop_all(app: ApplicationSession, params: StopAllParams) -> Reply:
 
 
 async def _release_stop(app: ApplicationSession, params: ReleaseStopParams) -> ReturnResult:
-    # Without tokens there are no persons, and nothing is stopped for programs.
-    if app.principal is not LOCAL and app.host.ranks.is_program(app.principal):
-        raise Unsupported(_PERSONS_ONLY)
     if (params.engine_id is None) == (params.component_ref is None):
         raise BadParameter("give either an engine_id or a component_ref")
     engine_id = _engine_named(app, params)
-    if app.principal is LOCAL and app.host.stop_latch.by(engine_id):
-        raise Unsupported(_PERSONS_ONLY)
+    if not app.host.ranks.may_hand_back(app.principal, app.host.stop_latch.by(engine_id)):
+        raise Unsupported("only a person hands back to programs what a person has stopped")
     by = app.host.stops.release(engine_id, app.principal)
     app.host.audit.acted(app.principal, _RELEASE, engine_id, f"stopped by {by}" if by else "it was not stopped")
     return ReturnResult()
 
-
-_PERSONS_ONLY: Final = "only a person hands back to programs what a person has stopped"
 
 _METHODS: Final[Mapping[str, SharedMethod]] = {
     _METHOD: shared_operation(StopAllParams, StopAllResult, _stop_all),

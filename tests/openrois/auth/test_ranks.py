@@ -43,6 +43,13 @@ def test_without_tokens_there_are_no_ranks() -> None:
     assert [ranks.is_above(each, LOCAL) for each in (PERSON, SCRIPT)] == [True, False]
 
 
+def test_only_persons_hand_back_and_without_tokens_what_no_person_has_stopped() -> None:
+    ranks = Ranks()
+    for stopped_by in ("ann", ""):
+        assert [ranks.may_hand_back(each, stopped_by) for each in (PERSON, AGENT, NONE)] == [True, False, False]
+    assert [ranks.may_hand_back(LOCAL, stopped_by) for stopped_by in ("ann", "")] == [False, True]
+
+
 def test_of_one_rank_all_are_persons() -> None:
     ranks = Ranks(("anyone",))
     assert ranks.is_person(NONE)
