@@ -12,7 +12,7 @@ from typing import Final
 from openrois.aio.tasks import Deadline
 from openrois.cluster.connection import NatsConnection
 from openrois.cluster.frames import MAX_BEAT, Beat, FrameFault, parse_said
-from openrois.cluster.presence import SILENCE
+from openrois.cluster.presence import RANKS, SILENCE
 from openrois.cluster.settings import NatsSettings
 from openrois.cluster.subjects import Subjects
 
@@ -50,11 +50,13 @@ class HeardGateway:
         gateway_id: of which gateway.
         instance: the token of the process.
         version: of its program.
+        ranks: that it knows, as one text with commas, as it says; empty where it says none.
     """
 
     gateway_id: str
     instance: str
     version: str
+    ranks: str = ""
 
 
 async def examine_server(settings: NatsSettings, server: str, size: int) -> NatsServerFacts:
@@ -115,6 +117,7 @@ def _noting(heard: dict[str, HeardGateway]) -> Callable[[bytes, bytes, bytes], N
         if beat.leaving:
             heard.pop(beat.instance, None)
         elif beat.instance in heard or len(heard) < _HEARD:
-            heard[beat.instance] = HeardGateway(beat.gateway, beat.instance, beat.version)
+            ranks = str(beat.attributes.get(RANKS, ""))
+            heard[beat.instance] = HeardGateway(beat.gateway, beat.instance, beat.version, ranks)
 
     return note

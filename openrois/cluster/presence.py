@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from openrois.cluster.frames import Beat
 
-__all__ = ["BEAT_INTERVAL", "MAX_GATEWAYS", "SILENCE", "Presence", "Present"]
+__all__ = ["BEAT_INTERVAL", "MAX_GATEWAYS", "RANKS", "SILENCE", "Presence", "Present"]
 
 BEAT_INTERVAL: Final = 0.25
 """Seconds between two signs of life."""
@@ -17,6 +17,9 @@ SILENCE: Final = 1.0
 
 MAX_GATEWAYS: Final = 1024
 """Connections that are remembered: more signs of life are not heard."""
+
+RANKS: Final = "ranks"
+"""Attribute of a gateway: the ranks that it knows, as one text with commas."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 
+from openrois.auth.ranks import Ranks
 from openrois.cluster.link import NatsLink, NatsSettings
 from openrois.cluster.postgres.database import Database
 from openrois.cluster.postgres.journal import PostgresJournal
@@ -10,6 +11,7 @@ from openrois.cluster.postgres.ownership import PostgresStore
 from openrois.cluster.postgres.resumption import PostgresResumeStore
 from openrois.cluster.postgres.schema import migrate_back
 from openrois.cluster.postgres.stops import Stops
+from openrois.cluster.presence import RANKS
 from openrois.gateway.clustering import ClusterParts
 from openrois.gateway.settings import GatewaySettings
 from openrois.leases.epochs import ClaimedEpochs
@@ -43,7 +45,8 @@ async def open_parts(settings: GatewaySettings) -> AsyncIterator[ClusterParts]:
         journal = PostgresJournal(database, settings.gateway_id, directorate.run, lambda: directorate.access.contact)
         await stack.enter_async_context(journal)
         stops = await stack.enter_async_context(Stops(database, settings.gateway_id))
-        link = NatsLink(nats, settings.gateway_id)
+        ranks = ",".join(Ranks.parse(settings.ranks).names)
+        link = NatsLink(nats, settings.gateway_id, attributes={RANKS: ranks})
         epochs = ClaimedEpochs(lambda: directorate.problem)
         yield ClusterParts(link, directorate, journal, PostgresResumeStore(database), stops, epochs)
 

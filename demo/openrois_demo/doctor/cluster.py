@@ -4,6 +4,7 @@ from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from openrois.auth.ranks import Ranks
 from openrois.cluster.examination import HeardGateway, NatsServerFacts, examine_server, hear_gateways
 from openrois.cluster.handshake import Unreachable
 from openrois.cluster.link import LEAST_PAYLOAD
@@ -13,7 +14,7 @@ from openrois.cluster.settings import NatsSettings
 from openrois.errors import StoreUnreachable
 from openrois_demo.doctor.finding import Finding, Level
 
-__all__ = ["Shared", "cluster", "gateways", "nats_server", "own_id", "store"]
+__all__ = ["Shared", "cluster", "gateways", "nats_server", "own_id", "ranks", "store"]
 
 _SLOW_NATS: Final = 0.05
 _SLOW_STORE: Final = 0.1
@@ -65,7 +66,7 @@ async def cluster(shared: Shared) -> AsyncIterator[Finding]:
         for finding in store(found):
             yield finding
     if heard is not None:
-        for finding in gateways(known, heard):
+        for finding in (*gateways(known, heard), *ranks(heard)):
             yield finding
         if shared.gateway_id:
             yield own_id(shared.gateway_id, known, heard)
@@ -185,6 +186,24 @@ def _gateway(gateway_id: str, stored: KnownGateway | None, processes: Sequence[H
         advice = "It does not renew its claims here: it does not reach this PostgreSQL, or has another --store."
         return Finding(Level.WARN, name, told, advice)
     return Finding(Level.OK, name, told)
+
+
+def ranks(heard: Sequence[HeardGateway]) -> list[Finding]:
+    """Say whether all gateways know the same ranks; of one that says none, or what are none, nothing is said."""
+    gateway_ids: dict[str, dict[str, None]] = {}
+    for each in heard:
+        try:
+            known = ",".join(Ranks.parse(each.ranks).names)
+        except ValueError:
+            continue
+        gateway_ids.setdefault(known, {})[each.gateway_id] = None
+    if len(gateway_ids) > 1:
+        told = "; ".join(f"{known} at {_listed(tuple(ids))}" for known, ids in gateway_ids.items())
+        advice = (
+            "Give all the same --ranks: a rank that the owner of a body does not know counts as the lowest."
+        )
+        return [Finding(Level.WARN, "ranks", told, advice)]
+    return [Finding(Level.OK, "ranks", known) for known in gateway_ids]
 
 
 def own_id(gateway_id: str, known: Sequence[KnownGateway], heard: Sequence[HeardGateway]) -> Finding:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from openrois_demo.doctor import command
-from openrois_demo.doctor.cluster import Shared, cluster, gateways, nats_server, own_id, store
+from openrois_demo.doctor.cluster import Shared, cluster, gateways, nats_server, own_id, ranks, store
 from openrois_demo.doctor.cluster_options import add_cluster_options
 from openrois_demo.doctor.finding import Finding, Level
 
@@ -85,11 +85,22 @@ async def test_gateways_that_run_are_found_with_what_they_own(shared_nats: NatsS
         assert told["gateway's id"].detail == "a gateway a runs now"
         assert told["NATS"].detail.startswith(f"{shared_nats.url}, version 2.")
         assert told["schema"].detail == f"version {VERSION}"
+        assert told["ranks"].detail == "person,agent,script"
         # It looks, and is no gateway itself.
         assert set(await found(of(place.cluster, "c"))) >= {"gateway a", "gateway b", "gateway's id"}
         federation = place.gateway("a").federation
         assert federation is not None
         assert federation.others == ("b",)
+
+
+async def test_a_gateway_with_other_ranks_is_found(shared_nats: NatsServer, postgres_server: Server) -> None:
+    async with place_of(shared_nats, postgres_server, "a", ranks="person, script") as place:
+        await place.cluster.start("b", ranks="person,agent,script")
+        told = await found(of(place.cluster))
+        assert (told["ranks"].level, told["ranks"].detail) == (
+            Level.WARN,
+            "person,script at a; person,agent,script at b",
+        )
 
 
 @pytest.mark.usefixtures("brief")
@@ -234,6 +245,16 @@ def test_a_store_is_judged(change: dict[str, object], name: str, level: Level) -
 def test_nats_far_away_is_said() -> None:
     assert nats_server("nats://n", NatsServerFacts("2.15.1", 1 << 20, 0.2)).level is Level.WARN
     assert nats_server("nats://n", NatsServerFacts("2.15.1", 1 << 20, 0.001)).level is Level.OK
+
+
+def test_ranks_of_gateways_that_tell_none_are_not_judged() -> None:
+    known, ours = HeardGateway("a", "1", "1", "person,script"), HeardGateway("b", "2", "1")
+    strange = [HeardGateway("c", "3", "1", text) for text in ("", "a\nb", "x," * 100)]
+    assert ranks([]) == ranks([ours, *strange]) == []
+    assert [(each.level, each.detail) for each in ranks([known, ours])] == [(Level.OK, "person,script")]
+    many = [HeardGateway(str(number), "1", "1", "person") for number in range(7)]
+    (told,) = ranks([*many, known])
+    assert told.detail == "person at 0, 1, 2, 3, 4 and 2 more; person,script at a"
 
 
 def test_gateways_that_are_half_there_are_said() -> None:
