@@ -1,6 +1,7 @@
 """STOP of an application whose engines are at several gateways: by the link between these, and by the store too.
 
-A body is handed back by the link alone: that may wait.
+A body is handed back by the link alone: what comes by two ways comes twice, and the second one could hand back what
+another person has stopped meanwhile. Where the link does not carry it, the person is told.
 """
 
 import asyncio
@@ -9,7 +10,7 @@ from typing import Any, Final
 
 from pydantic import ValidationError
 
-from openrois.errors import EngineUnreachable, OutOfResources
+from openrois.errors import EngineUnreachable, NotResponding, OutOfResources
 from openrois.federation.other_way import OtherWay
 from openrois.federation.routes import Routes, fitting
 from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
@@ -65,9 +66,12 @@ class StopRoutes:
             return await routes.local[_RELEASE](params)
         engine_id = asked.engine_id or engine_of(asked.component_ref or "")
         gateway_id = None
-        if self._may_see(engine_id, asked.component_ref):
-            gateway_id = routes.gateway(engine_id, asked.component_ref or f"{engine_id}/")
-        return await routes.ask_at(gateway_id, _RELEASE, params)
+        try:
+            if self._may_see(engine_id, asked.component_ref):
+                gateway_id = routes.gateway(engine_id, asked.component_ref or f"{engine_id}/")
+            return await routes.ask_at(gateway_id, _RELEASE, params)
+        except (EngineUnreachable, NotResponding) as error:
+            raise type(error)(f"{engine_id} may still be stopped for programs: {error}") from error
 
     def _may_see(self, engine_id: str, component_ref: str | None) -> bool:
         """Tell whether the application would see an engine or a component, whether its gateway is reached or not."""

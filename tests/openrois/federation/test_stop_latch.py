@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from openrois.cluster import presence, pulse
 from openrois.transport.credentials import Credentials
 from tests.openrois.federation.test_losses import lacking
 from tests.openrois.federation.test_tokens import OPERATOR, Guarded
@@ -22,6 +23,7 @@ pytestmark = pytest.mark.extra(name="cluster")
 LAMP = {"component_ref": "robot/lamp"}
 ROBOT = {"engine_id": "robot"}
 WAITS = "robot was stopped by ann: programs wait until a person hands it back"
+SILENCE = presence.SILENCE
 REFUSED = ("OUT_OF_RESOURCES", WAITS)
 
 
@@ -113,8 +115,32 @@ async def test_stop_by_the_store_latches_too(own_nats: NatsServer, postgres_serv
         assert await switch(agent, "1") == REFUSED
         code, why = await ann.why("openrois.lease.release_stop", **ROBOT)
         assert code == "ERROR"
-        assert "robot belongs to gateway a, which is not reached" in why
+        assert why.startswith(
+            "robot may still be stopped for programs: robot belongs to gateway a, which is not reached"
+        )
         own_nats.start()
         await seen_by(ann, "robot")
         assert await ann.code("openrois.lease.release_stop", **ROBOT) == "OK"
         assert await switch(agent, "2") == ("OK", "")
+
+
+async def test_a_hand_back_that_the_link_does_not_carry_says_so(
+    own_nats: NatsServer, postgres_server: Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with guarded_by(own_nats, postgres_server, tmp_path) as guarded:
+        ann, agent = await person(guarded, "b"), await program(guarded, "a")
+        assert await ann.code("openrois.stop_all", **ROBOT) == "OK"
+        for module in (presence, pulse):
+            monkeypatch.setattr(module, "SILENCE", SILENCE)
+        own_nats.freeze()
+        try:
+            # Neither gateway has noticed it yet.
+            code, why = await ann.why("openrois.lease.release_stop", **ROBOT)
+        finally:
+            own_nats.thaw()
+        assert code == "ERROR"
+        assert why.startswith("robot may still be stopped for programs: gateway a, which has the engine, was lost")
+        monkeypatch.undo()
+        await seen_by(ann, "robot")
+        assert await ann.code("openrois.lease.release_stop", **ROBOT) == "OK"
+        assert await switch(agent, "1") == ("OK", "")
