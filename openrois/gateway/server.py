@@ -282,11 +282,17 @@ class _Server:
 
     async def _page_token(self, request: web.Request) -> web.Response:
         """Give the gateway's page a token, a new one of the visitor whose token it shows, where visitors bring none."""
-        principal = await self._auth_setup.admission.application(request)
         if self._auth_setup.page_tokens is None:
             return web.Response(status=204)
+        try:
+            principal = await self._auth_setup.admission.application(request)
+        except web.HTTPUnauthorized:
+            # A token of before this gateway was started: with none the page would be given one, too.
+            principal = LOCAL
         token = self._auth_setup.page_tokens.issue(principal)
-        return web.json_response({"token": token}, headers={"Cache-Control": "no-store"})
+        # Created: the page is another visitor now.
+        status = 201 if principal is LOCAL else 200
+        return web.json_response({"token": token}, status=status, headers={"Cache-Control": "no-store"})
 
     async def _adapter(self, request: web.Request) -> web.StreamResponse:
         if not _wants_websocket(request):

@@ -14,8 +14,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.asyncio(loop_scope="session")]
 
 @pytest_asyncio.fixture(loop_scope="session")
 async def visit(browser: Browser, demo: Demo) -> AsyncIterator[Visit]:
-    # A gateway that was started again has not made the page's token; the page asks it for one.
-    async with visiting(browser, demo.page, tolerated=[GATEWAY_AWAY, r"401 \(Unauthorized\)"]) as visit:
+    async with visiting(browser, demo.page, tolerated=[GATEWAY_AWAY]) as visit:
         yield visit
 
 

@@ -135,11 +135,13 @@ async function askWhy({ state } = client): Promise<void> {
     if (welcomed !== undefined) await askWhetherItCounts(welcomed);
   }
   if (state.name !== "waiting" || state.retryAt === Infinity) return;
+  // A gateway that gives its page tokens knows none of those that it gave before it was started again.
+  const isAnother = await token.obtain();
+  if (client.state !== state) return;
+  if (isAnother) return client.retryNow();
   const shown = token.value;
   const away = await isTurnedAway(shown);
   if (client.state !== state || token.value !== shown) return;
-  // A gateway that gives its page tokens knows none of those that it gave before it was started again.
-  if (away && (await token.obtain())) return client.retryNow();
   const ended = shown === welcomed || token.hasEnded(Date.now());
   unwelcome = !away ? null : shown === undefined ? "none" : ended ? "ended" : "refused";
   if (away) {

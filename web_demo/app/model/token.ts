@@ -4,6 +4,9 @@ const KEY = "openrois.token";
 /** The parts of a JSON Web Token, and nothing that a subprotocol's name must not have. */
 const SHAPE = /^[A-Za-z0-9_-]+\.[A-Za-z0-9_-]+\.[A-Za-z0-9_-]+$/;
 
+/** The status of an answer with the first token of a visitor. */
+const CREATED = 201;
+
 /** What a browser keeps for one tab at one address, until the tab is closed. */
 type Store = Pick<Storage, "getItem" | "setItem">;
 
@@ -71,19 +74,17 @@ export class PageToken {
 
   /**
    * Gets a token from a gateway that gives its page one, as that of the demo does: another one of the same visitor where it
-   * has one that is still good. Returns whether it did.
+   * has one that is still good. Returns whether the page is another visitor by it: it had none, or one of before the
+   * gateway was started.
    */
   async obtain(): Promise<boolean> {
-    for (const shown of new Set([this.#value, undefined])) {
-      try {
-        const response = await ask("page-token", shown);
-        if (response.status === 200) return this.give(tokenOf(await response.json()));
-        if (response.status !== 401) return false;
-      } catch {
-        return false;
-      }
+    try {
+      const response = await ask("page-token", this.#value);
+      if (response.status !== 200 && response.status !== CREATED) return false;
+      return this.give(tokenOf(await response.json())) && response.status === CREATED;
+    } catch {
+      return false;
     }
-    return false;
   }
 
   /**

@@ -128,7 +128,7 @@ describe("the page's token", () => {
   describe("of a gateway that gives its page one", () => {
     const answers: (Response | Error)[] = [];
     const shown: (string | undefined)[] = [];
-    const given = (token: unknown): Response => Response.json({ token });
+    const given = (token: unknown, status = 200): Response => Response.json({ token }, { status });
 
     beforeEach(() => {
       answers.length = shown.length = 0;
@@ -143,20 +143,20 @@ describe("the page's token", () => {
 
     afterEach(() => void vi.unstubAllGlobals());
 
-    it("is asked for, and for another one while it is good", async () => {
+    it("is asked for, and for another one of the same visitor while it is good", async () => {
       const token = new PageToken(new Store());
-      answers.push(given(TOKEN), given(`${TOKEN}2`));
+      answers.push(given(TOKEN, 201), given(`${TOKEN}2`));
       expect([await token.obtain(), token.value]).toEqual([true, TOKEN]);
-      expect([await token.obtain(), token.value]).toEqual([true, `${TOKEN}2`]);
+      expect([await token.obtain(), token.value]).toEqual([false, `${TOKEN}2`]);
       expect(shown).toEqual([undefined, `Bearer ${TOKEN}`]);
     });
 
-    it("is another visitor's where the former one is good no more", async () => {
+    it("is another visitor's where the gateway has not given the former one", async () => {
       const token = new PageToken(new Store());
       token.give(TOKEN);
-      answers.push(new Response("", { status: 401 }), given(`${TOKEN}2`));
+      answers.push(given(`${TOKEN}2`, 201));
       expect([await token.obtain(), token.value]).toEqual([true, `${TOKEN}2`]);
-      expect(shown).toEqual([`Bearer ${TOKEN}`, undefined]);
+      expect(shown).toEqual([`Bearer ${TOKEN}`]);
     });
 
     it.each([
