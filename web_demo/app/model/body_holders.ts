@@ -3,7 +3,7 @@
 import type { Client, LeaseStatus } from "../../sdk/index.ts";
 import { movingParts } from "./bodies.ts";
 import type { PageBody } from "./bodies.ts";
-import { named } from "./plain_words.ts";
+import { named, nameOfHolder } from "./plain_words.ts";
 
 /** Most unanswered questions at a time: they must not delay commands. */
 const AT_ONCE = 8;
@@ -14,6 +14,8 @@ export type Holding = { readonly kind: "free" | "mine" } | { readonly kind: "hel
 export class BodyHolders {
   readonly #client: Client;
   readonly #onChange: () => void;
+  /** Whether this page's token names a rank that counts: then what shows no token is a program. */
+  ranked = false;
   #watched: ReadonlySet<PageBody> = new Set();
   #refs: ReadonlySet<string> = new Set();
   readonly #leases = new Map<string, LeaseStatus>();
@@ -48,7 +50,8 @@ export class BodyHolders {
     const [lease] = operatedPart(body).flatMap((ref) => this.#leases.get(ref) ?? []);
     if (!lease) return null;
     if (lease.state === "MINE") return { kind: "mine" };
-    return lease.state === "FREE" ? { kind: "free" } : { kind: "held", holder: named(lease.holder ?? "") };
+    if (lease.state === "FREE") return { kind: "free" };
+    return { kind: "held", holder: named(nameOfHolder(lease.holder ?? "", this.ranked)) };
   }
 
   async #ask(): Promise<void> {

@@ -25,14 +25,14 @@ const TEXTS: ReadonlyMap<string, (text: string) => string> = new Map([
   ["condition", (text) => componentWords(ONLY_COMPONENT.exec(text)?.[1] ?? text)],
   ["error_type", codeWords],
   ["event_type", nameWords],
-  ["holder", (text) => named(text, "another visitor")],
+  ["holder", (text) => named(text, "another application")],
   ["query_type", nameWords],
   ["reason", plainReason],
   ["return_code", codeWords],
   ["sdp", () => "session description"],
   ["state", codeWords],
   ["status", codeWords],
-  ["subject", (text) => named(text, "another visitor")],
+  ["subject", (text) => named(text, "another application")],
 ]);
 
 /** Returns the line. */

@@ -6,6 +6,7 @@
  */
 
 import type { Client, LeaseStatus } from "../../sdk/index.ts";
+import { nameOfHolder } from "./plain_words.ts";
 
 /** A part of a body, as this page sees it. */
 export interface BodyPart {
@@ -25,11 +26,6 @@ export interface BodyPart {
   /** Of this page among those that wait for it, from 1 on; 0 where it does not wait. */
   readonly position: number;
 }
-
-/** What a gateway calls those that show no token. */
-const WITHOUT_TOKEN = "local";
-/** What such an application is where visitors have tokens. */
-const PROGRAM = "A program";
 
 interface Lease {
   readonly status: LeaseStatus;
@@ -66,7 +62,7 @@ export class PartLeases {
 
   /** What the page calls a subject: where visitors have tokens, what shows none is a program. */
   nameOf(subject: string): string {
-    return this.ranked && subject === WITHOUT_TOKEN ? PROGRAM : subject;
+    return nameOfHolder(subject, this.ranked);
   }
 
   setComponents(refs: readonly string[]): void {

@@ -2,6 +2,17 @@
 
 /** What a gateway without authentication calls every application. */
 const WITHOUT_TOKEN = "local";
+/** What an application without a token is where visitors have tokens. */
+const PROGRAM = "A program";
+
+/**
+ * Returns how a holder is called.
+ *
+ * @param ranked whether this page's token names a rank that counts: then what shows no token is a program
+ */
+export function nameOfHolder(subject: string, ranked: boolean): string {
+  return ranked && subject === WITHOUT_TOKEN ? PROGRAM : subject;
+}
 
 /** Names the subject of a token for a person; without tokens subjects have no names. */
 export function named(subject: string, unknown = "Another visitor"): string {
@@ -36,7 +47,7 @@ export function plainReason(reason: string): string {
   const holder = HOLDER.exec(text)
     ?.slice(1)
     .find((name) => name !== undefined);
-  if (holder !== undefined) return `${named(holder)} has control now`;
+  if (holder !== undefined) return `${named(holder, "Another application")} has control now`;
   return text
     .replace(/ \(character \d+\)/g, "")
     .replace(ID, "")

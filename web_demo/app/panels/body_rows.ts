@@ -44,8 +44,12 @@ export class BodyRows {
     });
   }
 
-  /** @param shown whether the bodies are shown in short */
-  update(shown: boolean): void {
+  /**
+   * @param shown whether the bodies are shown in short
+   * @param ranked whether this page's token names a rank that counts
+   */
+  update(shown: boolean, ranked: boolean): void {
+    this.#holders.ranked = ranked;
     const wasShown = !this.#element.hidden;
     this.#element.hidden = !shown;
     if (!shown && !wasShown) return;

@@ -45,7 +45,12 @@ export class OtherBodies {
     this.#receiver = receiver;
     this.#isUsed = isUsed;
     this.#onEnlarge = onEnlarge;
-    this.#rows = new BodyRows(client, this.#list, () => this.#rows.update(true), onEnlarge);
+    this.#rows = new BodyRows(
+      client,
+      this.#list,
+      () => this.#rows.update(true, this.#rights.ranked),
+      onEnlarge,
+    );
     this.#button.addEventListener("click", () => {
       this.#even = !this.#even;
       localStorage.setItem(KEY, this.#even ? EVEN : "");
@@ -92,7 +97,7 @@ export class OtherBodies {
     }
     this.#rights = rights;
     this.#closeIdle();
-    this.#rows.update(isLong);
+    this.#rows.update(isLong, rights.ranked);
     for (const [engineId, body] of isLong ? [] : others) {
       if (this.#cards.has(engineId)) continue;
       const card = new BodyCard(this.#client, this.#receiver, body, this.#isUsed, () =>

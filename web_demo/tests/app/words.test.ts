@@ -104,11 +104,11 @@ describe("reasons in plain words", () => {
     ["everything was stopped by anna", "everything was stopped by anna"],
     [
       "avatar/teleoperation is now held by local: its holder has handed it over",
-      "Another visitor has control now",
+      "Another application has control now",
     ],
     ["avatar/teleoperation is now held by ben: an administrator has taken it", "ben has control now"],
     ["avatar/teleoperation is now held by ben: an administrator has taken it", "ben has control now"],
-    ["avatar/teleoperation is controlled by local now: it was free", "Another visitor has control now"],
+    ["avatar/teleoperation is controlled by local now: it was free", "Another application has control now"],
     [`command-${"0a1b".repeat(6)}: the connection ended`, "the connection ended"],
     ["avatar/Arm did not confirm that it has stopped.", "Arm did not confirm that it has stopped"],
     [

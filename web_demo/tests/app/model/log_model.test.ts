@@ -109,7 +109,7 @@ describe("LogModel", () => {
       },
     ],
     [
-      "teleoperation, in use, another visitor, position 2, its holder has handed it over",
+      "teleoperation, in use, another application, position 2, its holder has handed it over",
       {
         message: {
           params: {
@@ -126,7 +126,7 @@ describe("LogModel", () => {
       },
     ],
     [
-      "Another visitor has control now, stopped",
+      "Another application has control now, stopped",
       {
         message: {
           params: {

@@ -167,6 +167,8 @@ describe("who has control", () => {
     expect(holders.of(body)).toEqual({ kind: "held", holder: "anna" });
     lease(`${idOf(0)}/navigation`, "ABSENT", "local");
     expect(holders.of(body)).toEqual({ kind: "held", holder: "Another visitor" });
+    holders.ranked = true;
+    expect(holders.of(body)).toEqual({ kind: "held", holder: "A program" });
     lease(`${idOf(0)}/navigation`, "MINE");
     expect(holders.of(body)).toEqual({ kind: "mine" });
     lease(`${idOf(1)}/navigation`, "HELD", "anna");
