@@ -33,6 +33,7 @@ export type {
 export { decode, encode, resultValue } from "./rois/payload.ts";
 export type { ProfileChange } from "./rois/profile_change.ts";
 export type { Types } from "./rois/payload.ts";
+export type { IsStopped } from "./rois/stops.ts";
 export type { Subscription } from "./rois/subscriptions.ts";
 export { decodeValue, encodeValue } from "./rois/values.ts";
 export type { Value, Writable } from "./rois/values.ts";

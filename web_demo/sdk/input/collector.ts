@@ -84,6 +84,8 @@ export class Collector {
         event.preventDefault();
         event.stopPropagation();
       }
+      // A key that is held on is not pressed again: everything may have been released meanwhile.
+      if (event.repeat) return;
       const change = this.#held.key(event.code, down);
       if (change) this.#events.onChange(change);
     };

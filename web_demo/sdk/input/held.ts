@@ -15,6 +15,16 @@ const PRESSED = 0.5;
 const fine = (value: number, low: number): number =>
   Math.round(Math.min(1, Math.max(low, Number.isFinite(value) ? value : 0)) * 10_000) / 10_000;
 
+/** What is held on while everything is halted: it counts again once it has been let go. */
+interface Halted {
+  readonly pad: boolean;
+  readonly stick: boolean;
+  /** Buttons of the mouse, as `MouseEvent.buttons`. */
+  readonly buttons: number;
+}
+
+const NOTHING: Halted = { pad: false, stick: false, buttons: 0 };
+
 /** State of the input devices. Methods return the change to send at once; null where the state alone is enough. */
 export class Held {
   readonly #keys = new Set<string>();
@@ -23,6 +33,7 @@ export class Held {
   #gamepad: Gamepad4 | null = null;
   /** A stick on the screen, as the left stick of a gamepad. */
   #stick: readonly [number, number] | null = null;
+  #halted = NOTHING;
 
   /** The state in the form of a message. */
   get state(): HeldState {
@@ -38,9 +49,12 @@ export class Held {
 
   /** Whether anything is pressed, touched or deflected: states have to be repeated meanwhile. */
   get active(): boolean {
-    const pad = this.#pad;
-    const deflected = pad !== null && [...pad.axes, ...pad.buttons].some((each) => Math.abs(each) > AT_REST);
-    return this.#keys.size > 0 || this.#touches.size > 0 || (this.#pointer?.[2] ?? 0) !== 0 || deflected;
+    return (
+      this.#keys.size > 0 ||
+      this.#touches.size > 0 ||
+      (this.#pointer?.[2] ?? 0) !== 0 ||
+      isDeflected(this.#pad)
+    );
   }
 
   key(code: string, down: boolean): Change | null {
@@ -53,7 +67,9 @@ export class Held {
 
   /** Sets the pointer's place and buttons. */
   move(x: number, y: number, buttons: number): void {
-    this.#pointer = [fine(x, 0), fine(y, 0), buttons & 31];
+    const halted = this.#halted.buttons & buttons;
+    this.#halted = { ...this.#halted, buttons: halted };
+    this.#pointer = [fine(x, 0), fine(y, 0), buttons & ~halted & 31];
   }
 
   button(button: number, down: boolean, x: number, y: number, buttons: number): Change | null {
@@ -84,6 +100,9 @@ export class Held {
       axes: now.axes.slice(0, MAX_AXES).map((each) => fine(each, -1)),
       buttons: now.buttons.slice(0, MAX_BUTTONS).map(({ value }) => fine(value, 0)),
     };
+    const isHalted = this.#halted.pad && (now === null || isDeflected(this.#gamepad));
+    this.#halted = { ...this.#halted, pad: isHalted };
+    if (isHalted) this.#gamepad = null;
     const after = this.#gamepad?.buttons ?? [];
     return Array.from({ length: MAX_BUTTONS }, (_, button) => button)
       .filter((button) => (before[button] ?? 0) >= PRESSED !== (after[button] ?? 0) >= PRESSED)
@@ -96,7 +115,9 @@ export class Held {
    */
   stick(x: number, y: number): void {
     const at = [fine(x, -1), fine(y, -1)] as const;
-    this.#stick = at[0] === 0 && at[1] === 0 ? null : at;
+    const isHalted = this.#halted.stick && (at[0] !== 0 || at[1] !== 0);
+    this.#halted = { ...this.#halted, stick: isHalted };
+    this.#stick = isHalted || (at[0] === 0 && at[1] === 0) ? null : at;
   }
 
   /** The gamepad with the stick on the screen; null without either. */
@@ -115,4 +136,18 @@ export class Held {
     this.#gamepad = null;
     this.#stick = null;
   }
+
+  /** Releases everything, and takes what is held on now only once it has been let go and is pressed anew. */
+  halt(): void {
+    this.#halted = {
+      pad: this.#halted.pad || isDeflected(this.#gamepad),
+      stick: this.#halted.stick || this.#stick !== null,
+      buttons: this.#halted.buttons | (this.#pointer?.[2] ?? 0),
+    };
+    this.clear();
+  }
+}
+
+function isDeflected(pad: Gamepad4 | null): boolean {
+  return pad !== null && [...pad.axes, ...pad.buttons].some((each) => Math.abs(each) > AT_REST);
 }

@@ -10,8 +10,14 @@ import type { SpeechRate, SpeechTold, Spoken } from "./speech_messages.ts";
 import type { InputMedia } from "./teleoperation.ts";
 
 const LOST = "the connection over which it was spoken was lost";
+const CLEARED = "the speech was cleared before this was spoken";
 
 const NOTHING: Spoken = { seconds: 0, reason: "" };
+
+/** What is pushed up to the next `finish`; what of it waits to be sent is dropped with what was interrupted before it. */
+interface Pushes {
+  interrupted: string;
+}
 
 /** Number of the last speech of the page: each has a greater one than those before. */
 let newest = 0;
@@ -35,6 +41,9 @@ export class SpeechStream {
   #current: Utterance | null = null;
   #latest: Utterance | null = null;
   #turn: Promise<unknown> = Promise.resolve();
+  #pushes: Pushes = { interrupted: "" };
+  #clears = 0;
+  #endStops: () => void = () => undefined;
 
   /**
    * @param media a `MediaReceiver` made with `input: true`, with a stream of the body
@@ -55,18 +64,27 @@ export class SpeechStream {
   }
 
   /**
-   * Binds the component.
+   * Binds the component. Where the body is stopped, what was pushed up to then is not spoken any more.
    *
-   * @throws RoISError (OUT_OF_RESOURCES: another application has it)
+   * @throws RoISError (OUT_OF_RESOURCES: another application has it) | CommandFailed (ABORT: it was stopped meanwhile)
    */
   async start(): Promise<void> {
-    await this.#client.bind(this.componentRef);
-    // Sound takes a shorter way than the binding: it must not arrive before the body knows of that.
-    await this.#client.query("streaming", onlyComponent(this.componentRef));
+    const client = this.#client;
+    const bind = async (): Promise<void> => {
+      await client.bind(this.componentRef);
+      // Sound takes a shorter way than the binding: it must not arrive before the body knows of that.
+      await client.query("streaming", onlyComponent(this.componentRef));
+    };
+    await client.control.unlessStopped(this.componentRef, bind, () => client.release(this.componentRef));
+    this.#endStops();
+    this.#endStops = client.on("stopped", (isStopped) => {
+      if (isStopped(this.componentRef)) void this.clear();
+    });
   }
 
   /** Silences the body, and gives the component back. */
   async stop(): Promise<void> {
+    this.#endStops();
     await this.clear();
     await this.#client.release(this.componentRef);
   }
@@ -80,12 +98,17 @@ export class SpeechStream {
    */
   push(samples: Int16Array | Float32Array, text = ""): Promise<void> {
     const sound = pcm16(samples);
+    const [pushes, clears] = [this.#pushes, this.#clears];
     return this.#inTurn(async () => {
+      const why = clears === this.#clears ? pushes.interrupted : CLEARED;
+      if (why !== "") throw new Error(why);
       const utterance = this.#current ?? this.#begin(text);
       for (let first = 0; first < sound.length; first += FRAME_SAMPLES) {
         const reason = await utterance.push(sound.subarray(first, first + FRAME_SAMPLES));
         if (reason === null) continue;
-        this.#leave(utterance);
+        pushes.interrupted = reason;
+        if (this.#pushes === pushes) this.#pushes = { interrupted: "" };
+        if (this.#current === utterance) this.#current = null;
         throw new Error(reason);
       }
     });
@@ -103,6 +126,7 @@ export class SpeechStream {
 
   /** Ends the present speech; resolves when it is over, heard or interrupted; without one, when the last one is. */
   async finish(): Promise<Spoken> {
+    this.#pushes = { interrupted: "" };
     const utterance = await this.#inTurn(() => {
       const ended = this.#current;
       ended?.say({ event: "end" });
@@ -112,8 +136,12 @@ export class SpeechStream {
     return (utterance ?? this.#latest)?.over ?? NOTHING;
   }
 
-  /** Silences all that was pushed, at once; resolves to what was heard of the present speech, or of the last one. */
+  /**
+   * Silences all that was pushed, at once, also what still waits to be sent; resolves to what was heard of the present
+   * speech, or of the last one.
+   */
   async clear(): Promise<Spoken> {
+    this.#clears += 1;
     const cleared = [...this.#spoken.values()];
     for (const utterance of cleared) utterance.clear();
     this.#current = null;
@@ -142,10 +170,6 @@ export class SpeechStream {
     if (told.event === "starved") this.#events.emit("starved", told.position / 1000);
     if (!utterance.result || !this.#spoken.delete(utterance.number)) return;
     this.#events.emit("finished", utterance.result);
-  }
-
-  #leave(utterance: Utterance): void {
-    if (this.#current === utterance) this.#current = null;
   }
 
   /** Lets pushes follow each other. */

@@ -42,6 +42,7 @@ export class Teleoperation {
   readonly #events = new Emitter<TeleoperationEvents>();
   readonly #held = new Held();
   #collector: Collector | null = null;
+  #endStops: () => void = () => undefined;
   #timer: ReturnType<typeof setInterval> | undefined;
   #command: string | null = null;
   #moved = false;
@@ -73,11 +74,15 @@ export class Teleoperation {
   /**
    * Binds the component and begins to operate.
    *
-   * @throws RoISError (OUT_OF_RESOURCES: another application has it)
+   * @throws RoISError (OUT_OF_RESOURCES: another application has it) | CommandFailed (ABORT: it was stopped meanwhile)
    */
   async start(): Promise<void> {
     if (this.#command !== null) return;
-    await this.#client.bind(this.componentRef);
+    await this.#client.control.unlessStopped(
+      this.componentRef,
+      () => this.#client.bind(this.componentRef),
+      () => this.#client.release(this.componentRef),
+    );
     const [command = ""] = await this.#client.execute([
       { component_ref: this.componentRef, command_type: "start" },
     ]);
@@ -104,7 +109,8 @@ export class Teleoperation {
   }
 
   /**
-   * Sends the operator's input at an element (the video), from now on and while this application operates.
+   * Sends the operator's input at an element (the video), from now on and while this application operates. What is held
+   * while the body is stopped counts again once it is pressed anew.
    *
    * @returns detaches from the element
    */
@@ -117,6 +123,9 @@ export class Teleoperation {
     };
     const collector = new Collector(element, this.#held, events, options);
     this.#collector = collector;
+    this.#endStops = this.#client.on("stopped", (isStopped) => {
+      if (isStopped(this.componentRef)) this.#halt();
+    });
     this.#timer = setInterval(() => this.#sendDue(), PACE);
     return () => {
       if (this.#collector === collector) this.detach();
@@ -135,6 +144,7 @@ export class Teleoperation {
     if (!this.#collector) return;
     this.#release("bye");
     clearInterval(this.#timer);
+    this.#endStops();
     this.#collector.detach();
     this.#collector = null;
   }
@@ -164,6 +174,16 @@ export class Teleoperation {
 
   #release(why: Why): void {
     this.#held.clear();
+    this.#sendRelease(why);
+  }
+
+  /** Ends what is held before the gateway's STOP can: this is the shorter way. */
+  #halt(): void {
+    this.#held.halt();
+    this.#sendRelease("blur");
+  }
+
+  #sendRelease(why: Why): void {
     this.#moved = false;
     const channels = this.#channels;
     channels?.sendChange(message({ event: "release", why }));

@@ -1,9 +1,10 @@
 /** Bindings (reservations) that outlive the session in which they were made. */
 
 import type { BindingClaim, Renewal } from "./claims.ts";
-import { CommandFailed, RoISError } from "./errors.ts";
+import { RoISError } from "./errors.ts";
 import type { LeaseChangedNotification } from "./generated/types.ts";
 import type { Call } from "./link.ts";
+import type { Stops } from "./stops.ts";
 
 /**
  * `unknown`: its session is gone. `lost`: it could not be made again, and `lost` was emitted. `lent`: another application
@@ -19,8 +20,11 @@ export class Bindings {
   /** Number of works that need each component now. */
   readonly #uses = new Map<string, number>();
   readonly #turns = new Map<string, Promise<unknown>>();
-  /** Works that wait for their component. */
-  readonly #awaited = new Set<{ readonly componentRef: string; stopped: boolean }>();
+  readonly #stops: Stops;
+
+  constructor(stops: Stops) {
+    this.#stops = stops;
+  }
 
   /** Binds until it is released. */
   async bind(call: Call, componentRef: string): Promise<void> {
@@ -64,25 +68,13 @@ export class Bindings {
    * @throws CommandFailed (ABORT: it was stopped before it began) | what `hold` and the work throw
    */
   async during<T>(call: Call, componentRef: string, work: () => Promise<T>): Promise<T> {
-    const awaited = { componentRef, stopped: false };
-    this.#awaited.add(awaited);
+    const drop = (): Promise<void> => this.drop(call, componentRef);
+    await this.#stops.unlessStopped(componentRef, () => this.hold(call, componentRef), drop);
     try {
-      await this.hold(call, componentRef);
-    } finally {
-      this.#awaited.delete(awaited);
-    }
-    try {
-      if (awaited.stopped)
-        throw new CommandFailed(`work with ${componentRef}`, "", "ABORT", "it was stopped before it began");
       return await work();
     } finally {
-      await this.drop(call, componentRef);
+      await drop();
     }
-  }
-
-  /** Notes that components are stopped: the works of `during` that still wait for them do not begin. */
-  stopped(isStopped: (componentRef: string) => boolean): void {
-    for (const awaited of this.#awaited) awaited.stopped ||= isStopped(awaited.componentRef);
   }
 
   /** Binds for one more work, until `drop`. */

@@ -29,6 +29,7 @@ import { Bodies } from "./reserving.ts";
 import type { BodyLoss, BodyOptions } from "./reserving.ts";
 import { Resumption } from "./resumption.ts";
 import { Restoration } from "./restoration.ts";
+import { Stops } from "./stops.ts";
 import { Subscriptions, iterate } from "./subscriptions.ts";
 import type { Subscription } from "./subscriptions.ts";
 
@@ -59,7 +60,8 @@ export type Step = Command | Concurrent;
 export class Client extends Link {
   readonly #completions = new Completions();
   readonly #subscriptions = new Subscriptions();
-  readonly #bindings = new Bindings();
+  readonly #stops = new Stops((isStopped) => this.emitter.emit("stopped", isStopped));
+  readonly #bindings = new Bindings(this.#stops);
   readonly #restoration: Restoration;
   readonly #resumption: Resumption;
   readonly #directory = new EngineDirectory(this.call);
@@ -80,7 +82,7 @@ export class Client extends Link {
       restored: (claim) => this.onceConnected(() => this.emitter.emit("restored", claim)),
     };
     this.#restoration = new Restoration(this.#bindings, this.#subscriptions, renewal, options?.backoff);
-    this.control = new Control(this, this.#bindings);
+    this.control = new Control(this, this.#bindings, this.#stops);
     this.control.on("openrois.lease.changed", (lease) => {
       if (this.#bindings.holderChanged(lease, renewal)) this.#restoration.changed(this.call, null);
     });
@@ -209,7 +211,8 @@ export class Client extends Link {
 
   /**
    * Does some work while a component is bound. Where works overlap the last one releases it; a component bound by `bind`
-   * stays so. What this client stops meanwhile, by a command `stop` or by `control.stopAll`, does not begin.
+   * stays so. What is stopped meanwhile does not begin: by this client, with a command `stop` or
+   * `control.stopAll`, or by a person, where the gateway notifies this client of that.
    *
    * @throws RoISError (OUT_OF_RESOURCES: another application has it) | CommandFailed (ABORT: it was stopped before it
    *   began) | what the work throws
@@ -239,7 +242,7 @@ export class Client extends Link {
     const ids: string[] = [];
     const identified = (command: Command): CommandUnit => {
       const unit = { ...command, command_id: command.command_id ?? newCommandId() };
-      if (unit.command_type === "stop") this.#bindings.stopped((ref) => ref === unit.component_ref);
+      if (unit.command_type === "stop") this.#stops.stopComponent(unit.component_ref);
       ids.push(unit.command_id);
       return unit;
     };

@@ -13,6 +13,7 @@ import type {
 } from "./generated/types.ts";
 import type { Link } from "./link.ts";
 import { mayConcern } from "./profile_change.ts";
+import type { Stops } from "./stops.ts";
 
 /** Notifications of leases. */
 export interface ControlEvents {
@@ -28,12 +29,17 @@ export interface ControlEvents {
 export class Control {
   readonly #client: Link;
   readonly #bindings: Bindings;
+  readonly #stops: Stops;
   /** Checks of waiting requests: each finds out whether it still waits. */
   readonly #checks = new Set<() => void>();
 
-  constructor(client: Link, bindings: Bindings) {
+  constructor(client: Link, bindings: Bindings, stops: Stops) {
     this.#client = client;
     this.#bindings = bindings;
+    this.#stops = stops;
+    this.on("openrois.lease.stopped", ({ engine_id: engineId, by = "" }) => {
+      if (by !== "") stops.handleStopped(engineId);
+    });
   }
 
   /** Listens to one kind of notification of leases and returns the function that ends it. */
@@ -184,16 +190,31 @@ export class Control {
   /**
    * Stops everything that acts on an engine; without one, on every engine of which this application holds something,
    * or, as an administrator, sees something. Where it is a person's, programs wait then until a person calls
-   * `releaseStop`. Works of `Client.bound` that still wait for their component do not begin. It is no safety-rated
-   * emergency stop.
+   * `releaseStop`. Works of `Client.bound` that still wait for their component, and of `unlessStopped`, do not begin.
+   * It is no safety-rated emergency stop.
    *
    * @returns which components have stopped
    * @throws RoISError (ERROR: something did not say that it has stopped; UNSUPPORTED: nothing that acts there is in scope)
    */
   async stopAll(engineId?: string): Promise<readonly string[]> {
     const params = engineId === undefined ? {} : { engine_id: engineId };
-    this.#bindings.stopped((ref) => engineId === undefined || ref.startsWith(`${engineId}/`));
-    return (await this.#client.call("openrois.stop_all", params)).stopped ?? [];
+    const stop = () => this.#client.call("openrois.stop_all", params);
+    return (await this.#stops.stopEngine(engineId, stop)).stopped ?? [];
+  }
+
+  /**
+   * Does what has to come before a command, such as borrowing a component or subscribing to its events. The command is to
+   * be sent when it has resolved: where this client or a person stops the component meanwhile, it does not.
+   *
+   * @param undo is called with what came of it where that is of no use any more
+   * @throws CommandFailed (ABORT: it was stopped before it began) | what `prepare` throws
+   */
+  unlessStopped<T>(
+    componentRef: string,
+    prepare: () => Promise<T>,
+    undo?: (prepared: T) => Promise<void> | void,
+  ): Promise<T> {
+    return this.#stops.unlessStopped(componentRef, prepare, undo);
   }
 
   /**

@@ -14,6 +14,7 @@ import { InvalidMessage, RoISError } from "./errors.ts";
 import type { ExtensionMethods } from "./extension_methods.ts";
 import type { ProfileChange } from "./profile_change.ts";
 import type { BodyLoss } from "./reserving.ts";
+import type { IsStopped } from "./stops.ts";
 import type { MethodName, Methods } from "./generated/methods.ts";
 import type {
   Completed,
@@ -98,6 +99,11 @@ export interface ClientEvents {
   restored: Claim;
   /** An invalid message was ignored; a sentence says what is wrong with it. */
   invalid: string;
+  /**
+   * What acts on an engine is stopped, by `control.stopAll` of this client or by a person, where the gateway notifies this
+   * client of that; the value tells of a component whether it is meant.
+   */
+  stopped: IsStopped;
   /** A body that was reserved is not any more; what was left of it is released. */
   body_lost: BodyLoss;
   /** Every notification, also those of extensions. */

@@ -452,6 +452,28 @@ describe("perform", () => {
     },
   );
 
+  it("is not begun when a person stops the body before it could be", async () => {
+    const speech = new SpeechSynthesis(client, "a/speech");
+    const told = { engine_id: "a", by: "ann", reason: "programs wait" };
+    const performance = speech.perform({ speech_text: "Hello" });
+    gateway.notify("openrois.lease.stopped", told);
+    await expect(performance).rejects.toMatchObject({ status: "ABORT" });
+    expect(units()).toEqual([]);
+    completeAtOnce();
+    gateway.on("openrois.stop_all", async () => {
+      // What is asked for behind a STOP of its own is no part of what the gateway tells of that.
+      const again = speech.perform({ speech_text: "Again" });
+      gateway.notify("openrois.lease.stopped", told);
+      await again;
+      return { stopped: [] };
+    });
+    await client.control.stopAll("a");
+    const further = speech.perform({ speech_text: "Further" });
+    gateway.notify("openrois.lease.stopped", { engine_id: "a", by: "", reason: "handed back" });
+    gateway.notify("openrois.lease.stopped", { ...told, engine_id: "b" });
+    await further;
+  });
+
   it("goes on when another body is stopped", async () => {
     gateway.on("openrois.stop_all", () => ({ stopped: [], failed: [] }));
     completeAtOnce();

@@ -44,7 +44,13 @@ const resumed = (more: JsonObject = {}): JsonObject => ({
 
 it("a release keeps the component bound for a running work", async () => {
   let finish = (): void => undefined;
-  const work = client.bound(ARM, () => new Promise<void>((resolve) => (finish = resolve)));
+  let work = Promise.resolve();
+  await new Promise<void>((began) => {
+    work = client.bound(ARM, () => {
+      began();
+      return new Promise<void>((resolve) => (finish = resolve));
+    });
+  });
   await client.bind(ARM);
   await client.release(ARM);
   expect(gateway.called("rois.command.release")).toEqual([]);

@@ -112,6 +112,36 @@ describe("a stick on the screen", () => {
   });
 });
 
+describe("what is held while everything is halted", () => {
+  it("counts again once it was let go", () => {
+    const held = new Held();
+    const still = { axes: [0, 0.02], buttons: [] };
+    held.key("KeyW", true);
+    held.stick(0, -1);
+    held.pad(pad([0, -1], 1));
+    held.button(0, true, 0.5, 0.5, 1);
+    held.halt();
+    held.halt();
+    expect([held.state, held.active]).toEqual([{}, false]);
+    held.stick(0.2, -1);
+    held.pad(pad([0, -0.9], 1));
+    held.move(0.6, 0.5, 1);
+    // One that cannot be read, since the page is not used now, was not let go.
+    held.pad(null);
+    held.pad(pad([0, -0.9], 1));
+    expect([held.state, held.active]).toEqual([{ pointer: [0.6, 0.5, 0] }, false]);
+    held.stick(0, 0);
+    held.pad(still);
+    held.move(0.6, 0.5, 0);
+    held.stick(0, -1);
+    expect(held.state.gamepad).toEqual({ axes: [0, -0.98], buttons: [] });
+    held.stick(0, 0);
+    held.pad(pad([0, -1], 1));
+    held.button(0, true, 0.6, 0.5, 1);
+    expect(held.state).toMatchObject({ pointer: [0.6, 0.5, 1], gamepad: { axes: [0, -1] } });
+  });
+});
+
 describe("messages", () => {
   it("have increasing numbers over all senders", () => {
     const [first, second] = [message({}), message({ event: "release", why: "bye" })].map(

@@ -9,6 +9,7 @@ import { FakePeerConnection } from "../support/fake_peer_connection.ts";
 const REF = "avatar/speech_stream";
 
 let gateway: FakeGateway;
+let client: Client;
 let connection: FakePeerConnection;
 let speech: SpeechStream;
 let steps: unknown[];
@@ -26,7 +27,8 @@ beforeEach(async () => {
   gateway = new FakeGateway();
   for (const name of ["bind", "release"]) gateway.on(`rois.command.${name}`, () => ({}));
   gateway.on("rois.query.query", () => ({ results: [] }));
-  const client = new Client("ws://test/", { webSocket: gateway.webSocket });
+  gateway.on("openrois.stop_all", () => ({ stopped: [] }));
+  client = new Client("ws://test/", { webSocket: gateway.webSocket });
   await client.connect();
   connection = new FakePeerConnection({});
   const channels = new InputChannels(connection as unknown as RTCPeerConnection);
@@ -92,6 +94,47 @@ describe("SpeechStream", () => {
     expect(sent("control")).toEqual([{ event: "clear", utterance: number() }]);
     tell({ event: "finished", utterance: number(), position: 120, reason: "the speech was cleared" });
     expect(await clearing).toEqual({ seconds: 0.12, reason: "the speech was cleared" });
+  });
+
+  it.each([
+    ["clears", () => speech.clear(), "the speech was cleared"],
+    ["is stopped with its body", () => client.control.stopAll("avatar"), "avatar was stopped by ann"],
+  ])("speaks nothing of what waits behind others when it %s", async (_, silence, reason) => {
+    const waiting = [1, 2, 3].map(() => speech.push(new Int16Array(20_000)));
+    const [first, ...others] = waiting.map((push) => push.then(null, ({ message }: Error) => message));
+    await settle();
+    const [utterance, before] = [number(), samples()];
+    const silenced = silence();
+    expect(sent("control")).toEqual([{ event: "clear", utterance }]);
+    tell({ event: "finished", utterance, position: 120, reason });
+    await silenced;
+    expect(await first).toBe(reason);
+    for (const other of others) expect(await other).toBe("the speech was cleared before this was spoken");
+    expect([samples(), sent().filter(({ event }) => event === "begin").length]).toEqual([before, 1]);
+    await speech.push(new Int16Array(8));
+    expect(number()).toBe(utterance + 1);
+  });
+
+  it("drops what waits with the speech that is interrupted, and not the next one", async () => {
+    const end = ({ message }: Error): string => message;
+    const waiting = [1, 2].map(() => speech.push(new Int16Array(20_000)).then(() => "", end));
+    const finished = speech.finish();
+    const next = speech.push(new Int16Array(8));
+    await settle();
+    const utterance = number();
+    tell({ event: "finished", utterance, position: 120, reason: "the voice is held by bob" });
+    expect(await Promise.all(waiting)).toEqual(Array(2).fill("the voice is held by bob"));
+    await Promise.all([finished, next]);
+    expect(number()).toBe(utterance + 1);
+    await speech.push(new Int16Array(8));
+    expect(number()).toBe(utterance + 1);
+  });
+
+  it("is not begun when its body is stopped while it is being bound", async () => {
+    const starting = new SpeechStream(client, { inputs: () => [] }, REF).start();
+    await client.control.stopAll("avatar");
+    await expect(starting).rejects.toMatchObject({ status: "ABORT" });
+    expect(gateway.calls.at(-1)?.method).toBe("rois.command.release");
   });
 
   it("fails a push that waits when the speech is interrupted, refused, or lost with its channels", async () => {

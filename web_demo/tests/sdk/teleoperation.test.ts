@@ -237,6 +237,37 @@ describe("Teleoperation", () => {
     expect(sent("input")).toEqual([]);
   });
 
+  it("sends nothing more of what is held when the body is stopped", async () => {
+    gateway.on("openrois.stop_all", () => ({ stopped: [] }));
+    press("KeyW");
+    const pad = new FakeGamepad();
+    pad.axes = [0, -1, 0, 0];
+    pads = [pad];
+    await pass(20);
+    await client.control.stopAll("other");
+    expect(last("input")).toMatchObject({ keys: ["KeyW"] });
+    const stopping = client.control.stopAll("avatar");
+    expect(last("control")).toMatchObject({ event: "release" });
+    press("KeyW", { repeat: true });
+    await pass(500);
+    expect(last("input")).not.toHaveProperty("gamepad.axes");
+    expect(last("input")).not.toHaveProperty("keys");
+    await stopping;
+    press("KeyW");
+    expect(last("input")).toMatchObject({ keys: ["KeyW"] });
+  });
+
+  it("does not begin when the body is stopped while it is being bound", async () => {
+    gateway.on("openrois.stop_all", () => ({ stopped: [] }));
+    await teleoperation.stop();
+    const before = asked("rois.command.execute").length;
+    const starting = teleoperation.start();
+    await client.control.stopAll("avatar");
+    await expect(starting).rejects.toMatchObject({ status: "ABORT" });
+    expect([teleoperation.operating, asked("rois.command.execute").length]).toEqual([false, before]);
+    expect(asked("rois.command.release")).toHaveLength(2);
+  });
+
   it("stops, and gives the component back", async () => {
     press("KeyW");
     await teleoperation.stop();
