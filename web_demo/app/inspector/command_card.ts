@@ -93,7 +93,8 @@ export class CommandCard implements Card {
     if (!(error instanceof RoISError && error.returnCode === "OUT_OF_RESOURCES")) return [];
     const bindAndRun = async (): Promise<void> => {
       try {
-        await this.#bench.bind();
+        // What is stopped while it is being bound is not executed afterwards; it stays bound, as "Bind" alone would leave it.
+        await this.#bench.client.control.unlessStopped(this.#bench.ref, () => this.#bench.bind());
       } catch (refused) {
         return this.#newRun().refused(refusal("bind", refused));
       }

@@ -1,6 +1,13 @@
 /** What an answer means, in words for users who try a component out. Pure. */
 
-import { ConnectionLost, InvalidMessage, RequestTimeout, RoISError, RpcError } from "../../sdk/index.ts";
+import {
+  CommandFailed,
+  ConnectionLost,
+  InvalidMessage,
+  RequestTimeout,
+  RoISError,
+  RpcError,
+} from "../../sdk/index.ts";
 import type { CompletedStatus, ComponentStatus, Json, ReturnCode } from "../../sdk/index.ts";
 import { plainReason } from "../model/plain_words.ts";
 
@@ -60,6 +67,8 @@ export function refusal(attempt: Attempt, error: unknown): Refusal {
     const sentence = OF_ATTEMPT[attempt]?.[code] ?? (code === "OK" ? "" : ANYWHERE[code]);
     return { code, sentence: explained(sentence ?? "The engine refused it.", error.reason) };
   }
+  if (error instanceof CommandFailed)
+    return { code: error.status, sentence: `${completedWords(error.status, error.reason)}.` };
   if (error instanceof RpcError) return { code: String(error.code), sentence: protocolFault(error) };
   if (error instanceof ConnectionLost) {
     return {

@@ -84,7 +84,7 @@ export class Walk {
     const words =
       targets.length > 1 ? `Walking to ${targets.length} places` : `Walking to ${first?.words ?? ""}`;
     void this.#run(words, targets, null, async (signal) => {
-      await this.#hear(navigation);
+      await this.#client.control.unlessStopped(navigation.componentRef, () => this.#hear(navigation));
       if (signal.aborted) throw new Stopped();
       await navigation.perform({ target_positions: targets.map(({ text }) => text) });
     });

@@ -70,6 +70,7 @@ export class BodyControl {
   #taking: Promise<Holding> | null = null;
   /** Parts that were taken over one by one. */
   readonly #single = new Map<string, HeldPart>();
+  #stops = 0;
   #declined = false;
   /** The component that this page waits for; empty for none. */
   #waitsFor = "";
@@ -95,6 +96,9 @@ export class BodyControl {
       if (component_ref !== this.#waitsFor) return;
       this.#declined = true;
       void this.#readLeases();
+    });
+    client.on("stopped", (isStopped) => {
+      if (this.#refs.some(isStopped)) this.#stops += 1;
     });
     client.on("lost", (claim) => {
       // What another application has by now, its lease has told.
@@ -173,6 +177,11 @@ export class BodyControl {
     return { kind: "other", holder, absent, mayTakeOver: this.mayTakeOver(part) };
   }
 
+  /** How often the body was stopped since the page was opened, as far as it knows. */
+  get stops(): number {
+    return this.#stops;
+  }
+
   /** Names an application that has some of what control needs; empty where that is none. */
   get hindrance(): string {
     const control = this.state;
@@ -195,7 +204,7 @@ export class BodyControl {
   /**
    * Takes all parts of the body, or none; where several works have taken them, the last one gives them back.
    *
-   * @throws BodyTaken | what binding throws
+   * @throws BodyTaken | CommandFailed (ABORT: the body was stopped meanwhile) | what binding throws
    */
   takeControl(): Promise<GiveBack> {
     return this.#take(false);
@@ -212,7 +221,10 @@ export class BodyControl {
 
   async #take(borrows: boolean): Promise<GiveBack> {
     if (!this.#holding) {
-      this.#taking ??= this.#holdAll(borrows).finally(() => (this.#taking = null));
+      const hold = (): Promise<Holding> => this.#holdAll(borrows);
+      this.#taking ??= this.#client.control
+        .unlessStopped(this.#refs[0] ?? "", hold, ({ parts }) => this.#release(parts))
+        .finally(() => (this.#taking = null));
       this.#holding = await this.#taking;
     }
     const holding = this.#holding;
@@ -229,7 +241,7 @@ export class BodyControl {
 
   /**
    * The same, and asks an application that does not rank lower for the part that it holds: waits in line until that is given
-   * back or handed over.
+   * back or handed over. It goes on waiting where the body is stopped meanwhile.
    *
    * @throws RoISError (OUT_OF_RESOURCES: this page has left the line) | what `take` throws
    */
@@ -339,7 +351,7 @@ export class BodyControl {
         parts.push(await (isLoan ? this.#loans.borrow(componentRef) : this.#bind(componentRef)));
         this.#requireUnchanged(refs, parts);
       } catch (error) {
-        for (const held of parts.reverse()) await held.release();
+        await this.#release(parts);
         await this.#readLeases(refs);
         throw this.#explain(error, componentRef);
       }
@@ -385,11 +397,11 @@ export class BodyControl {
     const holding = this.#holding;
     this.#holding = null;
     if (!holding) return;
-    const release = async (): Promise<void> => {
-      for (const part of [...holding.parts].reverse()) await part.release();
-      await this.#readLeases();
-    };
-    void release();
+    void this.#release(holding.parts).then(() => this.#readLeases());
+  }
+
+  async #release(parts: readonly HeldPart[]): Promise<void> {
+    for (const part of [...parts].reverse()) await part.release();
   }
 
   /** Gives up all parts when another application has one: they are of no use without it. */

@@ -4,7 +4,7 @@ import { CommandFailed, RoISError } from "../../sdk/index.ts";
 import type { Control, SpeechSynthesis } from "../../sdk/index.ts";
 
 /** What the loan is made with. */
-type Lending = Pick<Control, "borrow" | "giveBack">;
+type Lending = Pick<Control, "borrow" | "giveBack" | "unlessStopped">;
 
 /**
  * Speaks to the end.
@@ -26,12 +26,14 @@ export async function speak(
   } catch (error) {
     if (!ranked || !(error instanceof RoISError && error.returnCode === "OUT_OF_RESOURCES")) throw error;
   }
-  await control.borrow(speech.componentRef, { forOneCommand: true });
+  const ref = speech.componentRef;
+  const giveBack = (): Promise<void> => control.giveBack(ref).catch(() => undefined);
+  await control.unlessStopped(ref, () => control.borrow(ref, { forOneCommand: true }), giveBack);
   try {
     if (signal.aborted) throw new CommandFailed("speech", "", "ABORT", "it was stopped before it began");
     await speech.perform(parameters);
   } finally {
     // Of what was begun it has gone back by itself; what was not begun, or had become free, has to be given back.
-    await control.giveBack(speech.componentRef).catch(() => undefined);
+    await giveBack();
   }
 }

@@ -20,6 +20,8 @@ export class Gaze {
   #lookedAt = 0;
   #x = 0;
   #y = 0;
+  /** The body was stopped while an arrow key was held down: that has to be pressed anew. */
+  #halted = false;
 
   constructor(client: Client, stage: HTMLElement) {
     this.#client = client;
@@ -33,8 +35,11 @@ export class Gaze {
       const step = STEPS[event.key];
       if (!step || event.target !== stage) return;
       event.preventDefault();
+      this.#halted &&= event.repeat;
+      if (this.#halted) return;
       this.#lookAt(this.#x + step[0], this.#y + step[1]);
     });
+    client.on("stopped", (isStopped) => (this.#halted ||= isStopped(this.#componentRef ?? "")));
   }
 
   setComponent(componentRef: string | null): void {

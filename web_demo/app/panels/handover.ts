@@ -112,10 +112,11 @@ export class Handover {
     this.#show(`${holder} does not hand over control now. You wait: ${line}`, again, leave);
   }
 
-  /** Begins to drive with control once it is granted or taken. */
+  /** Begins to drive with control once it is granted or taken; where the body was stopped meanwhile, it is only held. */
   async #begin(control: Promise<GiveBack>): Promise<void> {
+    const { stops } = this.#body;
     const giveBack = await control;
-    if (!this.#drive(giveBack)) this.#giveBack = giveBack;
+    if (stops !== this.#body.stops || !this.#drive(giveBack)) this.#giveBack = giveBack;
     this.render();
   }
 

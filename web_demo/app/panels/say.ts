@@ -1,6 +1,6 @@
 /** Speech form: text to speak, language, queue, pause and stop. */
 
-import { SpeechSynthesis } from "../../sdk/index.ts";
+import { CommandFailed, SpeechSynthesis } from "../../sdk/index.ts";
 import type { Client } from "../../sdk/index.ts";
 import { ComponentWatch, isUsable } from "../model/component_status.ts";
 import type { Availability } from "../model/component_status.ts";
@@ -187,16 +187,13 @@ export class SayLine {
     };
     const { signal } = (this.#stopping = new AbortController());
     this.#show("speaking", "speaking");
-    await this.#words.beginText(text, ssml);
-    if (signal.aborted) {
-      this.#words.endText();
-      this.#show("stopped", "stopped");
-      return "stopped";
-    }
-    const { state, text: words } = await describeEnd(
-      speak(this.#client.control, speech, parameters, this.ranked, signal),
-      BUSY,
-    );
+    const { control } = this.#client;
+    const spoken = async (): Promise<void> => {
+      await control.unlessStopped(speech.componentRef, () => this.#words.beginText(text, ssml));
+      if (signal.aborted) throw new CommandFailed("speech", "", "ABORT", "stopped");
+      await speak(control, speech, parameters, this.ranked, signal);
+    };
+    const { state, text: words } = await describeEnd(spoken(), BUSY);
     this.#words.endText();
     this.#show(state, words);
     return state;

@@ -22,6 +22,16 @@ export function installShortcuts(shortcuts: readonly Shortcut[]): void {
     make("dd", {}, label),
   ]);
   byRole("help-list", HTMLElement).append(...rows);
+  // Enter that is held down presses once: what it does again and again would outlast a STOP.
+  document.addEventListener(
+    "keydown",
+    (event) => {
+      if (event.key !== "Enter" || !event.repeat) return;
+      event.preventDefault();
+      event.stopPropagation();
+    },
+    { capture: true },
+  );
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || dialog.open) return;
     const target = event.target instanceof HTMLElement ? event.target : document.body;

@@ -169,6 +169,23 @@ it("waits in line for what is another's, and has all of it or nothing then", asy
   expect(verbs().slice(-2)).toEqual([...HEADS].reverse().map((ref) => `release ${ref}`));
 });
 
+it("holds nothing when the body is stopped while it is being taken, and tells how often it was", async () => {
+  gateway.on("openrois.stop_all", () => ({ stopped: [] }));
+  body.setComponents(BODY);
+  await settle();
+  const taken = body.takeControl();
+  const refused = expect(taken).rejects.toMatchObject({ status: "ABORT" });
+  await client.control.stopAll("a");
+  await client.control.stopAll("b");
+  await refused;
+  await settle();
+  expect([body.state, body.stops]).toEqual([{ kind: "free" }, 1]);
+  const bound = (verb: string): number => verbs().filter((each) => each.startsWith(`${verb} `)).length;
+  expect(bound("release")).toBe(bound("bind"));
+  await body.takeControl();
+  expect(body.state).toEqual({ kind: "mine", lender: "" });
+});
+
 it("shows the answer to asking again, also where an older one comes later", async () => {
   held.set(OPERATED, "anna");
   body.setComponents(BODY);
@@ -291,6 +308,17 @@ describe("what a program holds", () => {
     expect(lost).toEqual([]);
     await vi.advanceTimersByTimeAsync(20_000);
     expect(gateway.called("openrois.lease.borrow")).toHaveLength(3);
+  });
+
+  it("goes back at once when the body is stopped while it is being taken over", async () => {
+    gateway.on("openrois.stop_all", () => ({ stopped: [] }));
+    const refused = expect(body.takeOver()).rejects.toMatchObject({ status: "ABORT" });
+    gateway.notify("openrois.lease.stopped", { engine_id: "a", by: "bob", reason: "programs wait" });
+    await refused;
+    await settle();
+    expect(verbs().at(-1)).toBe(`give_back ${OPERATED}`);
+    await vi.advanceTimersByTimeAsync(20_000);
+    expect(gateway.called("openrois.lease.borrow")).toHaveLength(1);
   });
 
   it("goes back when the page is not used, and the page says so", async () => {

@@ -1,6 +1,7 @@
 import { beforeEach, expect, it, vi } from "vitest";
 import { speak } from "../../../app/model/speech_loan.ts";
 import { CommandFailed, RoISError } from "../../../sdk/rois/errors.ts";
+import { Stops } from "../../../sdk/rois/stops.ts";
 
 const REF = "a/speech_synthesizer";
 const BUSY = new RoISError("OUT_OF_RESOURCES", "rois.command.bind");
@@ -9,14 +10,19 @@ let done: string[];
 /** What each attempt to speak ends with. */
 let ends: (Error | null)[];
 let refusal: Error | null;
+/** What happens while the voice is being borrowed. */
+let meanwhile: () => void;
 
 const control = {
   borrow: async (ref: string, { forOneCommand = false } = {}): Promise<null> => {
     done.push(`borrow ${ref} ${forOneCommand ? "for one" : "for long"}`);
+    await meanwhile();
     if (refusal) throw refusal;
     return null;
   },
   giveBack: async (ref: string): Promise<void> => void done.push(`give back ${ref}`),
+  unlessStopped: <T>(...work: Parameters<typeof stops.unlessStopped<T>>): Promise<T> =>
+    stops.unlessStopped(...work),
 };
 const speech = {
   componentRef: REF,
@@ -27,6 +33,7 @@ const speech = {
   }),
 };
 let stopping: AbortController;
+const stops = new Stops(() => undefined);
 const say = (ranked = true): Promise<void> =>
   speak(control, speech, { speech_text: "Hi" }, ranked, stopping.signal);
 
@@ -35,6 +42,7 @@ beforeEach(() => {
   done = [];
   ends = [];
   refusal = null;
+  meanwhile = () => undefined;
 });
 
 it("takes nothing where the voice is to be had", async () => {
@@ -54,11 +62,13 @@ it("gives the voice back when it is stopped", async () => {
   expect(done.at(-1)).toBe(`give back ${REF}`);
 });
 
-it("says nothing when it is stopped while the voice is being taken", async () => {
+it.each([
+  ["it", () => stopping.abort()],
+  ["the body", () => stops.handleStopped("a")],
+])("says nothing when %s is stopped while the voice is being taken", async (_, stop) => {
   ends = [BUSY];
-  const saying = say();
-  stopping.abort();
-  await expect(saying).rejects.toMatchObject({ status: "ABORT" });
+  meanwhile = stop;
+  await expect(say()).rejects.toMatchObject({ status: "ABORT" });
   expect(done).toEqual(["perform", `borrow ${REF} for one`, `give back ${REF}`]);
 });
 

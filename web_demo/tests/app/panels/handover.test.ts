@@ -13,6 +13,7 @@ let done: string[];
 const body = {
   state: { kind: "free" } as ControlState,
   nextRequest: null,
+  stops: 0,
   takeOver: async (): Promise<GiveBack> => (done.push("take over"), () => done.push("give back")),
   requestControl: async (): Promise<GiveBack> => (done.push("request"), () => done.push("give back")),
   handBack: () => void done.push("hand back"),
@@ -51,6 +52,21 @@ it("takes control over from an application that may rank lower, and asks any oth
   press(yes);
   await settle();
   expect(done).toEqual(["take over", "drive", "request", "drive"]);
+});
+
+it("only holds what is granted after a STOP", async () => {
+  let grant = (_: GiveBack): void => undefined;
+  body.requestControl = () => new Promise((resolve) => (grant = resolve));
+  stands({ ...OTHER, mayTakeOver: false });
+  press(yes);
+  body.stops += 1;
+  body.state = { kind: "mine", lender: "" };
+  grant(() => done.push("give back"));
+  await settle();
+  expect(stands(body.state)).toEqual(["You have control", "", "Give back"]);
+  press(no);
+  await settle();
+  expect(done).toEqual(["give back"]);
 });
 
 it("hands back what was taken over, also while it drives", () => {
