@@ -24,7 +24,7 @@ from openrois.client.components import Navigation, SystemInformation
 from openrois.client.errors import ConnectionFailed
 from openrois.errors import OutOfResources
 from tests.support.certificates import Authority
-from tests.support.demo import PATIENCE, Demo, end, first_line, free_port, running_demo, start
+from tests.support.demo import PATIENCE, Demo, end, first_line, free_port, hand_back, running_demo, start
 
 pytestmark = pytest.mark.media
 
@@ -105,6 +105,11 @@ async def test_a_visitor_of_the_page_goes_before_a_program_that_shows_no_token(t
             assert (lease.holder, lease.lender, lease.part) == ("visitor 1", "local", "legs")
             with pytest.raises(OutOfResources, match="taken for a time by visitor 1"):
                 await legs.start()
+
+            await visitor.control.stop_all("robot")
+            assert (await program.control.status(legs.component_ref)).stopped_by == "visitor 1"
+            await hand_back(demo)
+            assert not (await program.control.status(legs.component_ref)).stopped_by
         assert demo.interrupt() == 0
 
 

@@ -3,11 +3,11 @@ from pathlib import Path
 
 import pytest
 import pytest_asyncio
-from playwright.async_api import Browser, expect
+from playwright.async_api import Browser
 
 from tests.support.browser import Visit, running_browser, visiting
 from tests.support.conversation import meet
-from tests.support.demo import Demo, Demos
+from tests.support.demo import Demo, Demos, hand_back
 from tests.support.devices import Devices
 from tests.support.people import Sitter
 
@@ -69,17 +69,22 @@ def avatar(request: pytest.FixtureRequest, demos: Demos) -> Iterator[Demo]:
         yield demo
 
 
+@pytest_asyncio.fixture(loop_scope="session", autouse=True)
+async def handed_back(request: pytest.FixtureRequest) -> AsyncIterator[None]:
+    """What a test has stopped, whichever page it used, is not stopped for the programs of the next one."""
+    names = {"avatar", "demo"}.intersection(request.fixturenames)
+    demos = [request.getfixturevalue(name) for name in names]
+    yield
+    for demo in demos:
+        await hand_back(demo)
+
+
 @pytest_asyncio.fixture(loop_scope="session")
 async def guest(browser: Browser, avatar: Demo) -> AsyncIterator[Visit]:
     """The avatar's page, opened, with the avatar ready to be operated."""
     async with visiting(browser, avatar.page) as visit:
         await meet(visit)
         yield visit
-        # What a test has stopped stays so for programs, those of other tests too.
-        hand_back = visit.item("stopped-hand-back")
-        if await hand_back.is_visible():
-            await hand_back.click()
-            await expect(hand_back).to_be_hidden()
 
 
 @pytest_asyncio.fixture(loop_scope="session")

@@ -18,6 +18,10 @@ from typing import IO, Final, Self
 
 import psutil
 import pytest
+from aiohttp import ClientSession
+
+from openrois.client import Client
+from openrois.errors import Unsupported
 
 _ROOT: Final = Path(__file__).parents[2]
 PATIENCE: Final = 90.0
@@ -172,6 +176,18 @@ class Demos:
         yield self._running
         log = self._running.log()[before:]
         assert "Traceback" not in log, log
+
+
+async def hand_back(demo: Demo) -> None:
+    """Hand the bodies of a demo that a person has stopped back to programs, as a person on its page does."""
+    if demo.process.poll() is not None:
+        return
+    async with ClientSession() as session, session.get(f"{demo.page}page-token") as answer:
+        token = (await answer.json())["token"]
+    async with Client(demo.url, token=token) as client:
+        for body in await client.bodies():
+            with suppress(Unsupported):  # nothing acts there: it cannot be stopped
+                await client.control.release_stop(body.engine_id)
 
 
 def first_line(process: subprocess.Popen[str]) -> str:
