@@ -312,7 +312,7 @@ class StreamingInterface:
         stream_id = new_id(self._engine_id)
         caps = encoding.caps() if self._cap is None else encoding.caps().within(self._cap(client))
         session.connect(stream_id, params.component_ref, publisher, published.kind, encoding.codecs, caps=caps)
-        self._relays.add_stream(client, stream_id, visitor, published.kind, purposes)
+        self._relays.add_stream(client, stream_id, visitor, purposes, publisher)
         return {"stream_id": stream_id}
 
     def _end_relays(self, visitor: Visitor, withdrawn: frozenset[Purpose]) -> None:

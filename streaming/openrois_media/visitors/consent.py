@@ -29,11 +29,6 @@ class Consent:
         """The purposes that are consented to now."""
         return frozenset(self._since)
 
-    @property
-    def was_stated(self) -> bool:
-        """Whether there was a statement."""
-        return self._was_stated
-
     def state(self, purposes: Collection[Purpose], now: float) -> frozenset[Purpose]:
         """Consent to these purposes and to no other; return those that are withdrawn by that.
 

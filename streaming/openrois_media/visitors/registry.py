@@ -38,7 +38,7 @@ class VisitorRegistry:
     """Visitors of a body, by the applications that they are.
 
     Microphone and camera of one application are of one visitor, whose `visitor_ref` stays the same until the
-    application has left.
+    application has left. Its consent ends with the last stream that it sends.
 
     Args:
         engine_id: part of every visitor_ref.
@@ -124,11 +124,12 @@ class VisitorRegistry:
         if client not in self._visitors:
             self._visitors[client] = visitor
             visitor.withdrawn.add(lambda purposes: self.withdrawn.notify_all(visitor, purposes))
+        is_first = not visitor.is_present
         visitor.add(stream_id, sink)
         if consent is not None:
             visitor.states_consent = True
             visitor.state(consent)
-        elif not visitor.consent.was_stated:
+        elif is_first:
             visitor.state(UNSTATED)
         self.changed.notify_all(visitor)
 
@@ -151,19 +152,15 @@ class VisitorRegistry:
         visitor = self._visitors.get(client)
         if visitor is not None and visitor.remove(stream_id):
             if not visitor.is_present:
-                self._leave(visitor)
+                visitor.leave()
             self.changed.notify_all(visitor)
 
     def forget_client(self, client: Client) -> None:
         """Forget an application that has left."""
         visitor = self._visitors.pop(client, None)
         if visitor is not None:
-            visitor.clear()
-            self._leave(visitor)
+            visitor.leave()
             self.changed.notify_all(visitor)
-
-    def _leave(self, visitor: Visitor) -> None:
-        self.withdrawn.notify_all(visitor, visitor.consent.purposes)
 
     def _named(self, visitor_ref: str) -> Visitor | None:
         return next((each for each in self._visitors.values() if each.visitor_ref == visitor_ref), None)

@@ -68,15 +68,20 @@ class Relays:
             raise OutOfResources(
                 f"{MAX_RELAYED_CAMERAS} cameras of visitors are relayed, which is the limit: disconnect another one"
             )
-        if relay not in used:
-            self._publishers[relay] = self._make(relay)
-        return self._publishers[relay]
+        return self._publishers.get(relay) or self._make(relay)
 
     def add_stream(
-        self, client: Client, stream_id: str, visitor: Visitor, kind: MediaKind, purposes: frozenset[Purpose]
+        self,
+        client: Client,
+        stream_id: str,
+        visitor: Visitor,
+        purposes: frozenset[Purpose],
+        publisher: Publishing,
     ) -> None:
-        """Note a stream of a listener."""
-        self._streams[stream_id] = client, _Relay(visitor, kind, purposes)
+        """Note a stream of a listener, and what publishes it."""
+        relay = _Relay(visitor, publisher.kind, purposes)
+        self._streams[stream_id] = client, relay
+        self._publishers[relay] = publisher
 
     def end_stream(self, stream_id: str) -> None:
         """Forget a stream that has ended; another one is ignored."""

@@ -82,8 +82,10 @@ class Visitor:
         """Forget a stream that has ended; whether it was one of this visitor's."""
         return self._sinks.pop(stream_id, None) is not None
 
-    def clear(self) -> None:
-        """Forget all that it sends."""
+    def leave(self) -> None:
+        """Forget all that it sends, and its consent: to what it sends next it consents anew."""
+        self.state(frozenset())
+        self.states_consent = False
         self._sinks.clear()
 
     def source(self, kind: MediaKind, purposes: frozenset[Purpose], *, for_any: bool = False) -> "ConsentedSource[Any]":

@@ -15,7 +15,6 @@ SOME = st.frozensets(st.sampled_from(Purpose))
 
 def test_before_any_statement_nothing_is_admitted() -> None:
     consent = Consent()
-    assert not consent.was_stated
     assert not any(consent.admits({purpose}, 5.0) or consent.holds({purpose}) for purpose in Purpose)
 
 
@@ -94,7 +93,6 @@ class Deliveries(RuleBasedStateMachine):
     def what_holds_was_stated(self) -> None:
         assert self.consent.purposes == self.stated
         assert all(self.consent.holds({each}) == (each in self.stated) for each in Purpose)
-        assert self.consent.was_stated != self.is_first
 
 
 TestDeliveries = Deliveries.TestCase

@@ -1,6 +1,8 @@
 """Visitors and listeners at the Streaming Interface of an adapter."""
 
+import gc
 import json
+import weakref
 from collections.abc import AsyncIterator
 from typing import Any
 
@@ -47,8 +49,13 @@ class Application(Caller):
         self._streams = stage.streams
         self.client = Client(name, lambda method, params: self.told.append((method, params)))
 
-    async def stream(self, component_ref: str, role: str | None = None, **transport: Any) -> str:
-        parameters = [{"name": "transport_parameters", "data_type_ref": "String", "value": json.dumps(transport)}]
+    async def stream(
+        self, component_ref: str, role: str | None = None, codecs: tuple[str, ...] | None = None, **transport: Any
+    ) -> str:
+        told = {"transport_parameters": transport, "encoding_parameters": {} if codecs is None else {"codecs": codecs}}
+        parameters = [
+            {"name": name, "data_type_ref": "String", "value": json.dumps(members)} for name, members in told.items()
+        ]
         more = {} if role is None else {"role": role}
         answer = await self.ask(
             "rois.stream.connect_stream", component_ref=component_ref, parameters=parameters, **more
@@ -57,6 +64,9 @@ class Application(Caller):
 
     async def send(self, component_ref: str = AUDIO, consent: Any = ("live",)) -> str:
         return await self.stream(component_ref, "visitor", direction="sendonly", consent=consent)
+
+    async def forget(self, stage: Stage) -> None:
+        await stage.streams.forget_client(self.client)
 
     async def listen(self, visitor_ref: str, component_ref: str = AUDIO, purposes: Any = ("live",)) -> str:
         return await self.stream(component_ref, "listener", visitor_ref=visitor_ref, purposes=purposes)
@@ -220,3 +230,28 @@ async def test_so_many_cameras_are_relayed_at_a_time(stage: Stage, eve: Applicat
     await eve.ask("rois.stream.disconnect_stream", stream_id=streams[1])
     await settle()
     await eve.listen(last, VIDEO)
+
+
+async def test_of_visitors_and_listeners_that_have_left_nothing_is_kept(stage: Stage, eve: Application) -> None:
+    """Also where a listener was refused, and where it left before the visitor."""
+    gone = []
+    for number in range(200):
+        ann = Application(stage, f"visitor {number}")
+        await ann.send(AUDIO, ["live", "agent"])
+        (visitor,) = stage.visitors.present
+        gone.append(weakref.ref(visitor))
+        ref = visitor.visitor_ref
+        with pytest.raises(Unsupported):
+            await eve.stream(AUDIO, "listener", ("audio/none",), visitor_ref=ref, purposes=["agent"])
+        listener = Application(stage, f"listener {number}")
+        await listener.listen(ref)
+        await (listener if number % 2 else ann).forget(stage)
+        await (ann if number % 2 else listener).forget(stage)
+        del visitor, ann, listener
+        WirelessConnection.made.clear()
+    await settle()
+    gc.collect()
+    assert stage.visitors.present == ()
+    assert [each for each in gone if each() is not None] == []
+    # The one that was refused is an application that tried to connect, and no more.
+    assert len(stage.streams._names) == 1

@@ -200,6 +200,31 @@ async def test_of_one_that_has_left_nothing_is_admitted(visitors: VisitorRegistr
         visitors.find(ref)
 
 
+async def test_consent_ends_with_the_last_stream_and_is_stated_anew_for_the_next(
+    visitors: VisitorRegistry, clock: VirtualClock, ann: Sender, recogniser: Reader
+) -> None:
+    ref, gone = ann.visitor.visitor_ref, []
+    visitors.withdrawn.add(lambda visitor, purposes: gone.append((visitor.visitor_ref, purposes)))
+    ann.consent(*Purpose)
+    recogniser.may_read.clear()
+    await ann.source.feed(block(0.0), block(0.02))
+    visitors.end_stream(ann.client, ann.stream_id)
+    assert gone == [(ref, frozenset(Purpose))]
+    assert not visitors.admits(ref, LIVE, clock.now())
+    assert not visitors.holds(ref, LIVE)
+    clock.jump(1.0)
+    sink = visitors.sink(ann.client, visitors.microphones, "audio")
+    visitors.add_stream(ann.client, "ann/again", sink, None)
+    assert sink.visitor is ann.visitor
+    assert ann.visitor.consent.purposes == BOTH
+    # What was captured before it left stays out.
+    assert not visitors.admits(ref, LIVE, clock.now() - 0.5)
+    assert visitors.may_keep(ref)
+    recogniser.may_read.set()
+    await settle()
+    assert recogniser.times == [0.0]
+
+
 async def test_media_of_the_body_itself_need_no_consent(visitors: VisitorRegistry) -> None:
     assert visitors.admits("", RECOGNITION, 0.0)
     assert visitors.holds("", RECOGNITION)
