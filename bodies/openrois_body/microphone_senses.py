@@ -9,6 +9,7 @@ from typing import Final
 
 from openrois_media.devices import Microphone
 from openrois_media.visitors.registry import VisitorRegistry
+from openrois_media.visitors.visitor import Visitor
 from openrois_streaming.clock import MediaClock
 
 from openrois.component.component import Component
@@ -69,20 +70,28 @@ def microphone_senses(
         _log.warning("recognised words: the sound of the microphone is sent to %s", recognizer.destination)
     ear = Ear(microphone, clock)
     speech = SpeechDetector(ear)
+    purposes = purposes_of(recognizer)
     if visitors is None:
         recognition = Recognition(speech, recognizer, clock, may_send)
     else:
-        purposes = purposes_of(recognizer)
         recognition = Recognition(speech, recognizer, clock, may_send, partial(_admits, visitors, purposes))
-        visitors.withdrawn.add(
-            lambda visitor, withdrawn: recognition.forget_speech(visitor.visitor_ref) if withdrawn & purposes else None
-        )
+    hearing = Hearing(ear, speech, recognition, clock)
     components = (
         SoundDetection(ear, clock),
         SoundLocalization(engine_id, ear, clock),
         SpeechRecognition(speech, recognition, recognizer, clock),
-        Hearing(ear, speech, recognition, clock),
+        hearing,
     )
+    if visitors is not None:
+
+        def forget(visitor: Visitor, withdrawn: frozenset[Purpose]) -> None:
+            if withdrawn & purposes:
+                recognition.forget_speech(visitor.visitor_ref)
+            if withdrawn & _RECOGNITION:
+                ear.forget_sound(visitor.visitor_ref)
+                hearing.forget_words(visitor.visitor_ref)
+
+        visitors.withdrawn.add(forget)
     return MicrophoneSenses(components, speech, ear, recognition)
 
 

@@ -51,6 +51,8 @@ class Microphone:
         self._visitors = visitors
         self._clock = clock
         self._meter = LevelMeter()
+        if visitors is not None:
+            visitors.withdrawn.add(self._on_withdrawn)
 
     @property
     def is_connected(self) -> bool:
@@ -69,7 +71,10 @@ class Microphone:
                 while True:
                     sound = await blocks.get()
                     if _admits(self._visitors, sound, _LIVE):
-                        self.sender = sound.sender
+                        if sound.sender != self.sender:
+                            # No level is of two visitors.
+                            self._meter.read()
+                            self.sender = sound.sender
                         self._meter.add(sound.samples)
                         self.sound_received.notify_all(sound)
                     if _admits(self._visitors, sound, _RECOGNITION):
@@ -80,10 +85,18 @@ class Microphone:
             if self.level == SILENCE:
                 await self.inlet.plugged()
             await self._clock.sleep_until(self._clock.now() + LEVEL_INTERVAL)
-            level = self._meter.read()
-            if level != self.level:
-                self.level = level
-                self.level_changed.notify_all(level)
+            self._set_level(self._meter.read())
+
+    def _set_level(self, level: Level) -> None:
+        if level != self.level:
+            self.level = level
+            self.level_changed.notify_all(level)
+
+    def _on_withdrawn(self, visitor: Visitor, withdrawn: frozenset[Purpose]) -> None:
+        """Forget what was heard of a visitor that does not consent to it any more."""
+        if visitor.visitor_ref == self.sender and Purpose.LIVE in withdrawn:
+            self._meter.read()
+            self._set_level(SILENCE)
 
 
 class Camera:

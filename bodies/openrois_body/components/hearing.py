@@ -14,7 +14,7 @@ __all__ = ["Hearing"]
 
 
 class LastHeard(Payload):
-    """The last recognised text and when it ended; an empty text before the first."""
+    """The last recognised text and when it ended; an empty text before the first, and when consent is withdrawn."""
 
     text: str
     timestamp: datetime | None = None
@@ -55,9 +55,15 @@ class Hearing(Sense, components.BasicComponent, authority="OpenRoIS", function="
         self._recognition = recognition
         self._clock = clock
         self._last = LastHeard(text="")
+        self._last_sender = ""
         recognition.guessed.add(self._on_guessed)
         recognition.recognized.add(self._on_recognized)
         self.activity.while_working(self._recognition.want)
+
+    def forget_words(self, sender: str) -> None:
+        """Forget the last words, if this visitor said them."""
+        if sender == self._last_sender:
+            self._last = LastHeard(text="")
 
     def condition(self) -> ComponentStatus:
         """Return READY unless speech recognition fails now."""
@@ -100,7 +106,7 @@ class Hearing(Sense, components.BasicComponent, authority="OpenRoIS", function="
 
     def _on_recognized(self, candidates: tuple[str, ...], at: float, sender: str) -> None:
         moment = datetime.fromtimestamp(wall_at(self._clock, at), UTC)
-        self._last = LastHeard(text=candidates[0], timestamp=moment)
+        self._last, self._last_sender = LastHeard(text=candidates[0], timestamp=moment), sender
         if self.activity.works:
             self.visitor_ref = sender
             self.heard(candidates[0], True, moment, sender or None)

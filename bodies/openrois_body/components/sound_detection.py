@@ -29,6 +29,7 @@ class SoundDetection(Sense, components.SoundDetection):
         self._clock = clock
         self._presence, self._numbers = Presence(), Numbers()
         self.activity.while_working(self._listen)
+        ear.forgotten.add(self._forget)
 
     def _listen(self) -> Callable[[], None]:
         self._presence = Presence()
@@ -37,6 +38,11 @@ class SoundDetection(Sense, components.SoundDetection):
             # The microphone may have ended in a pause. Its silence would count as background, so it is left out.
             self._announce_number(0, self._clock.now())
         return self._ear.listen(self._on_sound)
+
+    def _forget(self) -> None:
+        if self.activity.works:
+            self._presence = Presence()
+            self._announce_number(0, self._clock.now())
 
     def _on_sound(self, sound: RawAudio) -> None:
         self._announce_number(self._presence.add(sound.samples), sound.captured_at)

@@ -57,6 +57,7 @@ class SoundLocalization(Localizing, components.SoundLocalization):
         """Number of the present or last sound."""
         self._begin()
         self.activity.while_working(self._listen)
+        ear.forgotten.add(self._begin)
 
     def _listen(self) -> Callable[[], None]:
         self._begin()

@@ -34,6 +34,8 @@ class Ear:
         """Number of different channels of the microphone: 1 or 2; 0 before the first sound."""
         self.sender = ""
         """The visitor_ref of whose sound it is, and of the silence after it; empty for the body's own microphone."""
+        self.forgotten: Listeners[()] = Listeners()
+        """Called when what was heard until now is to be forgotten: what lasts ends, and nothing else is announced."""
         self._clock = clock
         self._listeners: Listeners[RawAudio] = Listeners()
         self._sounding = asyncio.Event()
@@ -50,6 +52,13 @@ class Ear:
     def listen(self, listener: Callable[[RawAudio], None]) -> Callable[[], None]:
         """Pass each block of sound on to `listener` from now on; return a function that ends that."""
         return self._listeners.add(listener)
+
+    def forget_sound(self, sender: str) -> None:
+        """Forget the sound of this visitor, if it is what is heard: nothing is to be told of it any more."""
+        if self.sounding and sender == self.sender:
+            self._sounding.clear()
+            self.channels = 0
+            self.forgotten.notify_all()
 
     async def run(self) -> None:
         """Pass on silence whenever sound ends, until cancelled."""

@@ -41,6 +41,7 @@ class SpeechDetector:
         self._attending: set[object] = set()
         self._leave: Callable[[], None] | None = None
         self._reset()
+        ear.forgotten.add(self._begin_anew)
 
     @property
     def speaking(self) -> bool:
@@ -69,10 +70,14 @@ class SpeechDetector:
         if not self._attending and self._leave is not None:
             self._leave()
             self._leave = None
-            speaking, now = self.speaking, self._begins_at + self._taken / SPEECH_RATE
-            self._reset()
-            if speaking:
-                self.speech_ended.notify_all(now)
+            self._begin_anew()
+
+    def _begin_anew(self) -> None:
+        """Forget what was heard; speech that goes on has ended."""
+        speaking, now = self.speaking, self._begins_at + self._taken / SPEECH_RATE
+        self._reset()
+        if speaking:
+            self.speech_ended.notify_all(now)
 
     def _reset(self) -> None:
         self._downsampler, self._activity = Downsampler(), VoiceActivity()

@@ -1,6 +1,8 @@
 """Senses follow the visitor that is attended to, and what they announce names it, as far as it consents."""
 
 import asyncio
+import gc
+import weakref
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager, suppress
 
@@ -233,3 +235,23 @@ async def test_applications_are_told_who_is_there_and_what_each_consents_to(plac
     place.visitors.forget_client(place.senders["ann"].client)
     told = [(params["devices"], params["consent"]) for _, params in place.events]
     assert told == [("microphone", "live"), ("microphone", "agent live"), ("", "")]
+
+
+async def test_of_visitors_that_have_left_nothing_is_kept(place: Place) -> None:
+    gone = []
+    for number in range(200):
+        place.come("ann", "bob")
+        for name in ("ann", "bob"):
+            sender = place.senders.pop(name)
+            gone.append(weakref.ref(sender.visitor))
+            place.attention.note_face(sender.visitor.visitor_ref, 0.2)
+            if number % 2:
+                await settle()
+            place.visitors.forget_client(sender.client)
+            await sender.source.end()
+            del sender
+    await place.clock.advance(1.0)
+    gc.collect()
+    # The inlets of the senses may know the last one until another comes.
+    assert sum(each() is not None for each in gone) <= 1
+    assert place.component._told == {}

@@ -1,7 +1,9 @@
 """Each event of a sense names its visitor, and none tells of what the visitor does not consent to be recognised."""
 
 import asyncio
+import itertools
 from collections.abc import AsyncIterator, Callable
+from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
@@ -15,8 +17,11 @@ from openrois_body.microphone_senses import microphone_senses
 from openrois_body.vision.sighting import Sighting
 from openrois_media.devices import Camera, Microphone
 from openrois_media.visitors.registry import VisitorRegistry
+from openrois_streaming.clock import wall_at
+from openrois_streaming.source.loudness import SILENCE as SILENT
 from openrois_streaming.source.source import RawAudio
 
+from openrois.component.component import Component
 from openrois.contract import Event
 from openrois.engine.registry import LocalRegistry
 from openrois.errors import ComponentFailed
@@ -48,7 +53,7 @@ class Room:
         )
         self.eyes = camera_senses("avatar", self.camera, self.clock)
         senses = (*self.ears.components, *self.eyes.components)
-        operator = Operator(self.microphone, self.camera)
+        operator = self.operator = Operator(self.microphone, self.camera)
         component = Visitors("avatar", self.visitors, self.attention, senses)
         self.registry = LocalRegistry("avatar", (*senses, operator, component))
         self.told: list[tuple[str, dict[str, str]]] = []
@@ -98,6 +103,68 @@ async def test_what_is_said_names_who_said_it(room: Room) -> None:
     )
 
 
+async def test_every_event_of_every_sense_names_its_visitor(room: Room) -> None:
+    senses = [each for each in (*room.ears.components, *room.eyes.components, room.operator) if not _is_enrolment(each)]
+    events = {(f"avatar/{each.name}", name) for each in senses for name in await _events_of(room, each.name)}
+    told: list[Event] = []
+    for component_ref, name in (("avatar/visitors", "sensed"), *events):
+        await room.registry.subscribe(component_ref, name, told.append)  # type: ignore[arg-type]
+    ann = Sender(room.visitors)
+    ref = ann.visitor.visitor_ref
+    await settle()
+    # The right microphone is nearer, so the sound has a place, too.
+    aside = np.column_stack([np.roll(VOICE[:, 0], 12), VOICE[:, 0]])
+    noise = np.random.default_rng(3).normal(0, 10, aside.shape)
+    await room.say(ann, np.concatenate([SILENCE, np.clip(aside + noise, -32_768, 32_767).astype(np.int16), SILENCE]))
+    person = seen_person(name="ann", gesture="urn:nod")
+    for seen in ((person,), ()):
+        room.eyes.watch.seen.notify_all(Sighting(room.clock.now(), seen, ref))
+    named: set[tuple[str, str]] = set()
+    for before, event in itertools.pairwise(told):
+        results = {each.name: each.value for each in event.results}
+        announced = {each.name: each.value for each in before.results}
+        if event.event_type != "sensed":
+            named.add((event.component_ref, event.event_type))
+            by_itself = results.get("visitor_ref")
+            assert ref in (by_itself, announced.get("visitor_ref")), event
+            if by_itself is None:
+                assert announced["component_ref"] == event.component_ref
+                assert announced["event_type"] == event.event_type
+    assert named == events
+
+
+def _is_enrolment(component: Component) -> bool:
+    """Tell whether a component remembers faces, and announces none."""
+    return isinstance(component, Enrolment)
+
+
+async def _events_of(room: Room, name: str) -> list[str]:
+    profile = (await room.registry.discover()).component_profiles[f"avatar/{name}"]
+    return [each.name for each in profile.event_profiles]
+
+
+async def test_after_a_withdrawal_senses_announce_the_end_of_what_lasted_and_nothing_else(room: Room) -> None:
+    for name in ("sound_detecter", "sound_localizer", "speech_recognizer", "hearing", "operator"):
+        for event in await _events_of(room, name):
+            await room.subscribe(**{event: name})
+    ann = Sender(room.visitors)
+    await settle()
+    await room.say(ann, np.concatenate([SILENCE, VOICE[:24_000]]))
+    assert {"sound_detected", "speech_input_started"} <= set(room.names())
+    room.told.clear()
+    ann.consent()
+    ends = {
+        "sound_detected": {"number": "0"},
+        "speech_input_finished": {},
+        "microphone_level": {"rms": "-100.0", "peak": "-100.0"},
+    }
+    assert {name: {key: params[key] for key in ends[name]} for name, params in room.told} == ends
+    room.told.clear()
+    await room.say(ann, np.concatenate([VOICE[24_000:], SILENCE]))
+    await room.clock.advance(2.0)
+    assert room.told == []
+
+
 async def test_what_is_said_before_another_is_attended_to_is_not_said_by_that_one(room: Room) -> None:
     await room.subscribe(sensed="visitors", speech_recognized="speech_recognizer")
     ann, bob = Sender(room.visitors), Sender(room.visitors, name="bob")
@@ -133,6 +200,91 @@ async def test_what_was_said_before_a_withdrawal_is_not_recognised_after_it(room
     if again:
         await room.say(ann, UTTERANCE)
         assert "speech_recognized" in room.names()
+
+
+@pytest.mark.parametrize("leaves", [False, True])
+async def test_words_are_forgotten_with_the_consent_to_them(room: Room, leaves: bool) -> None:
+    await room.subscribe(heard="hearing")
+    ann, bob = Sender(room.visitors), Sender(room.visitors, name="bob")
+    room.attention.set_mode(ann.visitor.visitor_ref)
+    await settle()
+    await room.say(ann, UTTERANCE)
+
+    async def last_heard() -> str:
+        return next(each.value for each in await room.registry.query("avatar/hearing", "last_heard"))
+
+    assert await last_heard() == "hello"
+    bob.consent()
+    assert await last_heard() == "hello"
+    if leaves:
+        room.visitors.forget_client(ann.client)
+    else:
+        ann.consent(Purpose.LIVE)
+    assert await last_heard() == ""
+
+
+@pytest.mark.parametrize("seconds", [0.1, 0.25, 0.4])
+async def test_attention_that_changes_within_a_word_mixes_no_voices(room: Room, seconds: float) -> None:
+    await room.subscribe(speech_recognized="speech_recognizer")
+    speech: list[tuple[str, int]] = []
+    room.ears.speech.speech.add(
+        lambda samples: speech.append((room.ears.speech.sender, int(np.abs(samples).max(initial=0))))
+    )
+    ann, bob = Sender(room.visitors), Sender(room.visitors, name="bob")
+    loud, quiet = (stereo_48k(voice(2.0, amplitude=level)) for level in (16_000, 3_000))
+    room.attention.set_mode(ann.visitor.visitor_ref)
+    await settle()
+    await room.say(ann, SILENCE)
+    middle = round(seconds * 48_000)
+    await room.say(ann, loud[:middle])
+    room.attention.set_mode(bob.visitor.visitor_ref)
+    await settle()
+    await room.say(bob, np.concatenate([quiet[middle:], SILENCE]))
+    heard = {sender: max(level for each, level in speech if each == sender) for sender, _ in speech}
+    assert heard[bob.visitor.visitor_ref] < 4_000
+
+
+async def test_speech_that_began_before_a_withdrawal_does_not_go_on_after_a_new_consent(room: Room) -> None:
+    await room.subscribe(speech_input_started="speech_recognizer")
+    ann = Sender(room.visitors)
+    await settle()
+    await room.say(ann, np.concatenate([SILENCE, VOICE[:4_800]]))
+    assert room.told == []
+    ann.consent(Purpose.LIVE)
+    assert room.told == []
+    ann.consent(Purpose.LIVE, Purpose.RECOGNITION)
+    again = datetime.fromtimestamp(wall_at(room.clock, room.clock.now()), UTC)
+    await room.say(ann, np.concatenate([VOICE[4_800:], SILENCE]))
+    ((_, told),) = room.told
+    assert datetime.fromisoformat(told["timestamp"]) >= again - timedelta(seconds=0.05)
+
+
+async def test_the_level_is_silence_from_a_withdrawal_on(room: Room) -> None:
+    await room.subscribe(microphone_level="operator")
+    ann = Sender(room.visitors)
+    await settle()
+    await room.say(ann, VOICE[:14_400])
+    assert float(room.told[-1][1]["rms"]) > -60
+    room.told.clear()
+    await room.say(ann, VOICE[14_400:19_200])
+    ann.consent(Purpose.RECOGNITION)
+    assert room.microphone.level == SILENT
+    await room.say(ann, VOICE[19_200:])
+    await room.clock.advance(1.0)
+    assert [params["rms"] for _, params in room.told] == ["-100.0"]
+
+
+async def test_no_level_is_of_two_visitors(room: Room) -> None:
+    await room.subscribe(microphone_level="operator")
+    ann, bob = Sender(room.visitors), Sender(room.visitors, name="bob")
+    room.attention.set_mode(ann.visitor.visitor_ref)
+    await settle()
+    await room.say(ann, VOICE[:9_600])
+    room.attention.set_mode(bob.visitor.visitor_ref)
+    await settle()
+    await room.say(bob, SILENCE[:24_000])
+    levels = [(params["visitor_ref"], float(params["peak"])) for _, params in room.told]
+    assert max((peak for ref, peak in levels if ref == bob.visitor.visitor_ref), default=-100.0) == -100.0
 
 
 async def test_a_recogniser_elsewhere_gets_the_speech_of_those_alone_who_consent_to_that() -> None:
