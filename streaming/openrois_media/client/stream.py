@@ -267,6 +267,7 @@ class ReceivedStream(ClientStream):
         super().__init__(component_ref, kind, "recvonly", operations, clock, transport)
         self._source = SwitchedSource[Any](component_ref, self._switched)
         self._reports = PlayoutReports()
+        self._is_of_visitor = "visitor_ref" in transport
 
     def subscribe(self, waiting: int) -> Subscription[Any]:
         """Return a subscription to its frames, which are decoded while there is one; so many wait at most."""
@@ -279,6 +280,14 @@ class ReceivedStream(ClientStream):
             return None
         delay = current.section.receiver.figures.playout_delay
         return self._reports.due(self.state.stream_id, delay, self._clock.now())
+
+    def lost(self, status: StreamStatus | None) -> None:
+        """Note that the stream is not connected any more; None for an unknown status."""
+        super().lost(status)
+        if self._is_of_visitor and status is StreamStatus.STREAMING_NOT_CONNECTED:
+            # The visitor may have withdrawn its consent: what is on its way is not used.
+            self.place.drop()
+            self._source.drop_waiting()
 
     def end_frames(self) -> None:
         """End the frames: the stream will not be connected again."""

@@ -144,11 +144,21 @@ class Streams:
     async def connect(self, stream: ClientStream) -> str:
         """Connect a stream; returns its id."""
         await self._ice_servers.refresh()
+        transport = stream.transport
         parameters = (
             _json_parameter("encoding_parameters", {"codecs": CODECS[stream.kind]}),
-            _json_parameter("transport_parameters", {"direction": stream.direction, **stream.transport}),
+            _json_parameter("transport_parameters", {"direction": stream.direction, **transport}),
         )
-        return await self._client.connect_stream(stream.component_ref, parameters)
+        stream_id = await self._client.connect_stream(stream.component_ref, parameters)
+        try:
+            while stream.transport is not transport:
+                # Consent was stated anew while the engine was asked with what was stated before.
+                transport = stream.transport
+                await self._client.call("rois.stream.set_consent", stream_id=stream_id, **transport)
+        except BaseException:
+            self._tasks.start(self._tell("rois.stream.disconnect_stream", {"stream_id": stream_id}))
+            raise
+        return stream_id
 
     async def perform(self, verb: Verb, stream_id: str) -> None:
         """Carry out a verb on a connected stream."""

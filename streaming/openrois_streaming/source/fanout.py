@@ -221,6 +221,12 @@ class Fanout(Generic[T]):
         """
         return Subscription(self, DropOldest(maxsize) if mailbox is None else mailbox)
 
+    def drop_waiting(self) -> None:
+        """Drop what waits for the readers."""
+        for reader in () if self._run is None else self._run.readers:
+            while reader._mailbox:
+                reader._mailbox.pop()
+
     def _join(self, reader: Subscription[T]) -> SourceRun[T]:
         run = self._run
         if run is None or run.ended:

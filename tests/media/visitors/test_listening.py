@@ -169,6 +169,24 @@ async def test_a_listener_hears_and_sees_a_visitor_that_consents_and_no_more_whe
         assert body.visitors.present[0].consent.purposes == set()
 
 
+async def test_what_waits_at_a_listener_is_dropped_with_the_consent_to_it(body: Body) -> None:
+    clock = SystemClock()
+    async with (
+        body.application("visitor") as sender,
+        sender.send(microphone=Tone(clock=clock), consent=[LIVE]) as sending,
+        body.application("listener") as listener,
+    ):
+        (visitor,) = await listener.visitors("robot", purposes=[LIVE])
+        async with visitor.microphone.blocks() as blocks:
+            # A second of sound waits for it.
+            await until(lambda: blocks.dropped)
+            await sending.consent()
+            await until(lambda: blocks.status is StreamStatus.STREAMING_NOT_CONNECTED)
+            again = clock.now()
+            await sending.consent(LIVE)
+            assert (await read(blocks))[0].local_time >= again
+
+
 async def test_a_listener_says_what_it_is_for_and_gets_nothing_else(body: Body) -> None:
     async with (
         body.application("visitor") as sender,

@@ -154,19 +154,30 @@ export class MediaReceiver {
     };
   }
 
-  async #connect({ componentRef, kind, direction, limits, stated }: ControlledStream): Promise<string> {
+  async #connect(stream: ControlledStream): Promise<string> {
+    const { componentRef, kind, direction, limits } = stream;
     const usable = direction === "recvonly" ? decodableCodecs : encodableCodecs;
     const codecs = (this.#options.codecs ?? usable)(kind);
     await this.#iceServers.refresh();
+    let { stated } = stream;
     const params = {
       component_ref: componentRef,
       parameters: streamParameters(codecs, limits, direction, this.#options.input, stated),
     };
-    const { stream_id: streamId = "" } = await this.#link.call(
-      "rois.stream.connect_stream",
-      params,
-      ({ stream_id = "" }) => mayFail(this.#link.call("rois.stream.disconnect_stream", { stream_id })),
-    );
+    const disconnect = ({ stream_id = "" }): void =>
+      mayFail(this.#link.call("rois.stream.disconnect_stream", { stream_id }));
+    const connected = await this.#link.call("rois.stream.connect_stream", params, disconnect);
+    const { stream_id: streamId = "" } = connected;
+    try {
+      // Consent was stated anew while the engine was asked with what was stated before.
+      while (stream.stated !== stated) {
+        ({ stated } = stream);
+        await this.#operations().setConsent(streamId, stated ?? []);
+      }
+    } catch (error) {
+      disconnect(connected);
+      throw error;
+    }
     return streamId;
   }
 

@@ -111,6 +111,24 @@ describe("a local stream", () => {
     ]);
   });
 
+  it("says what it may be used for again where that was said while it was being connected", async () => {
+    const answers: (() => void)[] = [];
+    gateway.on("rois.stream.connect_stream", async () => {
+      await new Promise<void>((resolve) => answers.push(resolve));
+      return { stream_id: "avatar/late" };
+    });
+    gateway.on("rois.stream.set_consent", () => ({ visitor_ref: "urn:me" }));
+    await microphone.setConsent(["live"]);
+    const connecting = microphone.connect();
+    await pass(1);
+    await microphone.setConsent([]);
+    expect(gateway.called("rois.stream.set_consent")).toEqual([]);
+    answers.shift()?.();
+    await connecting;
+    expect(gateway.called("rois.stream.set_consent")).toEqual([{ stream_id: "avatar/late", consent: [] }]);
+    expect(microphone.streamId).toBe("avatar/late");
+  });
+
   it("is made with what it may be used for", async () => {
     const camera = receiver.sending("avatar/video", "video", { consent: ["recognition"] });
     expect(camera.consent).toEqual(["recognition"]);
