@@ -132,6 +132,10 @@ class StreamReader(Generic[T]):
         self._since = self._clock.now()
         await self._want(Desire.RUNNING)
 
+    async def disconnected(self) -> None:
+        """Wait until the engine has ended the stream, as it does where a visitor leaves or withdraws its consent."""
+        await self._stream.news.until(lambda: self.status is StreamStatus.STREAMING_NOT_CONNECTED)
+
     async def _want(self, desire: Desire) -> None:
         self.desire = desire
         self._on_desire()

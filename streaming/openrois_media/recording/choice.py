@@ -7,14 +7,25 @@ from typing import Final
 
 from openrois_signaling.messages import MediaKind
 
+from openrois.catalog.component_type import ComponentType
 from openrois.cli.command_line import CommandLine
 from openrois.client import BadParameter, Client, Unsupported
 from openrois.client.components import AudioStreaming, VideoStreaming
 from openrois.transport.address import gateway_url
 from openrois.transport.credential_options import add_credential_options, credentials
+from openrois.types.codes import ComponentFunction, Purpose
 from openrois.types.references import engine_of
+from openrois_media.client.media import Media
+from openrois_media.client.visitors import VisitorDevice
 
-__all__ = ["FAILURES", "add_common_options", "chosen_components", "client_of", "read_common_options"]
+__all__ = [
+    "FAILURES",
+    "add_common_options",
+    "chosen_components",
+    "client_of",
+    "read_common_options",
+    "visitor_devices",
+]
 
 FAILURES: Final = (ConnectionError, OSError, TimeoutError, ValueError, RuntimeError)
 """What a recording can fail with, beside errors of RoIS; the text says what is wrong."""
@@ -24,6 +35,11 @@ _KINDS: Final[dict[MediaKind, type[VideoStreaming] | type[AudioStreaming]]] = {
     "audio": AudioStreaming,
 }
 _WORDS: Final[dict[MediaKind, str]] = {"video": "pictures", "audio": "sound"}
+
+_VISITORS: Final = ComponentType(
+    "Visitors", "visitors", "Who sends to a body.", "", ComponentFunction.SENSING, authority="OpenRoIS"
+)
+"""The type of components that tell who visits a body."""
 
 
 def add_common_options(parser: CommandLine) -> None:
@@ -97,6 +113,40 @@ async def chosen_components(
     if not found:
         raise Unsupported(f"no component{f' of {body}' if body else ''} has {wanted}")
     return found
+
+
+async def visitor_devices(
+    client: Client, media: Media, kinds: Sequence[MediaKind], body: str | None, visitor_ref: str
+) -> dict[MediaKind, VisitorDevice]:
+    """Return microphone and camera of a visitor, for recording: those that it sends now.
+
+    Args:
+        client: connected to the gateway.
+        media: open media of it.
+        kinds: what is wanted; what the visitor does not send is left out.
+        body: id of the engine that it visits; None for any.
+        visitor_ref: its name.
+
+    Raises:
+        Unsupported: there is no such visitor, or it sends nothing of that.
+    """
+    bodies = {engine_of(each.component_ref) for each in await client.find_all(_VISITORS)}
+    present = [
+        visitor
+        for engine_id in sorted(bodies if body is None else bodies & {body})
+        for visitor in await media.visitors(engine_id, purposes=[Purpose.RECORDING])
+    ]
+    found = next((each for each in present if each.visitor_ref == visitor_ref), None)
+    where = f" of {body}" if body else ""
+    if found is None:
+        known = ", ".join(f"{each.visitor_ref} ({' and '.join(sorted(each.devices))})" for each in present)
+        raise Unsupported(f"there is no visitor {visitor_ref[:200]!r}{where}; there are: {known or 'none'}")
+    own: dict[MediaKind, VisitorDevice] = {"video": found.camera, "audio": found.microphone}
+    devices = {kind: own[kind] for kind in kinds if own[kind].name in found.devices}
+    if not devices:
+        wanted = " or ".join(_WORDS[kind] for kind in kinds)
+        raise Unsupported(f"{visitor_ref} sends no {wanted}")
+    return devices
 
 
 def _bodies(found: dict[MediaKind, str]) -> str:
