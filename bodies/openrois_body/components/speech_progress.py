@@ -67,7 +67,7 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation", part
 
     @event
     def speech_began(self, speech_id: str, text: str, is_ssml: bool, began_at: datetime) -> None:
-        """The viewers hear the first word of a text, or the first sound of a stream: captions show it.
+        """The viewers hear the first sound of a text or a stream: captions show it.
 
         Args:
             speech_id: of what is spoken
@@ -101,10 +101,10 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation", part
 
     @event
     def speech_starved(self, speech_id: str, heard_ms: int, starved_at: datetime) -> None:
-        """The viewers hear silence in the middle of a stream: its sound comes too late. Told once each time.
+        """The viewers hear silence in the middle of a speech: its sound comes too late. Told once each time.
 
         Args:
-            speech_id: of the stream
+            speech_id: of the speech
             heard_ms: of its sound so far, in milliseconds
             starved_at: when they hear the silence begin
         """

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import math
 from collections import deque
 from collections.abc import AsyncGenerator, AsyncIterator
@@ -14,8 +13,8 @@ from numpy.typing import NDArray
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source.source import SAMPLE_RATE, RawAudio
 
-from openrois_body.sound.engine_sound import BLOCK, SEAM, EngineSound, SoundLag
-from openrois_body.sound.open_playback import OpenPlayback, reach
+from openrois_body.sound.engine_sound import BLOCK, EngineSound, SoundLag
+from openrois_body.sound.playback import Playback
 
 BLOCKS_PER_SECOND: Final = SAMPLE_RATE // BLOCK
 LEAD_BLOCKS: Final = 2
@@ -25,90 +24,9 @@ KEPT_BLOCKS: Final = 10
 MAX_QUEUED: Final = 32
 """Speeches that may wait for their turn."""
 
-_FALL: Final = 1 - (np.arange(SEAM, dtype=np.float32) + 0.5) / SEAM
-
 
 class SoundBusy(Exception):
     """Too many speeches wait."""
-
-
-class Playback:
-    """A speech with its place in time. Times are seconds of the media clock and change only by `stop`.
-
-    It advances by the clock, with or without listeners.
-    """
-
-    def __init__(self, sound: BodySound, samples: NDArray[np.int16], first: int) -> None:
-        """`first` is the number of the first sample since the clock's zero. Use `BodySound.play`."""
-        self._sound = sound
-        self._samples = samples
-        self._first = first
-        self._cut: int | None = None
-        self._stopped = asyncio.Event()
-
-    @property
-    def start(self) -> float:
-        """The due time of the first sample."""
-        return self._first / SAMPLE_RATE
-
-    @property
-    def start_ns(self) -> int:
-        """`start` in nanoseconds of CLOCK_MONOTONIC, as the engine link wants it."""
-        return round(self._first * 1_000_000_000 / SAMPLE_RATE)
-
-    @property
-    def end(self) -> float:
-        """The time when the last sample has been due."""
-        return self.last / SAMPLE_RATE
-
-    @property
-    def last(self) -> int:
-        """The number of the sample after its last one."""
-        end = self._first + len(self._samples)
-        if self._cut is None:
-            return end
-        return min(end, self._cut + SEAM) if self._cut > self._first else self._first
-
-    @property
-    def is_settled(self) -> bool:
-        """Whether its end is known, as it always is."""
-        return True
-
-    def is_over(self, begin: int) -> bool:
-        """Tell whether nothing of it is heard from sample `begin` on."""
-        return self.last <= begin
-
-    @property
-    def heard(self) -> int:
-        """The number of samples that are heard, up to `stop`; those of the fade-out do not count."""
-        return len(self._samples) if self._cut is None else max(0, self._cut - self._first)
-
-    async def reach(self, moment: float) -> bool:
-        """Wait until a moment of the media clock, or until `stop`; any number of tasks may wait.
-
-        Returns:
-            True if the moment came, False if it was stopped.
-        """
-        return await reach(self._sound.clock, moment, self._stopped)
-
-    def stop(self) -> None:
-        """Fade out within the next 5 ms that are not handed out yet; without effect after the end."""
-        cut = self._sound.next_sample()
-        if cut < self.last and self._cut is None:
-            self._cut = cut
-        self._stopped.set()
-
-    def mix_into(self, mixed: NDArray[np.int32], begin: int) -> None:
-        """Add the samples from `begin` on to `mixed`, shape (n, channels)."""
-        first, last = max(begin, self._first), min(begin + len(mixed), self.last)
-        if first >= last:
-            return
-        part = self._samples[first - self._first : last - self._first].astype(np.int32)
-        if self._cut is not None and last > self._cut:
-            fading = part[max(0, self._cut - first) :]
-            reached = max(first, self._cut) - self._cut
-            fading[:] = fading * _FALL[reached : reached + len(fading)]
-        mixed[first - begin : last - begin] += part[:, np.newaxis]
 
 
 class BodySound:
@@ -130,7 +48,7 @@ class BodySound:
         self.clock = clock
         self._engine = EngineSound(channels)
         self._lag = SoundLag()
-        self._playbacks: deque[Playback | OpenPlayback] = deque()
+        self._playbacks: deque[Playback] = deque()
         self._next_block: int | None = None
 
     @property
@@ -157,25 +75,14 @@ class BodySound:
             now = self.clock.now()
             self._lag.arrived(now - first // BLOCK / BLOCKS_PER_SECOND, now)
 
-    def play(self, samples: NDArray[np.int16]) -> Playback:
-        """Play `samples` (mono, 48 kHz) after all speeches before them, 40 to 60 ms from now at the earliest.
-
-        Raises:
-            SoundBusy: `MAX_QUEUED` speeches wait already.
-            ValueError: the end of a speech before it is open.
-        """
-        playback = Playback(self, samples, self._place())
-        self._playbacks.append(playback)
-        return playback
-
-    def play_open(self) -> OpenPlayback:
+    def play(self) -> Playback:
         """Play what is pushed from now on after all speeches before it, 40 to 60 ms from now at the earliest.
 
         Raises:
             SoundBusy: `MAX_QUEUED` speeches wait already.
             ValueError: the end of a speech before it is open.
         """
-        playback = OpenPlayback(self, self._place())
+        playback = Playback(self, self._place())
         self._playbacks.append(playback)
         return playback
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterable, AsyncIterator, Iterator, Sequence
+from collections.abc import AsyncIterable, AsyncIterator, Sequence
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source.source import SAMPLE_RATE
 
-from openrois_body.messages import MAX_VISEMES, Speak, Viseme
+from openrois_body.messages import Viseme
 from openrois_body.services.address import ServiceAddress
 from openrois_body.sound.engine_sound import SEAM
 
@@ -125,10 +125,7 @@ class SpeechSynthesizer(Protocol):
 
     @property
     def tells_visemes(self) -> bool:
-        """Whether the pieces have mouth shapes; where not, the mouth is read from the sound.
-
-        A speech with mouth shapes is played when all of it is made, another one while it comes.
-        """
+        """Whether the pieces have mouth shapes; where not, the mouth is read from the sound."""
         ...
 
     @property
@@ -180,11 +177,6 @@ class Speech:
         """Seconds."""
         return len(self.samples) / SAMPLE_RATE
 
-    @property
-    def moments(self) -> tuple[Word | NamedMark, ...]:
-        """The words and marks in order of time."""
-        return tuple(sorted((*self.marks, *self.words), key=lambda moment: moment.offset_ms))
-
     def after(self, samples: int) -> Speech:
         """Return the rest after so many samples; it fades in within 5 ms."""
         gone = samples * 1000 / SAMPLE_RATE
@@ -205,20 +197,6 @@ class Speech:
             ),
             tuple(mark._replace(offset_ms=mark.offset_ms - gone) for mark in self.marks if mark.offset_ms >= gone),
         )
-
-    def mouth(self, speech_id: str, start_ns: int) -> Iterator[Speak]:
-        """Return the commands for an engine's mouth, for a speech that starts at `start_ns` of CLOCK_MONOTONIC.
-
-        One, or for a very long speech several, each for the part of it that begins at its `start_ns`.
-        """
-        end = self.duration * 1000
-        for first in range(0, len(self.visemes), MAX_VISEMES):
-            part = self.visemes[first : first + MAX_VISEMES]
-            after = self.visemes[first + MAX_VISEMES :]
-            begin = part[0].offset_ms if first else 0.0
-            until = after[0].offset_ms if after else end
-            moved = tuple(Viseme(viseme.offset_ms - begin, viseme.shape, viseme.weight) for viseme in part)
-            yield Speak(speech_id, start_ns + round(begin * 1e6), moved, round(until - begin))
 
 
 async def collect_speech(chunks: AsyncIterable[SpeechChunk]) -> Speech:

@@ -9,6 +9,8 @@ It reads requests from stdin and answers each on stdout (`framing`), until stdin
            {"words": [[ms, word, start]], "marks": [[ms, name]], "phonemes": [[ms, ipa]], "last": bool} and s16 mono
            sound at 48 kHz. `start` is the word's first character in the text or SSML that was asked for. What is told
            of a piece has its place in the sound of this piece, or behind it; a phoneme without a shape is no end of one
+    {"do": "stop"}
+        -> nothing; a text that is spoken is left, and answered as one that cannot be
     what cannot be done
         -> {"refused": reason}
 
@@ -19,6 +21,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import select
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from ctypes import POINTER, Structure, Union, c_char, c_char_p, c_int, c_short, c_size_t, c_ubyte, c_uint, c_void_p
@@ -95,9 +98,14 @@ class Refused(Exception):
 
 
 class Espeak:
-    """The library, initialised once for this process."""
+    """The library, initialised once for this process.
 
-    def __init__(self) -> None:
+    Args:
+        is_left: tells whether the text that is spoken is to be left.
+    """
+
+    def __init__(self, is_left: Callable[[], bool]) -> None:
+        self._is_left = is_left
         self._library = library = ctypes.CDLL(espeakng_loader.get_library_path())
         library.espeak_ListVoices.restype = POINTER(POINTER(_Voice))
         library.espeak_Synth.argtypes = [
@@ -158,6 +166,8 @@ class Espeak:
                     break
                 pieces.note(events[number])
             pieces.add(np.frombuffer(ctypes.string_at(sound, 2 * count), np.int16) if sound and count > 0 else _NOTHING)
+            if self._is_left():
+                raise Refused("the text was left")
         except (OSError, Refused) as error:
             # An exception does not leave a callback: it is raised when the library has returned.
             pieces.failure = error
@@ -281,7 +291,7 @@ def _known(language: str, languages: Mapping[str, str]) -> str:
 def answer(espeak: Espeak, request: Mapping[str, Any], send: Send) -> None:
     """Answer one request; a wrong request is refused."""
     doing: Mapping[str, Callable[[Mapping[str, Any], Send], None]]
-    doing = {"voices": espeak.voices, "speak": espeak.speak}
+    doing = {"voices": espeak.voices, "speak": espeak.speak, "stop": lambda _request, _send: None}
     try:
         doing[request["do"]](request, send)
     except (Refused, MarkupError) as error:
@@ -291,10 +301,13 @@ def answer(espeak: Espeak, request: Mapping[str, Any], send: Send) -> None:
 
 
 def _read(stream: Any, size: int) -> bytes:
-    data = stream.read(size)
-    if len(data) < size:
-        raise EOFError
-    return bytes(data)
+    data = b""
+    while len(data) < size:
+        part = stream.read(size - len(data))
+        if not part:
+            raise EOFError
+        data += part
+    return data
 
 
 def main() -> None:
@@ -302,7 +315,9 @@ def main() -> None:
     # The library may print to stdout, which carries the answers: give it stderr instead.
     replies = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
-    espeak = Espeak()
+    # Not buffered: what has come is seen by select.
+    requests = os.fdopen(os.dup(sys.stdin.fileno()), "rb", buffering=0)
+    espeak = Espeak(lambda: bool(select.select([requests], [], [], 0)[0]))
 
     def send(message: bytes) -> None:
         replies.write(message)
@@ -310,8 +325,8 @@ def main() -> None:
 
     try:
         while True:
-            lengths = decode_header(_read(sys.stdin.buffer, HEADER.size))
-            request = decode_body(_read(sys.stdin.buffer, lengths.body))
+            lengths = decode_header(_read(requests, HEADER.size))
+            request = decode_body(_read(requests, lengths.body))
             answer(espeak, request, send)
     except (EOFError, BrokenPipeError):
         return

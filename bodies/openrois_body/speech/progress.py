@@ -11,7 +11,7 @@ __all__ = ["MarkReached", "Progress", "SpeechBegan", "SpeechEnded", "SpeechStarv
 
 @dataclass(frozen=True, slots=True)
 class SpeechBegan:
-    """The viewers hear the first word of a text or reach its first mark, or hear the first sound of a stream."""
+    """The viewers hear the first sound of a text or of a stream."""
 
     speech_id: str
     text: str
@@ -40,7 +40,7 @@ class MarkReached:
 
 @dataclass(frozen=True, slots=True)
 class SpeechStarved:
-    """All sound of a stream was played, `heard_ms` of it, and no more has come: the viewers hear silence."""
+    """All sound of a speech was played, `heard_ms` of it, and no more has come: the viewers hear silence."""
 
     speech_id: str
     heard_ms: int

@@ -34,11 +34,11 @@ from openrois.aio.tasks import TaskScope
 from openrois.contract import Client
 from openrois.errors import Aborted, OutOfResources
 from openrois.types.streams import HolderNotification
-from openrois_body.sound.open_playback import SoundOverrun
+from openrois_body.sound.playback import SoundOverrun
 from openrois_body.speech.contract import NamedMark, Word
-from openrois_body.speech.open_utterance import OpenUtterance
 from openrois_body.speech.progress import Progress, SpeechBegan, SpeechEnded, SpeechStarved
 from openrois_body.speech.stream_sound import StreamSound
+from openrois_body.speech.utterance import Utterance
 from openrois_body.speech.voice import Voice
 
 __all__ = ["FRAMES_AT_ONCE", "FRAMES_PER_SECOND", "STREAMS_AT_ONCE", "SpeechControl", "SpeechFigures"]
@@ -155,7 +155,7 @@ class _Stream:
         self._text = begin.text
         self._place = 0
         """The character of the text behind the last word."""
-        self.utterance: OpenUtterance = control.voice.make_open(
+        self.utterance: Utterance = control.voice.make_utterance(
             begin.text, on_played=self._played, on_progress=self._progressed
         )
 

@@ -8,7 +8,7 @@ import logging
 from asyncio.subprocess import Process
 from collections import deque
 from collections.abc import AsyncGenerator, AsyncIterator, Callable
-from contextlib import AsyncExitStack, aclosing, asynccontextmanager
+from contextlib import AsyncExitStack, aclosing, asynccontextmanager, suppress
 from types import TracebackType
 from typing import Any, Final, Self
 
@@ -36,6 +36,8 @@ __all__ = ["ANSWER_TIMEOUT", "DEFAULT_RATE", "Synthesizer", "espeak"]
 
 ANSWER_TIMEOUT: Final = 10.0
 """Seconds for a whole answer, with the start of the process; ten minutes of speech take about two."""
+_STOP_TIMEOUT: Final = 0.5
+"""Seconds for the process to leave a text, which it does within a few milliseconds; then it is ended."""
 DEFAULT_RATE: Final = 175
 """Words a minute."""
 _CHILD: Final = "openrois_body.speech.espeak_child"
@@ -61,6 +63,8 @@ class Synthesizer:
         self._running = AsyncExitStack()
         self._output = Output("speech", self._clock)
         self._process: Process | None = None
+        self._asked: dict[str, Any] | None = None
+        """The request that the process answers now."""
         self._known: dict[str, Any] | None = None
 
     async def __aenter__(self) -> Self:
@@ -98,7 +102,8 @@ class Synthesizer:
     ) -> AsyncIterator[AsyncIterator[SpeechChunk]]:
         """Make speech of a text; its pieces come as they are made.
 
-        The process goes on while a piece is waited for by no reader, so that the next text has its turn.
+        The process goes on while a piece is waited for by no reader, so that the next text has its turn. Where the
+        context is left before the last piece, the process leaves the text and is kept.
 
         Args:
             request: what is spoken. Elements of SSML other than speak, p, s, voice, prosody, emphasis, break, say-as,
@@ -109,11 +114,24 @@ class Synthesizer:
         found, missing = self.available()
         if not found:
             raise SpeechUnavailable(missing)
+        asked = {
+            "do": "speak",
+            "text": request.text,
+            "ssml": request.ssml,
+            "language": request.language,
+            "voice": request.voice,
+            "volume": request.volume,
+            "rate": rate,
+        }
         pieces = _Pieces()
         async with TaskScope() as tasks:
-            tasks.start(self._fetch(request, rate, pieces))
-            async with aclosing(pieces.chunks()) as chunks:
-                yield chunks
+            fetching = tasks.start(self._fetch(asked, pieces))
+            try:
+                async with aclosing(pieces.chunks()) as chunks:
+                    yield chunks
+            finally:
+                if self._asked is asked:
+                    await self._leave(fetching)
 
     async def synthesize(
         self,
@@ -134,19 +152,17 @@ class Synthesizer:
         async with self.speak(SpeechRequest(text, ssml, language, voice, volume), rate) as chunks:
             return await collect_speech(chunks)
 
-    async def _fetch(self, request: SpeechRequest, rate: int, pieces: _Pieces) -> None:
+    async def _leave(self, fetching: asyncio.Task[None]) -> None:
+        """Let the process leave its text, and wait for that."""
+        if self._process is not None:
+            with suppress(OSError):
+                await write_message(self._process, encode({"do": "stop"}))
+        await asyncio.wait({fetching}, timeout=_STOP_TIMEOUT)
+
+    async def _fetch(self, request: dict[str, Any], pieces: _Pieces) -> None:
         """Put the pieces of a speech; a failure is raised where they are read."""
-        asked = {
-            "do": "speak",
-            "text": request.text,
-            "ssml": request.ssml,
-            "language": request.language,
-            "voice": request.voice,
-            "volume": request.volume,
-            "rate": rate,
-        }
         try:
-            await self._ask(asked, pieces.put)
+            await self._ask(request, pieces.put)
         except Exception as error:
             pieces.fail(error)
 
@@ -184,6 +200,7 @@ class Synthesizer:
         try:
             async with asyncio.timeout(ANSWER_TIMEOUT):
                 process = await self._start_process()
+                self._asked = request
                 await write_message(process, encode(request))
                 last = False
                 while not last:
@@ -201,6 +218,8 @@ class Synthesizer:
         except BaseException:
             await self._end_process()
             raise
+        finally:
+            self._asked = None
 
     async def _start_process(self) -> Process:
         if self._process is None:

@@ -10,7 +10,7 @@ from typing import Final
 from openrois_streaming.clock import MediaClock
 
 from openrois_body.sound.mixer import SoundBusy
-from openrois_body.sound.open_playback import reach
+from openrois_body.sound.playback import reach
 
 __all__ = ["EARLY", "LONGEST_LINE", "Line", "Turn"]
 

@@ -12,8 +12,7 @@ from openrois.errors import Aborted, OutOfResources, RoISError
 from openrois_body.body import Body
 from openrois_body.sound.mixer import BodySound, SoundBusy
 from openrois_body.speech.contract import SpeechChunk, SpeechSynthesizer
-from openrois_body.speech.mouth import MouthReader
-from openrois_body.speech.open_utterance import OpenUtterance
+from openrois_body.speech.lips import Lips, ToldLips
 from openrois_body.speech.playout_delay import PlayoutDelay
 from openrois_body.speech.progress import Progress
 from openrois_body.speech.speaker import Speaker
@@ -44,40 +43,50 @@ class Voice(Speaker):
         self._sound = sound
         self._body = body
         self._line = Line(sound.clock)
-        self._utterances: list[Utterance | OpenUtterance] = []
+        self._utterances: list[Utterance] = []
+        self._saying: list[asyncio.Event] = []
+        """Of each text that is said, set when that has ended."""
 
     async def say(self, text: str, *, ssml: bool, language: str, character: str, volume: int) -> None:
         """Speak a text until the viewers heard its last sample; cancelling this cuts voice and mouth within 20 ms."""
-        if not self._synthesizer.tells_visemes:
-            opened = self.open_speech(text, ssml=ssml, language=language, character=character, volume=volume)
-            await self._say_as_it_comes(self.make_open(text, ssml=ssml), opened)
-            return
-        notify = self.progress.notify_all
-        utterance = Utterance(self._sound, self._body, self.playout_delay, notify, self._line, text, is_ssml=ssml)
-        self._utterances.append(utterance)
+        lips = ToldLips() if self._synthesizer.tells_visemes else None
+        utterance = self.make_utterance(text, ssml=ssml, lips=lips)
+        opened = self.open_speech(text, ssml=ssml, language=language, character=character, volume=volume)
+        feeding = asyncio.create_task(_feed(utterance, lips, opened), name="speech that comes")
+        ended = asyncio.Event()
+        self._saying.append(ended)
         try:
-            speech = await self.make_speech(text, ssml=ssml, language=language, character=character, volume=volume)
-            await utterance.play(speech)
-        except SoundBusy as error:
-            raise OutOfResources(str(error)) from error
+            await self.utter(utterance)
+        except Aborted:
+            if feeding.done() and not feeding.cancelled():
+                feeding.result()
+            raise
         finally:
-            self._utterances.remove(utterance)
+            feeding.cancel()
+            try:
+                await asyncio.wait({feeding})
+            finally:
+                self._saying.remove(ended)
+                ended.set()
+            if not feeding.cancelled():
+                # Of its failure `cut` has told.
+                feeding.exception()
 
-    def make_open(
+    def make_utterance(
         self,
         text: str = "",
         *,
         ssml: bool = False,
-        mouth: MouthReader | None = None,
+        lips: Lips | None = None,
         on_played: Callable[[int], None] = lambda _samples: None,
         on_progress: Callable[[Progress], None] = lambda _progress: None,
-    ) -> OpenUtterance:
+    ) -> Utterance:
         """Return a speech that is pushed as sound while `utter` plays it.
 
         Args:
             text: what is spoken, as far as it is known.
             ssml: whether `text` is SSML.
-            mouth: reads mouth shapes from the sound; `SoundMouth` unless given.
+            lips: give the shapes of its mouth; those that are read from the sound unless given.
             on_played: called with the number of samples that were played, ten times a second.
             on_progress: called with each step of this speech, before `progress` is; must not raise.
         """
@@ -86,7 +95,7 @@ class Voice(Speaker):
             on_progress(progress)
             self.progress.notify_all(progress)
 
-        return OpenUtterance(
+        return Utterance(
             self._sound,
             self._body,
             self.playout_delay,
@@ -94,12 +103,12 @@ class Voice(Speaker):
             self._line,
             text=text,
             is_ssml=ssml,
-            mouth=mouth,
+            lips=lips,
             on_played=on_played,
         )
 
-    async def utter(self, utterance: OpenUtterance) -> None:
-        """Play a speech of `make_open` until the viewers heard its last sample; cancelling this cuts it off.
+    async def utter(self, utterance: Utterance) -> None:
+        """Play a speech of `make_utterance` until the viewers heard its last sample; cancelling this cuts it off.
 
         Raises:
             Aborted: it was cut off; the sentence says why and where.
@@ -113,34 +122,15 @@ class Voice(Speaker):
         finally:
             self._utterances.remove(utterance)
 
-    async def _say_as_it_comes(
-        self, utterance: OpenUtterance, opened: AbstractAsyncContextManager[AsyncIterator[SpeechChunk]]
-    ) -> None:
-        """Play a text while its sound is coming; where that fails in the middle the rest is not heard."""
-        feeding = asyncio.create_task(_feed(utterance, opened), name="speech that comes")
-        try:
-            await self.utter(utterance)
-        except Aborted:
-            if feeding.done() and not feeding.cancelled():
-                feeding.result()
-            raise
-        finally:
-            feeding.cancel()
-            await asyncio.wait({feeding})
-            if not feeding.cancelled():
-                # Of its failure `cut` has told.
-                feeding.exception()
-
     def interrupt(self, why: str) -> None:
         """Cut off all speeches, also those that wait: voice and mouth stop within a block of sound (20 ms)."""
         for utterance in self._utterances:
             utterance.cut(why)
 
     async def silent(self) -> None:
-        """Wait until every `say` that has begun has ended; after `interrupt` that takes no time."""
-        for utterance in tuple(self._utterances):
-            if utterance.begun:
-                await utterance.over.wait()
+        """Wait until every `say` and `utter` that has begun has ended; after `interrupt` that takes no time."""
+        for ended in (*(utterance.over for utterance in self._utterances), *self._saying):
+            await ended.wait()
 
     def pause(self) -> None:
         """Fall silent within a block of sound, until `go_on`."""
@@ -153,11 +143,18 @@ class Voice(Speaker):
             utterance.go_on()
 
 
-async def _feed(utterance: OpenUtterance, opened: AbstractAsyncContextManager[AsyncIterator[SpeechChunk]]) -> None:
+async def _feed(
+    utterance: Utterance,
+    lips: ToldLips | None,
+    opened: AbstractAsyncContextManager[AsyncIterator[SpeechChunk]],
+) -> None:
+    """Push a text's sound while it is made; where that fails in the middle the rest is not heard."""
     try:
         async with opened as chunks:
             async for chunk in chunks:
                 utterance.add_moments((*chunk.words, *chunk.marks))
+                if lips is not None:
+                    lips.add(chunk.visemes)
                 for first in range(0, len(chunk.samples), SAMPLE_RATE):
                     await utterance.room(AHEAD)
                     utterance.push(chunk.samples[first : first + SAMPLE_RATE])

@@ -216,7 +216,7 @@ async def test_the_standards_component_stays_the_standards(stage: Stage) -> None
 
 
 async def test_a_stream_is_told_of_as_a_text_is_and_where_it_runs_dry(stage: Stage) -> None:
-    stream = stage.voice.make_open("one two")
+    stream = stage.voice.make_utterance("one two")
     speaking = asyncio.ensure_future(stage.voice.utter(stream))
     stream.push(np.full(24_000, 8_000, np.int16))
     await stage.clock.advance(1.0)

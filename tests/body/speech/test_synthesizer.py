@@ -6,31 +6,20 @@ import signal
 import numpy as np
 import pytest
 import uvloop
-from openrois_body.messages import MAX_VISEMES, Speak, Viseme
+from openrois_body.messages import Viseme
 from openrois_body.speech import synthesizer as module
-from openrois_body.speech.contract import NamedMark, Speech, SpeechRefused, SpeechUnavailable, Word
+from openrois_body.speech.contract import (
+    NamedMark,
+    Speech,
+    SpeechRefused,
+    SpeechRequest,
+    SpeechUnavailable,
+    Word,
+    collect_speech,
+)
 from openrois_body.speech.synthesizer import Synthesizer
 
 pytestmark = pytest.mark.extra(name="speech")
-
-
-def speech(count: int, seconds: float) -> Speech:
-    """A speech of `count` shapes, a millisecond apart."""
-    shapes = tuple(Viseme(float(number), ("PP", "aa")[number % 2], 1.0) for number in range(count))
-    return Speech(np.zeros(round(seconds * 48_000), np.int16), (), shapes)
-
-
-def test_a_speech_is_one_command_for_the_mouth() -> None:
-    spoken = speech(3, 0.5)
-    assert spoken.duration == 0.5
-    assert list(spoken.mouth("7", 1_000_000_000)) == [Speak("7", 1_000_000_000, spoken.visemes, 500)]
-
-
-def test_a_very_long_speech_is_several() -> None:
-    spoken = speech(MAX_VISEMES + 2, 3.0)
-    first, second = spoken.mouth("7", 1_000_000_000)
-    assert first == Speak("7", 1_000_000_000, spoken.visemes[:MAX_VISEMES], MAX_VISEMES)
-    assert second == Speak("7", 3_000_000_000, (Viseme(0.0, "PP", 1.0), Viseme(1.0, "aa", 1.0)), 1_000)
 
 
 def test_rest_of_a_speech_continues_where_it_was_cut() -> None:
@@ -46,7 +35,6 @@ def test_rest_of_a_speech_continues_where_it_was_cut() -> None:
     assert rest.samples[0] < 10
     assert set(rest.samples[240:]) == {1000}
     assert whole.samples[2400] == 1000
-    assert whole.moments == (words[0], NamedMark(20.0, "x"), words[1], NamedMark(80.0, "y"), words[2])
     nothing = whole.after(4800)
     assert (len(nothing.samples), nothing.words) == (0, ())
     assert nothing.visemes == (Viseme(0.0, "sil", 1.0),)
@@ -202,3 +190,31 @@ async def test_languages_and_voices_are_reported() -> None:
             await synthesizer.synthesize("Hello", language="xx")
         with pytest.raises(SpeechRefused, match="the voice 'alien' is not available"):
             await synthesizer.synthesize("Hello", voice="alien")
+
+
+@pytest.mark.engine
+async def test_a_text_that_is_left_lets_the_process_live_and_the_next_one_be_spoken() -> None:
+    async with asyncio.timeout(60), Synthesizer() as synthesizer:
+        await synthesizer.voices()
+        process = synthesizer._process
+        for _ in range(3):
+            async with synthesizer.speak(SpeechRequest("This is a very long text. " * 150)) as chunks:
+                await anext(chunks)
+        spoken = await synthesizer.synthesize("one")
+        assert spoken.duration < 1.5
+        assert [word.text for word in spoken.words] == ["one"]
+        assert synthesizer._process is process
+
+
+@pytest.mark.engine
+async def test_a_text_that_is_left_before_its_turn_leaves_the_others_alone() -> None:
+    async with asyncio.timeout(60), Synthesizer() as synthesizer:
+        await synthesizer.voices()
+        process = synthesizer._process
+        async with synthesizer.speak(SpeechRequest("This is a very long text. " * 100)) as chunks:
+            async with synthesizer.speak(SpeechRequest("two")):
+                pass
+            whole = await collect_speech(chunks)
+        assert [word.text for word in whole.words][-1:] == ["text"]
+        assert whole.duration > 60
+        assert synthesizer._process is process

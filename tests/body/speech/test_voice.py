@@ -129,7 +129,7 @@ async def test_interrupting_cuts_voice_mouth_and_what_waits_and_says_at_which_wo
     await speaker.voice.silent()
     with pytest.raises(Aborted, match=r"^a person spoke at the word 'two' \(character 4\)$"):
         await saying
-    with pytest.raises(Aborted, match=r"^a person spoke before the first word$"):
+    with pytest.raises(Aborted, match=r"^a person spoke before its first sound$"):
         await waiting
     assert speaker.clock.now() == now
     assert speaker.told[1:] == [Silence()]
@@ -176,9 +176,7 @@ async def test_a_text_that_is_interrupted_before_there_is_any_sound_is_not_heard
     await settle()
     speaker.voice.interrupt("a person spoke")
     await speaker.voice.silent()
-    assert not saying.done()
-    speaker.synthesizer.ready.set()
-    with pytest.raises(Aborted, match="a person spoke before the first word"):
+    with pytest.raises(Aborted, match="a person spoke before its first sound"):
         await saying
     assert speaker.speaks() == []
 
@@ -201,9 +199,9 @@ async def test_paused_in_mid_word_it_goes_on_where_it_was(speaker: Speaker, hear
     await speaker.clock.advance(1.0)
     await saying
     assert [word for word, _ in speaker.words()] == ["one", "two", "three", "four"]
-    # What faded out is heard again, fading in.
+    # What faded out is heard again, fading in; the end dies away.
     loud = sum(int(np.count_nonzero(block.samples)) for block in heard)
-    assert loud == pytest.approx(48_000 + 240, abs=2)
+    assert loud == pytest.approx(48_000 + 2 * 240, abs=4)
     assert not any(block.samples.any() for block in heard if silent - 4.8 < block.captured_at <= silent)
 
 
@@ -249,7 +247,8 @@ async def test_refused_text_is_a_bad_parameter(speaker: Speaker) -> None:
     with pytest.raises(BadParameter, match="not available"):
         await speaker.say()
     assert speaker.told == []
-    assert speaker.progress == []
+    assert speaker.end().reason == "not available; the speech ended before its first sound"
+    assert speaker.progress == [speaker.end()]
 
 
 async def test_without_synthesis_it_says_what_to_install(speaker: Speaker) -> None:

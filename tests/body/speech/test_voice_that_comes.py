@@ -8,9 +8,10 @@ from contextlib import aclosing, asynccontextmanager
 import numpy as np
 import pytest
 from openrois_body.body import Body
-from openrois_body.messages import Command, Silence, Speak
+from openrois_body.messages import Command, Silence, Speak, Viseme
 from openrois_body.sound.mixer import BodySound
 from openrois_body.speech.contract import (
+    NamedMark,
     SpeechChunk,
     SpeechRefused,
     SpeechRequest,
@@ -19,7 +20,14 @@ from openrois_body.speech.contract import (
     Word,
 )
 from openrois_body.speech.playout_delay import PLAYOUT
-from openrois_body.speech.progress import Progress, SpeechBegan, SpeechEnded, SpeechStarved, WordSpoken
+from openrois_body.speech.progress import (
+    MarkReached,
+    Progress,
+    SpeechBegan,
+    SpeechEnded,
+    SpeechStarved,
+    WordSpoken,
+)
 from openrois_body.speech.server_voice import ServerVoice
 from openrois_body.speech.voice import AHEAD, Voice
 from openrois_streaming.clock import SystemClock
@@ -31,8 +39,9 @@ from tests.support.streaming import VirtualClock, settle
 from tests.support.voice import ScriptedSynthesizer
 
 
-def piece(seconds: float, *words: Word) -> SpeechChunk:
-    return SpeechChunk(np.full(round(seconds * 48_000), 8000, np.int16), words)
+def piece(seconds: float, *words: Word, visemes: Sequence[Viseme] = (), mark: NamedMark | None = None) -> SpeechChunk:
+    samples = np.full(round(seconds * 48_000), 8000, np.int16)
+    return SpeechChunk(samples, words, tuple(visemes), () if mark is None else (mark,))
 
 
 class Arriving(ScriptedSynthesizer):
@@ -84,6 +93,16 @@ class Stage:
     def end(self) -> SpeechEnded:
         (end,) = (each for each in self.progress if isinstance(each, SpeechEnded))
         return end
+
+    def shapes(self, since: float) -> list[tuple[float, str]]:
+        """Each shape of the mouth with the seconds from `since` to it, and the end of each movement."""
+        found: list[tuple[float, str]] = []
+        for each in self.told:
+            if isinstance(each, Speak):
+                begin = each.start_ns / 1e9 - since
+                found += [(begin + viseme.offset_ms / 1000, viseme.shape) for viseme in each.visemes]
+                found.append((begin + each.duration_ms / 1000, "end"))
+        return [(round(moment, 3), shape) for moment, shape in found]
 
 
 @pytest.fixture
@@ -164,6 +183,76 @@ async def test_a_pause_keeps_what_comes_meanwhile(stage: Stage) -> None:
     await stage.clock.advance(3.0)
     await saying
     assert stage.end().heard_ms == pytest.approx(2000, abs=1)
+
+
+async def test_a_text_whose_mouth_shapes_are_told_is_heard_before_it_is_made(stage: Stage) -> None:
+    stage.synthesizer.tells_visemes = True
+    saying = stage.say()
+    stage.synthesizer.put(piece(0.2, Word(0.0, "one", 0), visemes=[Viseme(0.0, "PP", 1.0), Viseme(150.0, "aa", 0.9)]))
+    await settle()
+    begin = next(each for each in stage.told if isinstance(each, Speak)).start_ns / 1e9
+    assert stage.shapes(begin) == [(0.0, "PP"), (0.15, "aa"), (0.2, "end")]
+    await stage.clock.advance(0.1)
+    stage.synthesizer.put(piece(0.5, Word(300.0, "two", 4), visemes=[Viseme(300.0, "SS", 1.0)]))
+    await settle()
+    assert stage.shapes(begin)[3:] == [(0.2, "aa"), (0.3, "SS"), (0.7, "end")]
+    stage.synthesizer.put(piece(0.3, visemes=[Viseme(1000.0, "sil", 1.0)], mark=NamedMark(1000.0, "here")), None)
+    await stage.clock.advance(begin + 1.0 + PLAYOUT - stage.clock.now() - 0.001)
+    assert not saying.done()
+    await stage.clock.advance(0.002)
+    await saying
+    assert stage.shapes(begin)[6:] == [(0.7, "SS"), (1.0, "end")]
+    assert stage.kinds() == [SpeechBegan, WordSpoken, WordSpoken, MarkReached, SpeechEnded]
+    wall = stage.clock.wall() - stage.clock.now() + begin + PLAYOUT
+    assert [each.at - wall for each in stage.progress] == pytest.approx([0.0, 0.0, 0.3, 1.0, 1.0], abs=0.002)
+    assert stage.end().heard_ms == 1000
+
+
+async def test_after_a_pause_the_mouth_goes_on_with_the_shape_that_it_had(stage: Stage) -> None:
+    stage.synthesizer.tells_visemes = True
+    saying = stage.say()
+    stage.synthesizer.put(piece(1.0, visemes=[Viseme(0.0, "aa", 1.0), Viseme(800.0, "SS", 1.0)]))
+    await stage.clock.advance(0.5)
+    stage.voice.pause()
+    stage.synthesizer.put(piece(1.0, visemes=[Viseme(1200.0, "PP", 1.0), Viseme(2000.0, "sil", 1.0)]), None)
+    await stage.clock.advance(3.0)
+    assert stage.told[-1] == Silence()
+    before = len(stage.told)
+    stage.voice.go_on()
+    await settle()
+    begin = stage.told[before].start_ns / 1e9  # type: ignore[union-attr]
+    assert 0.03 < begin - stage.clock.now() <= 0.061
+    del stage.told[:before]
+    await stage.clock.advance(3.0)
+    await saying
+    left = stage.shapes(begin)[-1][0]
+    assert 1.5 < left < 1.6
+    heard = 2.0 - left
+    # What is told again is the shape that is shown; all others are told once.
+    told = [(moment, shape) for moment, shape in stage.shapes(begin) if shape != "end"]
+    assert told[0] == (0.0, "aa")
+    assert (pytest.approx(0.8 - heard, abs=0.002), "SS") in told
+    assert (pytest.approx(1.2 - heard, abs=0.002), "PP") in told
+
+
+async def test_of_a_long_text_few_movements_are_told(stage: Stage) -> None:
+    stage.synthesizer.tells_visemes = True
+    saying = stage.say()
+    shapes = [Viseme(100.0 * number, ("aa", "PP")[number % 2], 1.0) for number in range(600)]
+    for number in range(120):
+        stage.synthesizer.put(piece(0.5, visemes=shapes[5 * number : 5 * number + 5]))
+    stage.synthesizer.put(None)
+    await stage.clock.advance(62.0)
+    await saying
+    movements = [each for each in stage.told if isinstance(each, Speak)]
+    assert len(movements) < 12
+    begin = movements[0].start_ns / 1e9
+    moments = [moment for moment, shape in stage.shapes(begin) if shape != "end"]
+    assert moments == sorted(moments)
+    assert {round(0.1 * number, 3) for number in range(600)} <= set(moments)
+    # Each begins where the one before it ends.
+    ends = [each.start_ns / 1e9 + each.duration_ms / 1000 for each in movements]
+    assert [each.start_ns / 1e9 for each in movements[1:]] == pytest.approx(ends[:-1], abs=0.002)
 
 
 async def test_no_more_is_taken_than_may_wait(stage: Stage) -> None:

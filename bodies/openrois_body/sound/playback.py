@@ -1,4 +1,4 @@
-"""A speech with an open end: what comes while it is played is appended, and what is missing is silence."""
+"""A speech in the body's sound: what comes while it is played is appended, and what is missing is silence."""
 
 import asyncio
 from collections import deque
@@ -12,10 +12,10 @@ from openrois_streaming.source.source import SAMPLE_RATE
 
 from openrois_body.sound.engine_sound import SEAM
 
-__all__ = ["AHEAD_LIMIT", "OpenPlayback", "SoundOverrun", "Timeline", "reach"]
+__all__ = ["AHEAD_LIMIT", "Playback", "SoundOverrun", "Timeline", "reach"]
 
 AHEAD_LIMIT: Final = 60.0
-"""Seconds of sound that may wait in one speech with an open end."""
+"""Seconds of sound that may wait in one speech."""
 _REMEMBERED: Final = 5 * SAMPLE_RATE
 """Samples for which it is known what was played: much longer than the way to any viewer that is waited for."""
 _RISE: Final = (np.arange(SEAM, dtype=np.float32) + 0.5) / SEAM
@@ -30,8 +30,6 @@ class SoundOverrun(ValueError):
 
 class Timeline(Protocol):
     """The grid of samples that a speech lies on; `openrois_body.sound.mixer.BodySound` implements it."""
-
-    clock: MediaClock
 
     def next_sample(self) -> int:
         """Return the number of the first sample that is not handed out yet."""
@@ -55,8 +53,8 @@ class _Run:
         return self.first + self.count
 
 
-class OpenPlayback:
-    """A speech that is played while its sound is still coming. Times are seconds of the media clock.
+class Playback:
+    """A speech with its place in time, whose sound may still be coming. Times are seconds of the media clock.
 
     Sound lies behind the sound before it. Where that was handed out already there is silence, and the new sound begins
     as soon as a speech may begin. Before a gap the sound fades out within 5 ms, after it the sound fades in.
@@ -77,7 +75,7 @@ class OpenPlayback:
         """The last sample."""
         self._cut: int | None = None
         self._finished = False
-        self._stopped = asyncio.Event()
+        self._stopped = False
 
     @property
     def pushed(self) -> int:
@@ -92,7 +90,7 @@ class OpenPlayback:
     @property
     def is_stopped(self) -> bool:
         """Whether it was stopped."""
-        return self._stopped.is_set()
+        return self._stopped
 
     @property
     def is_settled(self) -> bool:
@@ -156,7 +154,7 @@ class OpenPlayback:
         cut = self._timeline.next_sample()
         if self._cut is None and (not self._finished or cut < self.last):
             self._cut = cut
-        self._stopped.set()
+        self._stopped = True
 
     def take_rest(self) -> Samples:
         """Return what was not heard because of `stop`."""
@@ -181,10 +179,6 @@ class OpenPlayback:
                 break
             before = run.position + min(run.count, number - run.first)
         return before
-
-    async def reach(self, moment: float) -> bool:
-        """Wait until a moment of the media clock; returns False if it is stopped before."""
-        return await reach(self._timeline.clock, moment, self._stopped)
 
     def mix_into(self, mixed: NDArray[np.int32], begin: int) -> None:
         """Add the samples from `begin` on to `mixed`, shape (n, channels), and drop those before."""

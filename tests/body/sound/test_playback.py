@@ -1,4 +1,4 @@
-"""A speech with an open end in the body's sound, on a clock turned by hand."""
+"""A speech in the body's sound whose sound comes while it is played, on a clock turned by hand."""
 
 from collections.abc import AsyncIterator
 
@@ -7,9 +7,9 @@ import pytest
 from numpy.typing import NDArray
 from openrois_body.sound.engine_sound import BLOCK, SEAM
 from openrois_body.sound.mixer import BodySound
-from openrois_body.sound.open_playback import AHEAD_LIMIT, SoundOverrun
+from openrois_body.sound.playback import AHEAD_LIMIT, SoundOverrun
 
-from tests.body.sound.test_mixer import START, Listener, constant
+from tests.body.sound.test_mixer import START, Listener, constant, play, start
 from tests.support.streaming import VirtualClock, settle
 
 
@@ -36,7 +36,7 @@ async def room() -> AsyncIterator[Room]:
 
 
 async def test_sound_that_comes_while_it_is_played_is_appended_without_a_seam(room: Room) -> None:
-    playback = room.sound.play_open()
+    playback = room.sound.play()
     assert playback.end is None
     wave = (np.sin(np.arange(4 * BLOCK) / 20) * 9000 + 10_000).astype(np.int16)
     starts = []
@@ -54,7 +54,7 @@ async def test_sound_that_comes_while_it_is_played_is_appended_without_a_seam(ro
 
 
 async def test_where_nothing_has_come_there_is_silence_between_fades_and_the_rest_is_played_later(room: Room) -> None:
-    playback = room.sound.play_open()
+    playback = room.sound.play()
     first = playback.push(constant(8000, 1000))
     await room.clock.advance(0.5)
     assert playback.played == 1000
@@ -73,14 +73,14 @@ async def test_where_nothing_has_come_there_is_silence_between_fades_and_the_res
 
 
 async def test_stopping_fades_out_within_a_block_and_keeps_the_rest(room: Room) -> None:
-    playback = room.sound.play_open()
-    start = playback.push(constant(6000, 48_000))
-    await room.clock.advance(start - room.clock.now() + 0.1)
+    playback = room.sound.play()
+    begins = playback.push(constant(6000, 48_000))
+    await room.clock.advance(begins - room.clock.now() + 0.1)
     stopped = room.clock.now()
     playback.stop()
     await room.clock.advance(0.3)
     heard = room.heard()
-    assert start + len(heard) / 48_000 <= stopped + 0.025 + 0.001
+    assert begins + len(heard) / 48_000 <= stopped + 0.025 + 0.001
     assert playback.heard == pytest.approx(0.1 * 48_000, abs=BLOCK)
     rest = playback.take_rest()
     assert len(rest) == 48_000 - playback.heard
@@ -90,7 +90,7 @@ async def test_stopping_fades_out_within_a_block_and_keeps_the_rest(room: Room) 
 
 
 async def test_stopping_after_it_ran_dry_keeps_all_as_heard(room: Room) -> None:
-    playback = room.sound.play_open()
+    playback = room.sound.play()
     playback.push(constant(6000, 480))
     await room.clock.advance(0.5)
     playback.stop()
@@ -99,31 +99,30 @@ async def test_stopping_after_it_ran_dry_keeps_all_as_heard(room: Room) -> None:
 
 
 async def test_a_speech_behind_it_waits_for_its_end(room: Room) -> None:
-    playback = room.sound.play_open()
+    playback = room.sound.play()
     playback.push(constant(5000, 9600))
     with pytest.raises(ValueError, match="wait for its turn"):
-        room.sound.play(constant(1, 1))
+        room.sound.play()
     playback.finish()
-    following = room.sound.play(constant(2000, 960))
-    assert following.start == playback.end
+    following = play(room.sound, constant(2000, 960))
+    assert start(following) == playback.end
+    assert following.end is not None
     await room.clock.advance(0.5)
-    assert room.sound.play(constant(1, 1)).start > following.end
+    assert start(play(room.sound, constant(1, 1))) > following.end
 
 
 async def test_time_passes_without_a_reader() -> None:
     clock = VirtualClock(now=START)
-    playback = BodySound(clock).play_open()
-    start = playback.push(constant(5000, 48_000))
-    await clock.advance(start - START + 0.5)
+    playback = BodySound(clock).play()
+    begins = playback.push(constant(5000, 48_000))
+    await clock.advance(begins - START + 0.5)
     assert playback.played == pytest.approx(24_000, abs=BLOCK)
-    assert await playback.reach(start + 0.1)
     playback.stop()
     assert playback.heard == pytest.approx(24_000, abs=BLOCK)
-    assert not await playback.reach(start + 100)
 
 
 async def test_a_push_beyond_the_limit_is_refused_and_the_sound_before_it_stays(room: Room) -> None:
-    playback = room.sound.play_open()
+    playback = room.sound.play()
     playback.push(constant(1, round(AHEAD_LIMIT * 48_000)))
     with pytest.raises(SoundOverrun, match="60 seconds"):
         playback.push(constant(1, 1))
@@ -131,7 +130,7 @@ async def test_a_push_beyond_the_limit_is_refused_and_the_sound_before_it_stays(
 
 
 async def test_for_hours_of_starts_and_stops_little_is_remembered(room: Room) -> None:
-    playback = room.sound.play_open()
+    playback = room.sound.play()
     for _ in range(200):
         playback.push(constant(500, 960))
         await room.clock.advance(0.5)
