@@ -7,7 +7,7 @@ import os
 import signal
 import socket
 import sys
-from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
+from collections.abc import Awaitable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -33,6 +33,7 @@ from openrois.transport.credentials import TOKEN_FILE_VARIABLE
 from openrois.transport.websocket import dial
 from openrois_demo.access import add_access_options, demo_access
 from openrois_demo.program import Program, ProgramFailed
+from openrois_demo.tokens import DemoTokens
 from openrois_demo.watchdog import Watchdog
 
 __all__ = ["main"]
@@ -51,14 +52,14 @@ class _Demo:
         adapters: the bodies behind it, by their engine ids.
         watchdog: restarts them when they hang.
         page: URL of its page.
-        keep_tokens: renews the tokens of the adapters until cancelled.
+        tokens: of its adapters, and of programs.
     """
 
     gateway: Program
     adapters: Mapping[str, Program]
     watchdog: Watchdog
     page: str
-    keep_tokens: Callable[[], Coroutine[object, object, None]]
+    tokens: DemoTokens
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -104,12 +105,12 @@ def main(arguments: Sequence[str]) -> int:
         return 1
     more = ("--verbose",) if chosen.verbose else ()
     engine_ids = (_AVATAR, *dict.fromkeys(chosen.beside))
-    with access.token_files(engine_ids) as issued:
-        shown = replace(credentials(chosen), token=access.viewer_token if issued else None)
+    with DemoTokens.issued(access.key, engine_ids) as tokens:
+        shown = replace(credentials(chosen), token=tokens.viewer if access.key is not None else None)
         # Its programs show the tokens that it issues, and none that is for another gateway.
         os.environ.pop(TOKEN_FILE_VARIABLE, None)
         url = access.url("ws", chosen.port)
-        gateway = ("gateway", "--port", str(chosen.port), "--drain", "0", *access.gateway_arguments(), *more)
+        gateway = ("gateway", "--port", str(chosen.port), "--drain", "0", *access.gateway_arguments(tokens.key), *more)
         bodies = {
             _AVATAR: ("avatar", *of_engine, *of_avatar, *link_arguments(chosen)),
             _ROBOT: (
@@ -125,7 +126,7 @@ def main(arguments: Sequence[str]) -> int:
                         *bodies[engine_id],
                         *("--gateway", f"{url}adapter"),
                         *host_arguments(chosen),
-                        *_credentials(chosen, issued.get(engine_id)),
+                        *_credentials(chosen, tokens.adapters.get(engine_id)),
                         *more,
                     ),
                     announces="ready ",
@@ -134,7 +135,7 @@ def main(arguments: Sequence[str]) -> int:
             },
             Watchdog(url, engine_ids, connect=partial(dial, credentials=shown)),
             access.url("http", chosen.port),
-            partial(access.keep_tokens, issued),
+            tokens,
         )
         return asyncio.run(_run(demo))
 
@@ -173,13 +174,15 @@ async def _run(demo: _Demo) -> int:
 
 async def _keep_running(demo: _Demo) -> None:
     async with asyncio.TaskGroup() as tasks:
-        tasks.create_task(demo.keep_tokens())
+        tasks.create_task(demo.tokens.keep())
         for program in (demo.gateway, *demo.adapters.values()):
             tasks.create_task(program.keep_running())
             await _in_time(program.ready.wait(), f"{program.name} is not ready")
         tasks.create_task(demo.watchdog.watch(demo.gateway, demo.adapters))
         await _in_time(demo.watchdog.until_there(), f"{' or '.join(demo.adapters)} has not connected to the gateway")
         print(f"ready {demo.page}", flush=True)
+        for rank, path in demo.tokens.programs.items():
+            print(f"for a program, as {rank}: {TOKEN_FILE_VARIABLE}={path}", flush=True)
 
 
 async def _in_time(step: Awaitable[object], complaint: str) -> None:

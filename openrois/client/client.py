@@ -47,8 +47,10 @@ class Client(Operations):
         url: the gateway's address.
         dial: opens connections in place of a WebSocket to `url`.
         token: a JSON Web Token (RFC 7519) for the gateway, where it wants one; or a function that returns the newest:
-            it is called at every connection, and before the present one ends.
-        ca_file: authorities (PEM) that may have signed the gateway's certificate, in place of the system's.
+            it is called at every connection, and before the present one ends. Unless given it is what is then in the
+            file that the environment names (`OPENROIS_TOKEN_FILE`), if it names one.
+        ca_file: authorities (PEM) that may have signed the gateway's certificate; unless given those of the
+            environment (`OPENROIS_CA_FILE`), or else the system's.
         connect_timeout: seconds that connecting may take.
         request_timeout: seconds that an answer may take.
         reconnect: when a lost connection is made again; None for never.
@@ -68,7 +70,8 @@ class Client(Operations):
         request_timeout: float = 30.0,
         reconnect: Reconnect | None = _RECONNECT,
     ) -> None:
-        credentials = Credentials(token, None if ca_file is None else Path(ca_file))
+        named = Credentials.of_files(None, ca_file)
+        credentials = Credentials(named.token if token is None and dial is None else token, named.ca_file)
         self._application = Application(lambda: self._connection, reconnect or _RECONNECT, request_timeout, credentials)
         connection = Connection(
             dial or websocket(url, credentials),
@@ -76,7 +79,7 @@ class Client(Operations):
             connect_timeout=connect_timeout,
             request_timeout=request_timeout,
             reconnect=reconnect,
-            renewable=callable(token),
+            renewable=callable(credentials.token),
         )
         super().__init__(connection, self._application)
         self.control = Control(connection, self._application.bindings, self.notices)

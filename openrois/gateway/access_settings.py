@@ -46,18 +46,21 @@ class Authentication(SettingsGroup):
     @property
     def is_authenticated(self) -> bool:
         """Whether a token is needed."""
-        return bool(self.auth_keys or self.auth_jwks or self.auth_jwks_file)
+        return not self.auth_local and bool(self.auth_keys or self.auth_jwks or self.auth_jwks_file)
 
     @model_validator(mode="after")
     def _check_authentication(self) -> Self:
         if sum(map(bool, (self.auth_keys, self.auth_jwks, self.auth_jwks_file))) > 1:
             raise ValueError("give only one of --auth-key, --auth-jwks and --auth-jwks-file")
-        if self.auth_local and self.is_authenticated:
-            raise ValueError("--auth-local cannot be used with --auth-key or --auth-jwks: it has a key of its own")
+        if self.auth_local and (self.auth_jwks or self.auth_jwks_file):
+            raise ValueError("--auth-local cannot be used with --auth-jwks: of keys beside its own it takes --auth-key")
         if self.auth_jwks and (flaw := flaw_of_address(self.auth_jwks)):
             raise ValueError(f"{self.auth_jwks[:200]!r} cannot be the address of the issuer's keys: {flaw}")
         if not self.is_authenticated and (self.auth_issuer or self.auth_audience or self.auth_revocations):
-            raise ValueError("--auth-issuer, --auth-audience and --auth-revocations require --auth-key or --auth-jwks")
+            raise ValueError(
+                "--auth-issuer, --auth-audience and --auth-revocations require --auth-key or --auth-jwks, and "
+                "cannot be used with --auth-local"
+            )
         try:
             Ranks.parse(self.ranks)
         except ValueError as error:

@@ -1,7 +1,7 @@
 """Admission, tokens and their end, put together from the settings."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -10,7 +10,7 @@ from openrois.aio.tasks import TaskScope
 from openrois.auth.claims import ClaimRules
 from openrois.auth.jwks import KeySetCache, fetch_from_file, fetch_from_url
 from openrois.auth.key_files import read_keys
-from openrois.auth.keys import KeySource, StoredKeys
+from openrois.auth.keys import KeySource, StoredKeys, VerificationKey
 from openrois.auth.principal import Principal
 from openrois.auth.ranks import Ranks
 from openrois.auth.revocations import NOTHING_REVOKED, Revocations, parse_revocations
@@ -82,7 +82,7 @@ class AuthSetup:
             page_tokens = PageTokens(ranks, settings.auth_max_lifetime, clock)
         if settings.is_authenticated or page_tokens is not None:
             rules = ClaimRules(settings.auth_issuer, settings.auth_audience, settings.auth_max_lifetime, ranks=ranks)
-            keys = _keys(settings, reloader, tasks) if page_tokens is None else page_tokens.keys
+            keys = _keys(settings, reloader, tasks, () if page_tokens is None else page_tokens.keys)
             verifier = TokenVerifier(keys, rules, clock, revoked.covers)
         certificate = None
         if settings.tls_cert is not None and settings.tls_key is not None:
@@ -97,15 +97,15 @@ class AuthSetup:
         return cls(admission, expiries, renewal, SignIns(audit), certificate, reloader, page_tokens)
 
 
-def _keys(settings: GatewaySettings, reloader: Reloader, tasks: TaskScope) -> KeySource:
+def _keys(settings: GatewaySettings, reloader: Reloader, tasks: TaskScope, own: Sequence[VerificationKey]) -> KeySource:
     if settings.auth_jwks:
         return KeySetCache(fetch_from_url(settings.auth_jwks), time.monotonic, tasks)
     if settings.auth_jwks_file is not None:
         return KeySetCache(fetch_from_file(settings.auth_jwks_file), time.monotonic, tasks)
-    stored = StoredKeys(read_keys(settings.auth_keys))
+    stored = StoredKeys((*own, *read_keys(settings.auth_keys)))
 
     def read_again() -> None:
-        stored.keys = read_keys(settings.auth_keys)
+        stored.keys = (*own, *read_keys(settings.auth_keys))
 
     reloader.add(settings.auth_keys, read_again, "the keys for tokens")
     return stored

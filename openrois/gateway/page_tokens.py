@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Final
 
 from openrois.auth.issuing import sign_token
-from openrois.auth.keys import StoredKeys, VerificationKey
+from openrois.auth.keys import VerificationKey
 from openrois.auth.principal import LOCAL, Principal, Role
 from openrois.auth.ranks import Ranks
 
@@ -33,7 +33,7 @@ class PageTokens:
         self._lifetime = int(lifetime)
         self._clock = clock
         self._visitors = 0
-        self.keys = StoredKeys((VerificationKey("HS256", self._secret),))
+        self.keys = (VerificationKey("HS256", self._secret),)
 
     def issue(self, former: Principal) -> str:
         """Return a token for a page: one of the same subject for one that shows a token, else for a new visitor."""

@@ -244,6 +244,11 @@ class GatewaySettings(Listening, Authentication, Encryption, Streams, Adapters, 
             )
         if is_loopback(self.host):
             return self
+        if self.auth_local:
+            raise ValueError(
+                f"--host {self.host} is no loopback address: --auth-local, which asks for no token, is for this "
+                "machine alone"
+            )
         if not self.is_authenticated:
             raise ValueError(
                 f"--host {self.host} is no loopback address and needs authentication (--auth-key or --auth-jwks): "

@@ -231,6 +231,25 @@ def test_without_a_wish_there_is_no_robot(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 @pytest.mark.engine
+async def test_a_program_that_shows_what_the_demo_has_written_is_called_by_its_rank(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with running_demo(tmp_path, more=("--with", "robot")) as demo:
+        assert demo.process.stdout is not None
+        told = [demo.process.stdout.readline() for _ in range(2)]
+        files = dict(re.findall(r"for a program, as (\w+): OPENROIS_TOKEN_FILE=(\S+)", "".join(told)))
+        assert files.keys() == {"agent", "script"}
+        async with Client(demo.url) as nameless:
+            legs = await nameless.find(Navigation)
+            for rank in files:
+                monkeypatch.setenv("OPENROIS_TOKEN_FILE", files[rank])
+                async with Client(demo.url) as program:
+                    await program.bind(legs.component_ref)
+                    assert (await nameless.control.status(legs.component_ref)).holder == rank
+        assert demo.interrupt() == 0
+
+
+@pytest.mark.engine
 def test_a_robot_beside_the_avatar_is_started_again_when_it_is_killed(tmp_path: Path) -> None:
     with running_demo(tmp_path, more=("--with", "robot")) as demo:
         first = demo.program("robot")

@@ -199,9 +199,7 @@ def ranks(heard: Sequence[HeardGateway]) -> list[Finding]:
         gateway_ids.setdefault(known, {})[each.gateway_id] = None
     if len(gateway_ids) > 1:
         told = "; ".join(f"{known} at {_listed(tuple(ids))}" for known, ids in gateway_ids.items())
-        advice = (
-            "Give all the same --ranks: a rank that the owner of a body does not know counts as the lowest."
-        )
+        advice = "Give all the same --ranks: a rank that the owner of a body does not know counts as the lowest."
         return [Finding(Level.WARN, "ranks", told, advice)]
     return [Finding(Level.OK, "ranks", known) for known in gateway_ids]
 

@@ -118,6 +118,29 @@ async def test_a_token_travels_in_the_header_and_nowhere_else() -> None:
     assert "top-secret" not in str(refusal.value)
 
 
+async def test_a_token_that_the_environment_names_is_shown_unless_another_one_is_given(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[str | None] = []
+
+    def look(connection: ServerConnection, request: Request) -> Response:
+        seen.append(request.headers.get("Authorization"))
+        return connection.respond(http.HTTPStatus.UNAUTHORIZED, "no\n")
+
+    file = tmp_path / "token"
+    monkeypatch.setenv("OPENROIS_TOKEN_FILE", str(file))
+    async with answering(hold, look) as url:
+        # It is read whenever it is needed.
+        for content, given in (("first\n", None), ("second\n", None), ("second\n", "own")):
+            file.write_text(content)
+            with pytest.raises(ConnectionFailed, match="answered 401"):
+                await Client(url, token=given).connect()
+        file.unlink()
+        with pytest.raises(ConnectionFailed, match="the token cannot be read from"):
+            await Client(url).connect()
+    assert seen == ["Bearer first", "Bearer second", "Bearer own"]
+
+
 async def test_a_gateway_that_answers_no_greeting() -> None:
     async with answering(hold) as url:
         with pytest.raises(ConnectionFailed, match=r"did not answer within 0.1 s"):

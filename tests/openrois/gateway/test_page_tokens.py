@@ -17,6 +17,7 @@ from openrois.gateway.settings import GatewaySettings
 from openrois.types.leases import LeaseState
 from tests.support.components import Lamp
 from tests.support.fleet import everything
+from tests.support.guarded import fresh
 from tests.support.tokens import key_file
 
 LEGS = "robot/navigation"
@@ -67,6 +68,26 @@ async def test_a_visitor_takes_over_from_a_program_without_a_token_and_not_the_o
                     await client.control.borrow(LEGS)
             await visitor.control.give_back(LEGS)
             assert (await program.control.status(LEGS)).state is LeaseState.MINE
+
+
+async def test_programs_have_names_and_ranks_by_a_key_beside_and_need_no_token_all_the_same(tmp_path: Path) -> None:
+    settings = GatewaySettings(port=0, auth_local=True, auth_keys=(key_file(tmp_path),))
+    async with run_gateway(settings) as gateway:
+        await gateway.engine.attach(everything("robot").registry)
+        _, page = await page_token(gateway)
+        agent = fresh(sub="helper", roles=["operator"], scope=["*"], rank="agent")
+        async with (
+            Client(gateway.url) as nameless,
+            Client(gateway.url, token=agent) as named,
+            Client(gateway.url, token=page) as visitor,
+        ):
+            await nameless.bind(LEGS)
+            lease = await named.control.borrow(LEGS)
+            assert (lease.holder, lease.lender) == ("helper", LOCAL.subject)
+            lease = await visitor.control.borrow(LEGS)
+            assert (lease.holder, lease.lender) == ("visitor 1", "helper")
+        status, renewed = await page_token(gateway, page)
+        assert (status, subject(renewed)) == (200, "visitor 1")
 
 
 async def test_adapters_of_this_machine_need_no_token() -> None:
