@@ -13,7 +13,9 @@ import pytest
 from numpy.typing import NDArray
 from openrois_avatar.link.messages import Silence, Speak
 from openrois_signaling.messages import Offer
+from openrois_streaming.input.reader import MALFORMED_LIMIT
 from openrois_streaming.input.speech import (
+    FRAME_HEAD,
     Begin,
     Clear,
     End,
@@ -210,6 +212,67 @@ async def test_a_flood_of_one_without_the_right_to_speak_does_not_interrupt_the_
         figures = {each["name"]: int(each["value"]) for each in told["results"]}
         assert figures["taken"] == 25
         assert figures["refused"] > 0
+
+
+def beyond_credit(program: Program) -> None:
+    for sequence in range(200):
+        program.push(1, sequence, bytes(1_920))
+
+
+def wrong_lengths(program: Program) -> None:
+    for _ in range(MALFORMED_LIMIT):
+        program.channels.speak(bytes(FRAME_HEAD.size))
+
+
+def begins_and_clears(program: Program) -> None:
+    for number in range(2, 2_002):
+        program.clear(number - 1)
+        program.say(Begin(number, "pcm16", 48_000))
+
+
+@pytest.mark.parametrize(
+    ("flood", "reason"),
+    [
+        (beyond_credit, "were granted: wait for credit"),
+        (wrong_lengths, "32 messages could not be read, the last one: a frame has 9 to 4096 bytes, not 8"),
+        (begins_and_clears, "the speech was cleared"),
+    ],
+)
+async def test_a_flood_of_the_one_that_may_speak_ends_its_own_speech_and_nothing_else(
+    house: House, flood: Callable[[Program], None], reason: str
+) -> None:
+    async with house.program() as ann, house.program() as bob:
+        await ann.bind()
+        ann.say(Begin(1, "pcm16", 48_000))
+        flood(ann)
+        assert reason in (await ann.until_told(Finished)).reason
+        heard = len(bob.blocks)
+        await bob.until(lambda: len(bob.blocks) > heard + 20)
+        assert await ann.app.code("rois.command.release", component_ref=REF) == "OK"
+        await bob.bind()
+        bob.say(Begin(1, "pcm16", 48_000))
+        for sequence, part in enumerate(np.array_split(tone(0.5, 48_000), 25)):
+            bob.push(1, sequence, part.tobytes())
+        bob.say(End(1))
+        assert await bob.until_told(Finished) == Finished(1, 500)
+
+
+async def test_frames_of_speeches_that_have_not_begun_are_dropped_and_those_of_one_that_has_are_played(
+    house: House,
+) -> None:
+    async with house.program() as ann:
+        await ann.bind()
+        for number in range(300):
+            ann.push(number, 0, bytes(1_920))
+        ann.say(Begin(300, "pcm16", 48_000))
+        for sequence, part in enumerate(np.array_split(tone(0.5, 48_000), 25)):
+            ann.push(300, sequence, part.tobytes())
+        ann.say(End(300))
+        assert await ann.until_told(Finished) == Finished(300, 500)
+        assert Refused(0, "a speech has to begin before its first frame") in ann.told()
+        told = await ann.app.ask("rois.query.query", query_type="streaming", condition=f"component_ref = '{REF}'")
+        figures = {each["name"]: int(each["value"]) for each in told["results"]}
+        assert (figures["taken"], figures["dropped"]) == (25, 300)
 
 
 async def test_a_speech_ends_with_the_connection_of_its_application(house: House) -> None:
