@@ -204,8 +204,9 @@ async def serve_scene(
         scene.pauses.changed.add(lambda on: _pause(sessions, reference(engine_id, VIDEO), on))
         senses = {"vision": eyes.watch.figures, "hearing": hearing.recognition.figures}
         operator_figures = None if scene.operator_control is None else scene.operator_control.figures
-        speech_figures = None if scene.speech_control is None else scene.speech_control.figures
-        more = partial(body_figures, senses, operator_figures, speech_figures)
+        speech = scene.speech_control
+        spoken = (None, None) if speech is None else (speech.figures, speech.outcomes)
+        more = partial(body_figures, senses, operator_figures, *spoken)
         yield Avatar(host, video, audio, streams.collector(more).snapshot)
 
 

@@ -8,10 +8,10 @@ from openrois_media.metrics.figures import FigureGroup
 
 from openrois.metrics.figure import Figure
 from openrois_body.sensing.figures import SenseFigures
-from openrois_body.speech.speech_control import SpeechFigures
+from openrois_body.speech.speech_control import SpeechFigures, SpeechOutcomes
 from openrois_body.teleoperation.operator_control import OperatorFigures
 
-__all__ = ["INPUT", "INPUT_LABELS", "SENSE", "SENSE_LABELS", "SPEECH", "SPEECH_LABELS", "body_figures"]
+__all__ = ["INPUT", "INPUT_LABELS", "SENSE", "SENSE_LABELS", "SPEECH", "SPEECHES", "SPEECH_LABELS", "body_figures"]
 
 SENSE_LABELS: Final = ("sense",)
 
@@ -55,25 +55,40 @@ SPEECH: Final[tuple[Figure[int], ...]] = (
     ),
 )
 
+SPEECHES: Final[tuple[Figure[int], ...]] = (
+    Figure(
+        "openrois_speeches_total",
+        "counter",
+        "Speeches as sound that have begun, run dry (each time), finished, or were cut off.",
+        lambda count: count,
+    ),
+)
+
 
 def body_figures(
     senses: Mapping[str, SenseFigures] | None = None,
     operator: OperatorFigures | None = None,
     speech: SpeechFigures | None = None,
+    speeches: SpeechOutcomes | None = None,
 ) -> tuple[FigureGroup, ...]:
     """Return a copy of the figures.
 
     Args:
         senses: the figures of each sense, by its name; None without senses.
         operator: the figures of input; None where the body cannot be operated.
-        speech: the figures of speech as sound; None where the body plays none.
+        speech: the figures of frames of speech as sound; None where the body plays none.
+        speeches: those of whole speeches; None likewise.
     """
     return (
         FigureGroup(SENSE, SENSE_LABELS, tuple(((name,), replace(each)) for name, each in (senses or {}).items())),
-        FigureGroup(
-            INPUT, INPUT_LABELS, tuple(((name,), n) for name, n in (asdict(operator) if operator else {}).items())
-        ),
-        FigureGroup(
-            SPEECH, SPEECH_LABELS, tuple(((name,), n) for name, n in (asdict(speech) if speech else {}).items())
-        ),
+        FigureGroup(INPUT, INPUT_LABELS, _by_outcome(operator)),
+        FigureGroup(SPEECH, SPEECH_LABELS, _by_outcome(speech)),
+        FigureGroup(SPEECHES, SPEECH_LABELS, _by_outcome(speeches)),
     )
+
+
+def _by_outcome(
+    counts: OperatorFigures | SpeechFigures | SpeechOutcomes | None,
+) -> tuple[tuple[tuple[str], int], ...]:
+    """Return a copy of counts, each behind its name."""
+    return () if counts is None else tuple(((name,), count) for name, count in asdict(counts).items())

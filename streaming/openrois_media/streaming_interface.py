@@ -46,6 +46,7 @@ from openrois_media.stream_requests import (
     TransportParameters,
     read_parameter,
 )
+from openrois_media.visitors.figures import VisitorFigures
 from openrois_media.visitors.registry import VisitorRegistry, VisitorUplink
 from openrois_media.visitors.relay import Relays
 from openrois_media.visitors.visitor import Visitor
@@ -399,6 +400,10 @@ class StreamingInterface:
         for each in (self._operator, self._speech):
             if each is not None:
                 each.apply_holder(notification, client)
+
+    def visitor_figures(self) -> VisitorFigures:
+        """Return the counts of visitors, and of what listeners receive of them."""
+        return VisitorFigures(len(self.visitors.present), self.visitors.refused, len(self._relays))
 
     async def forget_client(self, client: Client) -> None:
         """End the streams of an application that is gone, its operation by hand and its speech."""

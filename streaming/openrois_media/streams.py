@@ -139,7 +139,15 @@ class AdapterStreams:
     def collector(self, more: Callable[[], tuple[FigureGroup, ...]] = tuple) -> Collector:
         """Return a collector of the figures of all streams, and of what `more` returns."""
         interface = self.interface
-        return Collector(interface.sessions, self.publishers, self.supervised, interface.guarded, self._clock, more)
+        return Collector(
+            interface.sessions,
+            self.publishers,
+            self.supervised,
+            interface.guarded,
+            self._clock,
+            more,
+            interface.visitor_figures,
+        )
 
     def _add(self, name: str, source: Source | Stream) -> Published:
         stream = source if isinstance(source, Stream) else Stream(source)

@@ -42,10 +42,11 @@ _CLUSTER: Final[tuple[tuple[str, Sequence[str], Sequence[Figure[Any]]], ...]] = 
 )
 _ADAPTER: Final[tuple[tuple[str, Sequence[str], Sequence[Figure[Any]]], ...]] = (
     ("The adapter", (), adapter.ADAPTER),
+    ("Visitors", (), adapter.VISITORS),
     ("The guard of media", adapter.GUARD_LABELS, adapter.GUARD),
     ("Senses", body.SENSE_LABELS, body.SENSE),
     ("Input of operators", body.INPUT_LABELS, body.INPUT),
-    ("Speech as sound", body.SPEECH_LABELS, body.SPEECH),
+    ("Speech as sound", body.SPEECH_LABELS, (*body.SPEECH, *body.SPEECHES)),
     ("The link to a robot (Kachaka, Reachy Mini, ROS 2)", (), robots.LINK),
     ("A Kachaka's commands and velocities", kachaka.OUTCOMES, (*kachaka.COMMAND, *kachaka.VELOCITY)),
     ("A Kachaka's cameras", kachaka.CAMERA_LABELS, kachaka.CAMERA),

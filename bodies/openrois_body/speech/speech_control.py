@@ -41,7 +41,7 @@ from openrois_body.speech.stream_sound import StreamSound
 from openrois_body.speech.utterance import Utterance
 from openrois_body.speech.voice import Voice
 
-__all__ = ["FRAMES_AT_ONCE", "FRAMES_PER_SECOND", "STREAMS_AT_ONCE", "SpeechControl", "SpeechFigures"]
+__all__ = ["FRAMES_AT_ONCE", "FRAMES_PER_SECOND", "STREAMS_AT_ONCE", "SpeechControl", "SpeechFigures", "SpeechOutcomes"]
 
 STREAMS_AT_ONCE: Final = 8
 """Speeches of one application that may be played or wait for their turn."""
@@ -66,6 +66,19 @@ class SpeechFigures:
     """Messages and frames that cannot be read, or break a rule."""
 
 
+@dataclass(slots=True)
+class SpeechOutcomes:
+    """Counts of speeches of all applications."""
+
+    begun: int = 0
+    starved: int = 0
+    """How often one has run dry."""
+    finished: int = 0
+    """Heard to their end."""
+    cut: int = 0
+    """Interrupted."""
+
+
 class SpeechControl:
     """Decides which application speaks by sound through one body: the one that holds its component.
 
@@ -79,6 +92,7 @@ class SpeechControl:
     def __init__(self, component_ref: str, voice: Voice, clock: MediaClock, tasks: TaskScope) -> None:
         self.component_ref = component_ref
         self.figures = SpeechFigures()
+        self.outcomes = SpeechOutcomes()
         self.voice = voice
         self.clock = clock
         self.tasks = tasks
@@ -147,6 +161,7 @@ class _Stream:
         self, begin: Begin, tell: Callable[[SpeechTold], None], control: SpeechControl, ended: Callable[[int], None]
     ) -> None:
         self._number = begin.utterance
+        self._outcomes = control.outcomes
         self._tell = tell
         self._ended = ended
         self._sound = StreamSound(begin.format, begin.rate)
@@ -197,8 +212,11 @@ class _Stream:
             case SpeechBegan(speech_id):
                 self._tell(Started(self._number, speech_id))
             case SpeechStarved(_, heard_ms):
+                self._outcomes.starved += 1
                 self._tell(Starved(self._number, heard_ms))
             case SpeechEnded(_, _, reason):
+                self._outcomes.finished += not reason
+                self._outcomes.cut += bool(reason)
                 self._ended(self._number)
                 self._tell(Finished(self._number, progress.heard_ms, reason))
 
@@ -272,6 +290,7 @@ class _ClientSpeech:
             self._tell(Refused(begin.utterance, reason))
             return
         stream = self._streams[begin.utterance] = _Stream(begin, self._tell, self._control, self._forget)
+        self._control.outcomes.begun += 1
         self._control.play(stream)
 
     def _refusal(self, begin: Begin) -> str:

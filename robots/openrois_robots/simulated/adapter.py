@@ -222,7 +222,8 @@ async def hosted_robot(
     requirements = {"the robot: its battery is empty": robot.can_drive}
 
     def figures() -> tuple[FigureGroup, ...]:
-        return body_figures(robot.senses, robot.operator_control.figures, robot.speech_control.figures)
+        speech = robot.speech_control
+        return body_figures(robot.senses, robot.operator_control.figures, speech.figures, speech.outcomes)
 
     async with hosted_with_streams(
         engine_id, robot.components, streams, figures, requirements, clock, added, robot.voice

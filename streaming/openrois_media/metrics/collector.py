@@ -16,6 +16,7 @@ from openrois_streaming.stats import StreamStats
 
 from openrois_media.metrics.figures import FigureGroup, Process, Snapshot, Source
 from openrois_media.supervision import Supervised
+from openrois_media.visitors.figures import VisitorFigures
 
 __all__ = ["Collector"]
 
@@ -30,6 +31,7 @@ class Collector:
         guarded: counts of dropped datagrams.
         clock: the media clock.
         more: returns the figures of the adapter beside streaming.
+        visitors: returns the counts of visitors; None where they are not told apart.
     """
 
     def __init__(
@@ -40,6 +42,7 @@ class Collector:
         guarded: GuardFigures,
         clock: MediaClock,
         more: Callable[[], tuple[FigureGroup, ...]] = tuple,
+        visitors: Callable[[], VisitorFigures | None] = lambda: None,
     ) -> None:
         self._sessions = sessions
         self._publishers = publishers
@@ -47,6 +50,7 @@ class Collector:
         self._guarded = guarded
         self._clock = clock
         self._more = more
+        self._visitors = visitors
 
     async def snapshot(self) -> Snapshot:
         """Return all present figures."""
@@ -65,7 +69,7 @@ class Collector:
         sources = tuple(self._source(name, supervised) for name, supervised in self._sources.items())
         guarded = tuple(asdict(self._guarded).items())
         found = tuple(each for session in streams for each in session)
-        return Snapshot(process, sources, renditions, found, guarded, self._more())
+        return Snapshot(process, sources, renditions, found, guarded, self._more(), self._visitors())
 
     def _source(self, name: str, supervised: Supervised) -> Source:
         seen = supervised.observe()

@@ -20,6 +20,7 @@ from openrois_media.metrics.figures import (
     STATUSES,
     STREAM,
     STREAM_LABELS,
+    VISITORS,
     Snapshot,
 )
 
@@ -45,6 +46,7 @@ def _families(seen: Snapshot) -> Iterator[Metric]:
     renditions = [((source, r.mime_type, r.size), r) for source, r in seen.renditions]
     sources = [((s.name,), s) for s in seen.sources]
     yield from families(ADAPTER, (), [((), seen.process)])
+    yield from families(VISITORS, (), [] if seen.visitors is None else [((), seen.visitors)])
     yield from families(GUARD, GUARD_LABELS, [((reason,), count) for reason, count in seen.guarded])
     for group in seen.more:
         yield from families(group.figures, group.labels, group.samples)

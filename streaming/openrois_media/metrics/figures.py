@@ -10,6 +10,8 @@ from openrois_streaming.stats import AdaptationStats, ReceiverFigures, StreamSta
 from openrois.metrics.figure import Figure
 from openrois.types.codes import ComponentStatus
 from openrois_media.health import GRAVITY
+from openrois_media.visitors.figures import VisitorFigures
+from openrois_media.visitors.registry import MAX_VISITORS
 
 __all__ = [
     "ADAPTATION",
@@ -21,6 +23,7 @@ __all__ = [
     "SOURCE",
     "STATUSES",
     "STREAM",
+    "VISITORS",
     "FigureGroup",
     "Process",
     "Snapshot",
@@ -75,6 +78,8 @@ class Snapshot:
     """Dropped datagrams, by reason (a field of `GuardFigures`)."""
     more: tuple[FigureGroup, ...] = ()
     """Figures of the adapter beside streaming."""
+    visitors: VisitorFigures | None = None
+    """None where the adapter tells none apart."""
 
 
 STREAM_LABELS: Final = ("stream", "component", "kind", "codec")
@@ -283,6 +288,23 @@ ADAPTER: Final[tuple[Figure[Process], ...]] = (
     ),
     Figure("openrois_tasks", "gauge", "Tasks of the event loop.", lambda p: p.tasks),
     Figure("openrois_threads", "gauge", "Threads of the process.", lambda p: p.threads),
+)
+
+VISITORS: Final[tuple[Figure[VisitorFigures], ...]] = (
+    Figure("openrois_visitors", "gauge", "Applications that send the body microphone or camera.", lambda v: v.present),
+    Figure("openrois_visitors_limit", "gauge", "Applications that may do so.", lambda _: MAX_VISITORS),
+    Figure(
+        "openrois_refused_visitors_total",
+        "counter",
+        "Streams of applications that were refused, because as many visitors sent as may.",
+        lambda v: v.refused,
+    ),
+    Figure(
+        "openrois_relayed_streams",
+        "gauge",
+        "Streams over which listeners receive what visitors send.",
+        lambda v: v.relayed,
+    ),
 )
 
 GUARD_LABELS: Final = ("reason",)

@@ -49,12 +49,14 @@ class VisitorRegistry:
         microphones: uplink of a component that takes the microphone of every visitor.
         changed: called with a visitor that has come or left, sends something else or consents to something else.
         withdrawn: called with a visitor and what it does not consent to any more; all of it when the visitor has left.
+        refused: how often an application was refused because as many visitors send as may.
     """
 
     def __init__(self, engine_id: str, clock: MediaClock | None = None) -> None:
         self.cameras, self.microphones = VisitorUplink("video", self), VisitorUplink("audio", self)
         self.changed: Listeners[Visitor] = Listeners()
         self.withdrawn: Listeners[Visitor, frozenset[Purpose]] = Listeners()
+        self.refused = 0
         self._engine_id = engine_id
         self._clock = clock or SystemClock()
         self._visitors: dict[Client, Visitor] = {}
@@ -105,6 +107,7 @@ class VisitorRegistry:
         )
         present = self.present
         if visitor not in present and len(present) >= MAX_VISITORS:
+            self.refused += 1
             raise OutOfResources(
                 f"{MAX_VISITORS} visitors send to {self._engine_id}, which is the limit: wait until one has left"
             )

@@ -47,6 +47,9 @@ class Relays:
         self._streams: dict[str, tuple[Client, _Relay]] = {}
         self._publishers: dict[_Relay, Publishing] = {}
 
+    def __len__(self) -> int:
+        return len(self._streams)
+
     def publisher(self, visitor: Visitor, kind: MediaKind, purposes: frozenset[Purpose]) -> Publishing:
         """Return what publishes a visitor's device for these purposes.
 

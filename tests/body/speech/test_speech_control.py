@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from openrois_body.components.speech_stream import SpeechStream
 from openrois_body.speech.playout_delay import PLAYOUT
 from openrois_body.speech.progress import SpeechBegan, SpeechEnded, WordSpoken
-from openrois_body.speech.speech_control import FRAMES_AT_ONCE, STREAMS_AT_ONCE, SpeechControl
+from openrois_body.speech.speech_control import FRAMES_AT_ONCE, STREAMS_AT_ONCE, SpeechControl, SpeechOutcomes
 from openrois_streaming.input.reader import MALFORMED_LIMIT
 from openrois_streaming.input.speech import (
     Begin,
@@ -220,6 +220,17 @@ async def test_running_dry_is_told_to_the_application(stage: Stage) -> None:
     stage.ann.push(9_600)
     await stage.clock.advance(0.5)
     assert stage.ann.told[-1] == Starved(1, 200)
+
+
+async def test_speeches_are_counted_by_what_became_of_them(stage: Stage) -> None:
+    stage.bob.begin()
+    for number in (1, 2, 3):
+        stage.ann.begin(number)
+        stage.ann.push(4_800, number)
+    stage.ann.say(End(1))
+    stage.ann.say(Clear(3))
+    await stage.clock.advance(1.0)
+    assert stage.control.outcomes == SpeechOutcomes(begun=3, starved=1, finished=1, cut=1)
 
 
 async def test_speeches_follow_each_other_and_their_number_is_bounded(stage: Stage) -> None:

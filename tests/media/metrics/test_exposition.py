@@ -3,9 +3,9 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from openrois_body.metrics import INPUT, SENSE, SPEECH, body_figures
+from openrois_body.metrics import INPUT, SENSE, SPEECH, SPEECHES, body_figures
 from openrois_body.sensing.figures import SenseFigures
-from openrois_body.speech.speech_control import SpeechFigures
+from openrois_body.speech.speech_control import SpeechFigures, SpeechOutcomes
 from openrois_body.teleoperation.operator_control import OperatorFigures
 from openrois_media.metrics import exposition
 from openrois_media.metrics.exposition import written
@@ -18,10 +18,13 @@ from openrois_media.metrics.figures import (
     SOURCE,
     STATUSES,
     STREAM,
+    VISITORS,
     Process,
     Snapshot,
     Source,
 )
+from openrois_media.visitors.figures import VisitorFigures
+from openrois_media.visitors.registry import MAX_VISITORS
 from openrois_streaming.publish.rendition import RenditionFigures
 from openrois_streaming.state import StreamStatus
 from openrois_streaming.stats import AdaptationStats, ReceiverFigures, StreamStats
@@ -67,7 +70,9 @@ SNAPSHOT = Snapshot(
         {"vision": SenseFigures(40, 2, None, 1.5), "hearing": SenseFigures(3, 0, 1, 0.5)},
         OperatorFigures(9, 1),
         SpeechFigures(50, 2),
+        SpeechOutcomes(begun=4, cut=1),
     ),
+    visitors=VisitorFigures(present=3, refused=2, relayed=1),
 )
 FIGURES: tuple[Figure[Any], ...] = (
     *ADAPTER,
@@ -75,6 +80,8 @@ FIGURES: tuple[Figure[Any], ...] = (
     *SENSE,
     *INPUT,
     *SPEECH,
+    *SPEECHES,
+    *VISITORS,
     *SOURCE,
     *RENDITION,
     *STREAM,
@@ -121,6 +128,13 @@ def test_every_figure_of_a_stream_a_rendition_and_a_source_is_there() -> None:
         ("refused",): 0,
         ("malformed",): 0,
     }
+    assert found["openrois_speeches_total"] == {("begun",): 4, ("starved",): 0, ("finished",): 0, ("cut",): 1}
+    assert [found[f"openrois_{name}"] for name in ("visitors", "visitors_limit", "refused_visitors_total")] == [
+        {(): 3},
+        {(): MAX_VISITORS},
+        {(): 2},
+    ]
+    assert found["openrois_relayed_streams"] == {(): 1}
     assert found["openrois_input_messages_total"] == {
         ("taken",): 9,
         ("refused",): 1,

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from openrois_media.stream_requests import TransportParameters, read_parameter
 from openrois_media.streaming_interface import Published, StreamingInterface
+from openrois_media.visitors.figures import VisitorFigures
 from openrois_media.visitors.registry import VisitorRegistry
 from openrois_media.visitors.relay import MAX_RELAYED_CAMERAS
 from openrois_streaming.peer import peer as peer_module
@@ -210,12 +211,14 @@ async def test_a_withdrawal_ends_what_rests_on_it_and_nothing_else(
     sent = await ann.send(AUDIO, ["live", "agent"])
     (ref,) = refs(stage)
     live, agent = await eve.listen(ref), await eve.listen(ref, AUDIO, ["agent"])
+    assert stage.streams.visitor_figures() == VisitorFigures(present=1, relayed=2)
     await ann.ask("rois.stream.set_consent", stream_id=sent, consent=["live"])
     assert await ended(eve) == [agent]
     with pytest.raises(Unsupported, match="does not consent to agent"):
         await eve.listen(ref, AUDIO, ["agent"])
     await stage.streams.forget_client(ann.client)
     assert await ended(eve) == [agent, live]
+    assert stage.streams.visitor_figures() == VisitorFigures()
 
 
 async def test_so_many_cameras_are_relayed_at_a_time(stage: Stage, eve: Application) -> None:

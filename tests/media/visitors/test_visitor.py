@@ -182,6 +182,7 @@ async def test_a_ninth_visitor_is_told_that_there_are_eight(visitors: VisitorReg
     assert len({each.visitor.visitor_ref for each in senders}) == MAX_VISITORS == 8
     with pytest.raises(OutOfResources, match="8 visitors send to robot, which is the limit: wait until one has left"):
         Sender(visitors)
+    assert visitors.refused == 1
     visitors.sink(senders[0].client, visitors.cameras, "video")
     visitors.forget_client(senders[3].client)
     Sender(visitors)
