@@ -87,6 +87,8 @@ async (patience) => {
       found.enrolment = { ...person, names, left };
     });
     const gestures = await hear("gesture_recognizer", part("gesture_recognizer").gestureRecognized);
+    const each = { visitor_ref: "RoISIdentifier[]", devices: "string[]", consent: "string[]", attended: "RoISIdentifier" };
+    found.visitors = await part("visitors").query("visitors", each);
     found.gesture_recognizer = await heard(gestures, "a nod", () => true);
   };
 
@@ -149,6 +151,8 @@ async (patience) => {
     const status = await ended(speech.perform({ speech_text: "Hello window, here I am.", language: "en" }));
     found.speech_synthesizer = { status, languages, voices, lasted: performance.now() - asked };
     const { status: end } = await heard(ends, "the end of the speech", () => true);
+    const counts = { speeches: "int", taken: "int", dropped: "int", refused: "int", malformed: "int" };
+    found.speech_stream = await new sdk.ComponentProxy(client, "avatar/speech_stream").query("streaming", counts);
     found.speech_progress = { words: words.map(({ word }) => word), end };
   };
 

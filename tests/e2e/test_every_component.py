@@ -45,6 +45,8 @@ async def test_every_component_does_what_it_is_for(browser: Browser, avatar: Dem
     async with visiting(browser, avatar.page) as visit:
         await meet(visit)
         await visit.status("audio", "RUNNING")
+        # An enrolment is a recording.
+        await visit.item("consent-recording").check()
         await visit.press("microphone-toggle")
         await visit.press("camera-toggle")
         await visit.until("openrois.microphone.status === 'STREAMING_RUNNING'")
@@ -121,6 +123,9 @@ def _check_eyes(found: dict[str, Any]) -> None:
     assert top < 0.45 < top + height
     assert found["enrolment"] == {"person_ref": _ANN, "names": ["Ann"], "left": []}
     assert found["person_identifier"]["person_ref"] == [_ANN]
+    visitors = found["visitors"]
+    assert visitors["visitor_ref"] == [visitors["attended"]]
+    assert (visitors["devices"], visitors["consent"]) == (["microphone camera"], ["live recognition recording"])
     assert found["gesture_recognizer"]["gesture_ref"] == ["urn:x-rois:def:gesture:OMG::1"]
 
 
@@ -147,6 +152,8 @@ def _check_scene(found: dict[str, Any]) -> None:
 
 def _check_acting(found: dict[str, Any]) -> None:
     speech = found["speech_synthesizer"]
+    # No sound waits to be spoken, and none that was sent without the right to speak was taken.
+    assert (found["speech_stream"]["speeches"], found["speech_stream"]["taken"]) == (0, 0)
     assert speech["status"] == found["speech_progress"]["end"] == "OK"
     assert speech["lasted"] > 1000
     assert "en" in speech["languages"]

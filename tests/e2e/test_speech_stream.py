@@ -78,7 +78,8 @@ async def test_opus_of_the_browser_is_heard_and_running_dry_is_told(speaking: Vi
     await _begin(visit)
     begin = "JSON.stringify({event: 'begin', utterance: 1000, format: 'opus', rate: 48000})"
     await visit.read(f"(program.counts = false, program.channel.send({begin}))")
-    await visit.read("program.packets.forEach((packet, index) => program.channel.send(program.frame(1000, index, packet)))")
+    frame = "program.frame(1000, index, packet)"
+    await visit.read(f"program.packets.forEach((packet, index) => program.channel.send({frame}))")
     dry = await visit.until("program.told.find(({event, utterance}) => event === 'starved' && utterance === 1000)")
     assert dry["position"] == 20 * packets
     await visit.read("program.channel.send(JSON.stringify({event: 'end', utterance: 1000}))")
