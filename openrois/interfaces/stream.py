@@ -23,10 +23,10 @@ from openrois.errors import (
     error_for,
 )
 from openrois.interfaces.operation import reply_first, shared_operation
-from openrois.interfaces.stream_rights import require_right
+from openrois.interfaces.stream_rights import consent_stated, require_right, use_stated
 from openrois.jsonrpc.method_tables import BoundMethods, SharedMethod
 from openrois.scope.revocation import Entitlements, end_streams
-from openrois.session.session import ApplicationSession
+from openrois.session.session import ApplicationSession, forget_stream
 from openrois.session.stream_parameters import STREAM_PARAMETERS
 from openrois.session.stream_rights import StreamRight
 from openrois.types.codes import ReturnCode, StreamStatus
@@ -114,9 +114,9 @@ class _Streams:
         self.app.extended = True
         _require_own(self.app, params.stream_id)
         result = await _call(self.app, "rois.stream.set_consent", params.model_dump(mode="json"), SetConsentResult)
-        stated = f"{params.stream_id} {' '.join(params.consent)}"
+        detail = f"{params.stream_id} {consent_stated(params.consent)}"
         self.app.host.audit.acted(
-            self.app.principal, "rois.stream.set_consent", self.app.streams.get(params.stream_id, ""), stated
+            self.app.principal, "rois.stream.set_consent", self.app.streams.get(params.stream_id, ""), detail
         )
         return SetConsentResult(visitor_ref=result.visitor_ref)
 
@@ -203,7 +203,8 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
         raise ComponentFailed(f"the engine minted the stream_id {result.stream_id[:200]!r}, which is not its own")
     app.streams[result.stream_id] = component_ref
     app.stream_rights.note_stream(result.stream_id, component_ref, right)
-    app.host.audit.acted(app.principal, STREAM_METHODS["connect_stream"], component_ref, result.stream_id)
+    detail = f"{result.stream_id} {use_stated(right, parameters)}".rstrip()
+    app.host.audit.acted(app.principal, STREAM_METHODS["connect_stream"], component_ref, detail)
     return result.stream_id
 
 
@@ -228,9 +229,7 @@ async def act_on_stream(app: ApplicationSession, verb: str, stream_id: str) -> N
     _require_own(app, stream_id)
     await _call(app, STREAM_METHODS[verb], {"stream_id": stream_id}, ReturnResult)
     if verb == "disconnect_stream":
-        app.streams.pop(stream_id, None)
-        app.stream_rights.forget_stream(stream_id)
-        app.host.quotas.note_streams(app)
+        forget_stream(app, stream_id)
 
 
 async def query_status(app: ApplicationSession, stream_id: str, component_ref: str | None = None) -> StreamStatus:

@@ -12,7 +12,7 @@ from openrois.types.codes import ComponentFunction
 from openrois.types.messages import Parameter
 from openrois.types.references import engine_of
 
-__all__ = ["may_be_uplink", "require_right"]
+__all__ = ["consent_stated", "may_be_uplink", "require_right", "use_stated"]
 
 _RECEIVED = "recvonly"
 
@@ -60,7 +60,7 @@ def require_right(app: ApplicationSession, component_ref: str, parameters: tuple
     """
     members = _transport_members(parameters) or {}
     if may_be_uplink(parameters):
-        return _right_to_send(app, component_ref, states_consent="consent" in members)
+        return _right_to_send(app, component_ref, states_consent=isinstance(members.get("consent"), list))
     if "visitor_ref" not in members or app.trusted:
         return StreamRight()
     if not app.principal.is_listener:
@@ -92,3 +92,22 @@ def _right_to_send(app: ApplicationSession, component_ref: str, *, states_consen
     raise Unsupported(
         "the roles of this application only allow receiving streams: sending needs the role visitor, or operator"
     )
+
+
+def use_stated(right: StreamRight, parameters: tuple[Parameter, ...]) -> str:
+    """Return what a visitor has consented to, or what a listener uses a stream for, for the audit trail."""
+    members = _transport_members(parameters) or {}
+    if right.role is Role.VISITOR:
+        return consent_stated(_texts(members.get("consent")))
+    if right.role is Role.LISTENER:
+        return f"of {members.get('visitor_ref')} for {' '.join(_texts(members.get('purposes')))}"
+    return ""
+
+
+def consent_stated(purposes: Iterable[str]) -> str:
+    """Return all that a visitor consents to as text."""
+    return f"consents to {' '.join(purposes) or 'nothing'}"
+
+
+def _texts(member: Any) -> list[str]:
+    return [str(each) for each in member] if isinstance(member, list) else []

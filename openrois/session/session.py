@@ -54,7 +54,7 @@ from openrois.types.streams import (
     subject_of,
 )
 
-__all__ = ["RESTARTS", "ApplicationSession", "EngineHost"]
+__all__ = ["RESTARTS", "ApplicationSession", "EngineHost", "forget_stream"]
 
 RESTARTS: Final = "the gateway is about to restart"
 
@@ -369,9 +369,7 @@ class ApplicationSession:
         if notice is not None:
             self.events.stream_status(notice)
             if notice.status is StreamStatus.STREAMING_NOT_CONNECTED:
-                self.streams.pop(notice.stream_id, None)
-                self.stream_rights.forget_stream(notice.stream_id)
-                self.host.quotas.note_streams(self)
+                forget_stream(self, notice.stream_id)
         if self.extended:
             self._notify(method, params)
 
@@ -387,9 +385,8 @@ class ApplicationSession:
         else:
             self.host.leases.leave(self)
             self.bound.clear()
-        self.streams.clear()
-        self.stream_rights = StreamRights()
-        self.host.quotas.note_streams(self)
+        for stream_id in tuple(self.streams):
+            forget_stream(self, stream_id)
         self.stream_parameters.keep_only(())
         self.order.clear()
         self._left()
@@ -409,3 +406,12 @@ class ApplicationSession:
         self.change_notice.close()
         self.events.close()
         self.engine.close()
+
+
+def forget_stream(session: ApplicationSession, stream_id: str) -> None:
+    """Forget a stream that has ended; the audit trail has the end of what visitors send and listeners receive."""
+    component_ref = session.streams.pop(stream_id, "")
+    right = session.stream_rights.forget_stream(stream_id)
+    session.host.quotas.note_streams(session)
+    if right.role is not None:
+        session.host.audit.acted(session.principal, "stream.ended", component_ref, stream_id)

@@ -36,9 +36,10 @@ class StreamRights:
         if right != StreamRight():
             self._rights[stream_id] = component_ref, right
 
-    def forget_stream(self, stream_id: str) -> None:
-        """Forget a stream that has ended; an unknown one is ignored."""
-        self._rights.pop(stream_id, None)
+    def forget_stream(self, stream_id: str) -> StreamRight:
+        """Forget a stream that has ended, and return by which right it was had; an unknown one is ignored."""
+        _, right = self._rights.pop(stream_id, ("", StreamRight()))
+        return right
 
     def lost_with(self, component_ref: str, held: Collection[str]) -> list[str]:
         """Return the ids of the streams that are lost with the lease of a component: no other of its engine is held.

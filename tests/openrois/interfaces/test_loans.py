@@ -1,7 +1,7 @@
 """Parts over the wire: they change hands whole, go to those of higher rank for a time, and come back."""
 
 from collections.abc import AsyncIterator, Callable
-from contextlib import AbstractAsyncContextManager
+from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from typing import Any
 
 import pytest
@@ -113,6 +113,53 @@ async def test_a_person_takes_a_part_for_a_time_and_it_comes_back(here: Place, l
         assert ("ann", "openrois.lease.borrow", "robot/walk") in done
         assert ("night watch", "lease.lost", "robot/walk") in done
         assert ("night watch", "lease.gained", "robot/walk") in done
+
+
+@pytest.mark.parametrize("how", ["given back", "its time is over", "the borrower is lost", "the lender has left", "STOP"])
+async def test_the_audit_trail_has_each_loan_and_how_it_ended(here: Place, login: Login, how: str) -> None:
+    async with script(login) as app, AsyncExitStack() as gone:
+        ann = await gone.enter_async_context(person(login))
+        await app.code("openrois.lease.request", WALK)
+        duration = 1 if how == "its time is over" else 60_000
+        await ann.code("openrois.lease.borrow", {**WALK, "duration_ms": duration})
+        match how:
+            case "given back":
+                await ann.code("openrois.lease.give_back", WALK)
+            case "the borrower is lost":
+                await gone.aclose()
+            case "the lender has left":
+                await app.code("rois.system.disconnect", {})
+                await ann.code("openrois.lease.give_back", WALK)
+            case "STOP":
+                await ann.code("openrois.stop_all", WALK)
+                await ann.code("openrois.lease.give_back", WALK)
+        if how in ("given back", "its time is over", "the borrower is lost"):
+            await holds(app)
+    lines = [
+        (who, method, detail.partition(": ")[2] if method.startswith("lease.") else detail)
+        for who, method, subject, detail in here.host.audit.lines  # type: ignore[attr-defined]
+        if subject in ("robot", "robot/walk")
+    ]
+    script_lost, back = ("night watch", "lease.lost", "lent"), ("night watch", "lease.gained", "returned")
+    borrowed = [
+        ("night watch", "openrois.lease.request", ""),
+        ("ann", "openrois.lease.borrow", ""),
+        script_lost,
+        ("ann", "lease.gained", "lent"),
+    ]
+    given_back = ("ann", "openrois.lease.give_back", "")
+    ended = {
+        "given back": [back, given_back],
+        "its time is over": [("ann", "lease.lost", "due"), back],
+        "the borrower is lost": [("ann", "lease.lost", "left"), back],
+        "the lender has left": [given_back],
+        "STOP": [
+            ("ann", "openrois.stop_all", "programs wait"),
+            ("night watch", "lease.not_returned", "latched"),
+            given_back,
+        ],
+    }
+    assert lines[: len(borrowed) + len(ended[how])] == [*borrowed, *ended[how]]
 
 
 async def test_equals_and_those_of_lower_rank_ask(login: Login) -> None:

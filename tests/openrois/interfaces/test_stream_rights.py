@@ -11,6 +11,7 @@ from openrois.auth.principal import LOCAL, Principal, Role
 from openrois.gateway.token_expiry import TokenExpiry
 from openrois.interfaces.stream_rights import may_be_uplink
 from openrois.types.messages import Parameter
+from tests.openrois.interfaces.test_loans import Recorded
 from tests.openrois.interfaces.test_matrix import unit
 from tests.support.authorization import Place, Watched, Wire, place, principal
 
@@ -141,13 +142,75 @@ async def refusal(wire: Wire, text: str, ref: str = CAMERA) -> tuple[str | int, 
 
 async def test_a_visitor_that_states_no_consent_is_told_to() -> None:
     async with place("fleet") as where, where.application(principal("visitor", "*")) as wire:
-        for text in ('{"direction": "sendonly"}', '{"direction": "sendonly", "consent": [], "consent": ["live"]}'):
+        for text in (
+            '{"direction": "sendonly"}',
+            '{"direction": "sendonly", "consent": null}',
+            '{"direction": "sendonly", "consent": [], "consent": ["live"]}',
+        ):
             code, reason = await refusal(wire, text)
             assert (code, reason) == (
                 "BAD_PARAMETER",
                 "a visitor states what it consents to before it sends: set consent in transport_parameters",
             )
         assert sent(where) == 0
+
+
+@pytest.mark.parametrize("scope", ["other/*", "fleet/video_streaming", "fleet/navigation"])
+async def test_out_of_scope_a_listener_receives_nothing(scope: str) -> None:
+    async with place("fleet", "other") as where, where.application(principal("listener", scope)) as wire:
+        code, reason = await refusal(wire, LISTENING, "fleet/audio_streaming")
+        assert (code, "there is no component" in reason) == ("UNSUPPORTED", True)
+        assert sent(where) == 0
+
+
+@pytest.mark.parametrize("role", ["visitor", "operator", "administrator"])
+async def test_a_visitor_cannot_send_in_the_name_of_another(role: str) -> None:
+    text = '{"direction": "sendonly", "consent": ["live"], "visitor_ref": "urn:x", "purposes": ["live"]}'
+    async with place("fleet") as where, where.application(principal(role, "*")) as wire:
+        await wire.code("rois.command.bind", {"component_ref": NAVIGATION})
+        await wire.code("rois.stream.connect_stream", connecting(text))
+        # The engine is not told that it listens, and refuses to relay.
+        assert told_role(where) == "visitor"
+
+
+def _is_end(told: dict[str, Any]) -> bool:
+    return bool(told["status"].endswith("NOT_CONNECTED"))
+
+
+@pytest.mark.parametrize("how", ["disconnect", "by the engine", "leave", "another token"])
+async def test_the_audit_trail_has_visitors_their_consent_and_listeners(how: str) -> None:
+    trail = Recorded()
+    async with place("fleet", audit=trail) as where:
+        expiry = TokenExpiry(both("visitor", "listener"))
+        async with where.application(expiry) as wire:
+            sent_id, heard_id = [
+                (await wire.result("rois.stream.connect_stream", connecting(text)))["stream_id"]
+                for text in (SENDING, LISTENING)
+            ]
+            for consent in (["live", "agent"], []):
+                await wire.result("rois.stream.set_consent", {"stream_id": sent_id, "consent": consent})
+            match how:
+                case "disconnect":
+                    for stream_id in (sent_id, heard_id):
+                        await wire.result("rois.stream.disconnect_stream", {"stream_id": stream_id})
+                case "by the engine":
+                    for stream_id in (sent_id, heard_id):
+                        where.robots["fleet"].streams.end(stream_id)
+                        await wire.until("rois.stream.notify_stream_status", _is_end)
+                case "another token":
+                    expiry.replace(principal("viewer", "*"))
+                    for _ in range(2):
+                        await wire.until("rois.stream.notify_stream_status", _is_end)
+        connect, state, subject = "rois.stream.connect_stream", "rois.stream.set_consent", CAMERA
+        assert [(method, ref, detail) for _, method, ref, detail in trail.lines[:4]] == [
+            (connect, subject, f"{sent_id} consents to live"),
+            (connect, subject, f"{heard_id} of urn:x for live"),
+            (state, subject, f"{sent_id} consents to live agent"),
+            (state, subject, f"{sent_id} consents to nothing"),
+        ]
+        assert sorted(each[1:] for each in trail.lines[4:]) == sorted(
+            ("stream.ended", subject, stream_id) for stream_id in (sent_id, heard_id)
+        )
 
 
 async def test_out_of_scope_a_visitor_sends_nothing() -> None:
