@@ -2,6 +2,7 @@
 
 import asyncio
 import itertools
+import logging
 from collections.abc import AsyncIterator, Callable
 from datetime import UTC, datetime, timedelta
 
@@ -347,6 +348,19 @@ async def test_who_is_not_to_be_recognised_is_heard_live_and_announced_by_no_sen
     levels = [params for name, params in room.told if name == "microphone_level"]
     assert levels[0]["visitor_ref"] == ann.visitor.visitor_ref
     assert set(room.names()) == {"microphone_level"}
+
+
+async def test_what_is_said_and_who_is_seen_is_in_no_log(room: Room, caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.DEBUG)
+    await room.subscribe(speech_recognized="speech_recognizer", heard="hearing", seen="sight")
+    ann = Sender(room.visitors)
+    await settle()
+    await room.say(ann, UTTERANCE)
+    named = Sighting(room.clock.now(), (seen_person(name="Annabella"),), ann.visitor.visitor_ref)
+    room.eyes.watch.seen.notify_all(named)
+    assert {"speech_recognized", "heard", "seen"} <= set(room.names())
+    for word in (*room.recognizer.understands, "Annabella"):
+        assert word not in caplog.text
 
 
 async def test_a_face_is_kept_of_a_visitor_who_consents_to_that(room: Room) -> None:

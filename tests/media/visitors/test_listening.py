@@ -26,6 +26,7 @@ from openrois.aio.tasks import TaskScope
 from openrois.client import BadParameter, Client, Unsupported
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
+from openrois.testing import FaultRelay
 from openrois.types.codes import Purpose, StreamStatus
 from tests.support.components import Lamp
 from tests.support.loopback import PATIENCE, some_address
@@ -38,7 +39,7 @@ LIVE, AGENT = Purpose.LIVE, Purpose.AGENT
 
 
 def token(role: str) -> str:
-    return issue(time.time(), sub=role, roles=[role], scope=["robot/*"])
+    return issue(time.time(), sub=role, roles=[role], scope=["robot/*"], jti=role)
 
 
 @dataclass
@@ -49,16 +50,25 @@ class Body:
     visitors: VisitorRegistry
     microphone: Microphone
     attention: Attention
+    streams: AdapterStreams
+    revocations: Path
 
     @asynccontextmanager
-    async def application(self, role: str) -> AsyncIterator[Media]:
-        async with Client(self.url, token=token(role)) as client, Media(client) as media:
+    async def application(self, role: str, url: str = "") -> AsyncIterator[Media]:
+        async with Client(url or self.url, token=token(role)) as client, Media(client) as media:
             yield media
+
+    @property
+    def streams_count(self) -> int:
+        """Streams of all applications, sent and received."""
+        return sum(len(session.stream_ids) for session in self.streams.interface.sessions)
 
 
 @pytest.fixture
 async def body(tmp_path: Path) -> AsyncIterator[Body]:
-    settings = GatewaySettings(port=0, auth_keys=(key_file(tmp_path),))
+    revocations = tmp_path / "revoked"
+    revocations.write_text("")
+    settings = GatewaySettings(port=0, auth_keys=(key_file(tmp_path),), auth_revocations=revocations)
     (tmp_path / "token").write_text(token("adapter"))
     clock = SystemClock()
     visitors = VisitorRegistry("robot", clock)
@@ -86,7 +96,8 @@ async def body(tmp_path: Path) -> AsyncIterator[Body]:
             await until(lambda: gateway.engine.components)
             tasks.start(microphone.listen())
             tasks.start(attention.run())
-            yield Body(gateway.url.replace("http", "ws", 1), visitors, microphone, attention)
+            url = gateway.url.replace("http", "ws", 1)
+            yield Body(url, visitors, microphone, attention, streams, revocations)
 
 
 async def until(so: Callable[[], object]) -> None:
@@ -185,6 +196,44 @@ async def test_what_waits_at_a_listener_is_dropped_with_the_consent_to_it(body: 
             again = clock.now()
             await sending.consent(LIVE)
             assert (await read(blocks))[0].local_time >= again
+
+
+async def test_nothing_of_it_passes_the_gateway(body: Body) -> None:
+    """What a visitor sends after the cables of all applications to the gateway were pulled arrives as before."""
+    clock = SystemClock()
+    async with (
+        FaultRelay(body.url) as relay,
+        body.application("visitor", relay.url) as sender,
+        sender.send(camera=ColourBars(160, 120, 15, clock=clock), microphone=Tone(clock=clock), consent=[LIVE]),
+        body.application("listener", relay.url) as listener,
+    ):
+        (visitor,) = await listener.visitors("robot", purposes=[LIVE])
+        async with visitor.microphone.blocks() as blocks, visitor.camera.frames() as frames:
+            await read(blocks)
+            await read(frames)
+            relay.half_open()
+            pulled, swallowed = clock.now(), relay.swallowed
+            while (await read(blocks))[0].local_time < pulled + 1.0:
+                pass
+            while (await read(frames))[0].local_time < pulled + 1.0:
+                pass
+            # No more than a few messages of the wire would have passed: a second of sound alone is 4 kB.
+            assert relay.swallowed - swallowed < 4_000
+
+
+async def test_a_listener_whose_token_is_revoked_receives_no_more(body: Body) -> None:
+    async with (
+        body.application("visitor") as sender,
+        sender.send(microphone=Tone(clock=SystemClock()), consent=[LIVE]),
+        Client(body.url, token=token("listener"), reconnect=None) as client,
+        Media(client) as listener,
+    ):
+        (visitor,) = await listener.visitors("robot", purposes=[LIVE])
+        async with visitor.microphone.blocks() as blocks:
+            await read(blocks)
+            assert body.streams_count == 2
+            body.revocations.write_text("jti listener\n")
+            await until(lambda: body.streams_count == 1)
 
 
 async def test_a_listener_says_what_it_is_for_and_gets_nothing_else(body: Body) -> None:
