@@ -41,13 +41,25 @@ from openrois_body.speech.stream_sound import StreamSound
 from openrois_body.speech.utterance import Utterance
 from openrois_body.speech.voice import Voice
 
-__all__ = ["FRAMES_AT_ONCE", "FRAMES_PER_SECOND", "STREAMS_AT_ONCE", "SpeechControl", "SpeechFigures", "SpeechOutcomes"]
+__all__ = [
+    "FRAMES_AT_ONCE",
+    "FRAMES_PER_SECOND",
+    "STREAMS_AT_ONCE",
+    "WORDS_AT_ONCE",
+    "WORDS_PER_SECOND",
+    "SpeechControl",
+    "SpeechFigures",
+    "SpeechOutcomes",
+]
 
 STREAMS_AT_ONCE: Final = 8
 """Speeches of one application that may be played or wait for their turn."""
 FRAMES_AT_ONCE: Final = 1_000
 FRAMES_PER_SECOND: Final = 500.0
 """Frames and messages of one application. One that sends packets of 2.5 ms has 400 frames a second."""
+WORDS_AT_ONCE: Final = 1_000
+WORDS_PER_SECOND: Final = 50.0
+"""Words and marks of one application: each is an event to all that subscribe, and speech has five a second."""
 _REFUSAL_INTERVAL: Final = 1.0
 """Seconds between two notices to an application that frames without a speech are dropped."""
 
@@ -168,8 +180,11 @@ class _Stream:
         self._credit = CreditReceiver(begin.rate)
         self._sequence = 0
         self._text = begin.text
+        """What is left of the text behind the last word that was found in it."""
+        self._length = len(begin.text)
+        """Characters of the whole text, with the words that it lacked."""
         self._place = 0
-        """The character of the text behind the last word."""
+        """The character of the whole text at which what is left begins."""
         self.utterance: Utterance = control.voice.make_utterance(
             begin.text, on_played=self._played, on_progress=self._progressed
         )
@@ -193,11 +208,14 @@ class _Stream:
         self.utterance.add_moments([*words, *(NamedMark(float(each.start_ms), each.text) for each in message.marks)])
 
     def _place_of(self, word: str) -> int:
-        """Return where a word stands in the text, which grows by words that are not found in it."""
-        place = self._text.find(word, self._place)
-        if place < 0:
-            self._text = f"{self._text} {word}" if self._text else word
-            place = len(self._text) - len(word)
+        """Return where a word stands in the text; one that is not found in what is left is added to its end."""
+        found = self._text.find(word)
+        if found < 0:
+            place = self._length + 1 if self._length else 0
+            self._length = place + len(word)
+            return place
+        place = self._place + found
+        self._text = self._text[found + len(word) :]
         self._place = place + len(word)
         return place
 
@@ -235,6 +253,7 @@ class _ClientSpeech:
         """Speeches that were cleared before they began: `clear` overtakes."""
         self._malformed = 0
         self._allowance = Allowance(control.clock.now, FRAMES_AT_ONCE, FRAMES_PER_SECOND)
+        self._words = Allowance(control.clock.now, WORDS_AT_ONCE, WORDS_PER_SECOND)
         self._refused_at: float | None = None
 
     def input_came(self, label: Label, data: str | bytes) -> None:
@@ -275,7 +294,10 @@ class _ClientSpeech:
             self._begin(message)
             return
         stream = self._streams.get(message.utterance)
-        if stream is not None:
+        if isinstance(message, Words) and not self._words.admits(len(message.words) + len(message.marks)):
+            self._control.figures.dropped += 1
+            self._cut_all(f"more than {WORDS_PER_SECOND:g} words and marks a second came: send fewer")
+        elif stream is not None:
             self._on_stream(stream, lambda: stream.handle(message))
         elif message.utterance > self._newest:
             raise InputError(f"the speech {message.utterance} has not begun")

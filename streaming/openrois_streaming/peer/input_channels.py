@@ -14,6 +14,8 @@ __all__ = [
     "CONTROL_ID",
     "INPUT_ID",
     "SPEECH_ID",
+    "SPEECH_UNSENT_LIMIT",
+    "UNSENT_LIMIT",
     "Channels",
     "InputPath",
     "InputSink",
@@ -31,6 +33,9 @@ SPEECH_ID: Final = 2
 """Negotiated ids of the channels."""
 UNSENT_LIMIT: Final = 16 * 1024
 """Bytes that may wait to be sent to the application; beyond that messages are dropped."""
+SPEECH_UNSENT_LIMIT: Final = 64 * 1024
+"""Likewise over `speech`: its credit does not fill that before the connection is given up, and the application waits to
+be told the end of each speech."""
 
 _LABELS: Final[dict[int, Label]] = {INPUT_ID: "input", CONTROL_ID: "control", SPEECH_ID: "speech"}
 
@@ -87,7 +92,9 @@ class Channels:
 
     def send_message(self, message: str | bytes, label: Label = "control") -> bool:
         """Send the application a message over `control` or `speech`; False if it is not open, or too much waits."""
-        return send(self._speech if label == "speech" else self._control, message)
+        if label == "speech":
+            return send(self._speech, message, SPEECH_UNSENT_LIMIT)
+        return send(self._control, message)
 
     def _receive(self, stream_id: int, data: str | bytes) -> None:
         label = _LABELS.get(stream_id)
@@ -197,9 +204,9 @@ def is_open(channel: RTCDataChannel) -> bool:
     return bool(channel.readyState == "open")
 
 
-def send(channel: RTCDataChannel, message: str | bytes) -> bool:
+def send(channel: RTCDataChannel, message: str | bytes, unsent_limit: int = UNSENT_LIMIT) -> bool:
     """Send a message; False if the channel is not open, or too much waits to be sent already."""
-    sent = is_open(channel) and channel.bufferedAmount < UNSENT_LIMIT
+    sent = is_open(channel) and channel.bufferedAmount < unsent_limit
     if sent:
         channel.send(message)
     return sent

@@ -2,7 +2,8 @@
 
 import asyncio
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
+from contextlib import suppress
 from itertools import pairwise
 from typing import Any
 
@@ -13,7 +14,16 @@ from hypothesis import strategies as st
 from openrois_body.components.speech_stream import SpeechStream
 from openrois_body.speech.playout_delay import PLAYOUT
 from openrois_body.speech.progress import SpeechBegan, SpeechEnded, WordSpoken
-from openrois_body.speech.speech_control import FRAMES_AT_ONCE, STREAMS_AT_ONCE, SpeechControl, SpeechOutcomes
+from openrois_body.speech.speech_control import (
+    FRAMES_AT_ONCE,
+    STREAMS_AT_ONCE,
+    WORDS_AT_ONCE,
+    WORDS_PER_SECOND,
+    SpeechControl,
+    SpeechOutcomes,
+)
+from openrois_body.speech.utterance import DRY_LIMIT, MOMENTS_LIMIT
+from openrois_streaming.input.messages import InputError
 from openrois_streaming.input.reader import MALFORMED_LIMIT
 from openrois_streaming.input.speech import (
     Begin,
@@ -23,12 +33,14 @@ from openrois_streaming.input.speech import (
     Frame,
     Granted,
     Refused,
+    SpeechFormat,
     SpeechTold,
     Started,
     Starved,
     TimedWord,
     Words,
     pack_frame,
+    read_speech,
     read_told,
 )
 
@@ -204,17 +216,6 @@ async def test_clear_that_overtakes_begin_silences_the_speech_that_it_names(stag
     assert len({each.id for each in stage.speaks()}) == 1
 
 
-async def test_frames_that_are_missing_end_the_speech(stage: Stage) -> None:
-    stage.ann.begin()
-    stage.ann.push(960)
-    stage.ann.sequence += 1
-    stage.ann.push(480)
-    await settle()
-    finished = stage.ann.told[-1]
-    assert isinstance(finished, Finished)
-    assert finished.reason.startswith("frame 3 came where 2 was due: sound was lost on the way")
-
-
 async def test_running_dry_is_told_to_the_application(stage: Stage) -> None:
     stage.ann.begin()
     stage.ann.push(9_600)
@@ -295,31 +296,136 @@ async def test_words_may_be_of_sound_that_comes_later_and_text_grows_by_what_it_
     assert stage.words() == [("Hello", 0), ("you", 6)]
 
 
-async def test_too_many_words_end_the_speech(stage: Stage) -> None:
+async def test_a_word_that_the_text_lacks_moves_no_other_and_the_text_is_forgotten_as_it_is_found(stage: Stage) -> None:
+    stage.ann.begin(text="one two three two")
+    told = ("one", "oh", "two", "two", "ah")
+    stage.ann.say(Words(1, tuple(TimedWord(word, 50 * number) for number, word in enumerate(told))))
+    stage.ann.push(24_000)
+    await stage.clock.advance(1.0)
+    assert stage.words() == [("one", 0), ("oh", 18), ("two", 4), ("two", 14), ("ah", 21)]
+
+
+async def test_more_words_than_are_spoken_end_the_speech(stage: Stage) -> None:
     stage.ann.begin()
-    for _ in range(21):
+    stage.ann.push(24_000)
+    await stage.clock.advance(0.3)
+    # Each is told at once, and none waits.
+    for _ in range(WORDS_AT_ONCE // 200):
         stage.ann.say(Words(1, (TimedWord("a", 0),) * 200))
+        await settle()
+    assert len(stage.words()) == WORDS_AT_ONCE
+    stage.ann.say(Words(1, (TimedWord("a", 0),)))
     await settle()
     finished = stage.ann.told[-1]
     assert isinstance(finished, Finished)
-    assert "words and marks" in finished.reason
+    assert finished.reason.startswith(f"more than {WORDS_PER_SECOND:g} words and marks a second came: send fewer")
+    assert len(stage.words()) == WORDS_AT_ONCE
 
 
-@given(st.lists(st.one_of(ANYTHING, SPOKEN), max_size=40))
+async def test_too_many_words_end_the_speech(stage: Stage) -> None:
+    stage.ann.begin()
+    for _ in range(MOMENTS_LIMIT // 200 + 1):
+        stage.ann.say(Words(1, (TimedWord("a", 0),) * 200))
+        await stage.clock.advance(200 / WORDS_PER_SECOND)
+        stage.ann.push(1)
+        stage.voice.pause()
+    await settle()
+    finished = stage.ann.told[-1]
+    assert isinstance(finished, Finished)
+    assert f"more than {MOMENTS_LIMIT} words and marks wait" in finished.reason
+
+
+HAPPENING: dict[str, Callable[[Stage], object]] = {
+    "the part is lent": lambda stage: stage.hold(stage.ann, 9, holds=False),
+    "another application holds it": lambda stage: stage.hold(stage.bob, 9),
+    "it holds it again": lambda stage: stage.hold(stage.ann, 9),
+    "its adapter forgets it": lambda stage: stage.control.forget_client(stage.ann.client),
+    "its channels close": lambda stage: stage.ann.sink.input_lost("the connection was lost"),
+    "it is stopped": lambda stage: stage.control.interrupt("the speech was stopped"),
+    "a person speaks": lambda stage: stage.voice.interrupt("a person spoke"),
+    "it is suspended": lambda stage: stage.voice.pause(),
+    "it is resumed": lambda stage: stage.voice.go_on(),
+}
+TIME = st.sampled_from([0.02, 0.5, 40.0])
+
+
+@given(st.lists(st.one_of(ANYTHING, SPOKEN, SPOKEN, st.sampled_from(sorted(HAPPENING)), TIME), max_size=30))
 @settings(deadline=None)
-def test_whatever_comes_is_spoken_dropped_or_refused(came: list[tuple[Any, str | bytes]]) -> None:
+def test_whatever_comes_and_happens_each_speech_has_one_end_that_is_told(came: list[Any]) -> None:
     async def receive() -> None:
         async with TaskScope() as tasks:
             stage = Stage(tasks)
-            for label, data in came:
-                stage.ann.sink.input_came(label, data)
+            begun: list[int] = []
+            for each in came:
+                if isinstance(each, str):
+                    HAPPENING[each](stage)
+                elif isinstance(each, float):
+                    await stage.clock.advance(each)
+                else:
+                    newest = max(begun, default=-1)
+                    begun += [message.utterance for message in begins(each) if message.utterance > newest]
+                    stage.ann.sink.input_came(*each)
                 await settle()
                 assert stage.control.streams <= STREAMS_AT_ONCE
-            stage.ann.sink.input_lost("the connection was lost")
+            stage.voice.go_on()
             await settle()
+            # One for which no more sound comes is not waited for, though others wait before it.
+            await stage.clock.advance((DRY_LIMIT + 2) * (len(begun) + 1))
             assert stage.control.streams == 0
+            told = [each for each in stage.ann.told if not is_stray(each)]
+            ends = [each.utterance for each in told if isinstance(each, Finished | Refused)]
+            assert sorted(ends) == sorted(begun)
+            for number in begun:
+                assert isinstance([each for each in told if each.utterance == number][-1], Finished | Refused)
 
     asyncio.run(receive())
+
+
+def begins(came: tuple[str, str | bytes]) -> list[Begin]:
+    """The message of a beginning, if it is one."""
+    label, data = came
+    with suppress(InputError):
+        message = read_speech(data) if label == "speech" and isinstance(data, str) else None
+        return [message] if isinstance(message, Begin) else []
+    return []
+
+
+def is_stray(told: SpeechTold) -> bool:
+    """Whether it is about frames that no speech began for."""
+    return isinstance(told, Refused) and "before its first frame" in told.reason
+
+
+@pytest.mark.parametrize(
+    ("format", "sound", "reason"),
+    [
+        ("pcm16", b"\0\0\0", "a frame has whole samples of 2 bytes, not 3 bytes"),
+        ("opus", b"\xff" * 200, "a packet of Opus cannot be decoded"),
+    ],
+)
+async def test_sound_that_cannot_be_read_ends_its_speech_alone(
+    stage: Stage, format: SpeechFormat, sound: bytes, reason: str
+) -> None:
+    stage.ann.say(Begin(1, format, 48_000))
+    stage.ann.sink.input_came("speech", pack_frame(Frame(1, 0, sound)))
+    stage.ann.begin(2)
+    stage.ann.push(4_800, 2)
+    stage.ann.say(End(2))
+    await stage.clock.advance(1.0)
+    first, second = (each for each in stage.ann.told if isinstance(each, Finished))
+    assert (first.utterance, first.position) == (1, 0)
+    assert first.reason.startswith(reason)
+    assert second == Finished(2, 100)
+
+
+@pytest.mark.parametrize("sequence", [0, 1, 3, 2**32 - 1])
+async def test_a_frame_that_is_repeated_early_or_late_ends_the_speech(stage: Stage, sequence: int) -> None:
+    stage.ann.begin()
+    stage.ann.push(960)
+    stage.ann.sink.input_came("speech", pack_frame(Frame(1, sequence, b"\0\0")))
+    await settle()
+    finished = stage.ann.told[-1]
+    assert isinstance(finished, Finished)
+    assert finished.reason.startswith(f"frame {sequence} came where 2 was due")
 
 
 async def test_the_component_stops_streams_alone_and_counts(stage: Stage) -> None:
