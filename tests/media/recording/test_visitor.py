@@ -49,7 +49,7 @@ class _Device(Generic[Item]):
 
     def __init__(self, make: Callable[[float], Item], interval: float) -> None:
         self.given = 0
-        self._make = make
+        self._make: Callable[[float], Item] = make
         self._interval = interval
 
     @asynccontextmanager
