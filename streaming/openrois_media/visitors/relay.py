@@ -18,11 +18,15 @@ from openrois.errors import BadParameter, OutOfResources, Unsupported
 from openrois.types.codes import Purpose
 from openrois_media.visitors.visitor import Visitor
 
-__all__ = ["MAX_RELAYED_CAMERAS", "Relays"]
+__all__ = ["MAX_RELAYED_CAMERAS", "MAX_RELAYED_MICROPHONES", "Relays"]
 
 MAX_RELAYED_CAMERAS: Final = 4
 """Cameras of visitors that are encoded for listeners at a time; the same camera for other purposes is another one."""
 
+MAX_RELAYED_MICROPHONES: Final = 16
+"""Microphones likewise: those of eight visitors for two sets of purposes."""
+
+_MOST: Final[dict[MediaKind, int]] = {"video": MAX_RELAYED_CAMERAS, "audio": MAX_RELAYED_MICROPHONES}
 _DEVICES: Final[dict[MediaKind, str]] = {"video": "camera", "audio": "microphone"}
 
 
@@ -56,7 +60,7 @@ class Relays:
         Raises:
             BadParameter: no purpose is stated.
             Unsupported: the visitor sends no such device, or does not consent.
-            OutOfResources: as many cameras are relayed as may be.
+            OutOfResources: as many devices of the kind are relayed as may be.
         """
         if not purposes:
             raise BadParameter("a listener states what it uses media for: set purposes in transport_parameters")
@@ -66,10 +70,9 @@ class Relays:
             raise Unsupported(f"{visitor.visitor_ref} does not consent to {', '.join(refused)}")
         relay = _Relay(visitor, kind, purposes)
         used = {each for _, each in self._streams.values()}
-        cameras = sum(each.kind == "video" for each in used - {relay})
-        if kind == "video" and cameras >= MAX_RELAYED_CAMERAS:
+        if sum(each.kind == kind for each in used - {relay}) >= _MOST[kind]:
             raise OutOfResources(
-                f"{MAX_RELAYED_CAMERAS} cameras of visitors are relayed, which is the limit: disconnect another one"
+                f"{_MOST[kind]} {_DEVICES[kind]}s of visitors are relayed, which is the limit: disconnect another one"
             )
         return self._publishers.get(relay) or self._make(relay)
 

@@ -1,6 +1,7 @@
 """Visitors and listeners at the Streaming Interface of an adapter."""
 
 import gc
+import itertools
 import json
 import weakref
 from collections.abc import AsyncIterator
@@ -12,8 +13,8 @@ from hypothesis import strategies as st
 from openrois_media.stream_requests import TransportParameters, read_parameter
 from openrois_media.streaming_interface import Published, StreamingInterface
 from openrois_media.visitors.figures import VisitorFigures
-from openrois_media.visitors.registry import VisitorRegistry
-from openrois_media.visitors.relay import MAX_RELAYED_CAMERAS
+from openrois_media.visitors.registry import MAX_VISITORS, VisitorRegistry
+from openrois_media.visitors.relay import MAX_RELAYED_CAMERAS, MAX_RELAYED_MICROPHONES
 from openrois_streaming.peer import peer as peer_module
 
 from openrois.contract import Client
@@ -233,6 +234,47 @@ async def test_so_many_cameras_are_relayed_at_a_time(stage: Stage, eve: Applicat
     await eve.ask("rois.stream.disconnect_stream", stream_id=streams[1])
     await settle()
     await eve.listen(last, VIDEO)
+
+
+async def test_so_many_microphones_are_relayed_at_a_time_for_whatever_purposes(
+    stage: Stage, ann: Application, eve: Application
+) -> None:
+    await ann.send(AUDIO, list(Purpose))
+    (ref,) = refs(stage)
+    sets = [purposes for size in (1, 2, 3) for purposes in itertools.combinations(Purpose, size)]
+    *relayed, last = sets[: MAX_RELAYED_MICROPHONES + 1]
+    for purposes in relayed:
+        await eve.listen(ref, AUDIO, purposes)
+    with pytest.raises(OutOfResources, match="16 microphones of visitors are relayed, which is the limit"):
+        await Application(stage, "carl").listen(ref, AUDIO, last)
+    await Application(stage, "bob").listen(ref, AUDIO, relayed[0])
+
+
+async def test_a_ninth_visitor_is_refused_until_one_has_left(stage: Stage) -> None:
+    eight = [Application(stage, f"visitor {number}") for number in range(MAX_VISITORS)]
+    streams = [await each.send() for each in eight]
+    ninth = Application(stage, "ninth")
+    for component_ref in (AUDIO, VIDEO, SPEAKER):
+        with pytest.raises(OutOfResources, match="8 visitors send to robot, which is the limit: wait until one"):
+            await ninth.send(component_ref)
+    # Those that are there may send something else.
+    await eight[0].send(VIDEO)
+    await eight[3].ask("rois.stream.disconnect_stream", stream_id=streams[3])
+    await settle()
+    await ninth.send()
+    assert len(refs(stage)) == MAX_VISITORS
+
+
+async def test_what_is_withdrawn_before_the_first_packet_is_not_used(stage: Stage, ann: Application) -> None:
+    """Between the offer and its answer."""
+    stream_id = await ann.send(AUDIO, ["live"])
+    (visitor,) = stage.visitors.present
+    await ann.ask("rois.stream.set_consent", stream_id=stream_id, consent=[])
+    await ann.answer()
+    await settle()
+    assert visitor.microphone.stream_id is None
+    await ann.ask("rois.stream.set_consent", stream_id=stream_id, consent=["live"])
+    assert visitor.microphone.stream_id == stream_id
 
 
 async def test_of_visitors_and_listeners_that_have_left_nothing_is_kept(stage: Stage, eve: Application) -> None:

@@ -198,6 +198,23 @@ async def test_what_waits_at_a_listener_is_dropped_with_the_consent_to_it(body: 
             assert (await read(blocks))[0].local_time >= again
 
 
+async def test_a_visitor_that_comes_back_has_consented_to_what_it_said_last(body: Body) -> None:
+    async with (
+        FaultRelay(body.url) as relay,
+        body.application("visitor", relay.url) as sender,
+        sender.send(microphone=Tone(clock=SystemClock()), consent=[LIVE, AGENT]) as sending,
+    ):
+        await sending.consent(LIVE)
+        before = body.visitors.present[0].visitor_ref
+        relay.cut()
+        # To the body it is another visitor, of whom nothing is assumed.
+        await until(lambda: [each for each in body.visitors.present if each.visitor_ref != before])
+        assert body.visitors.present[-1].consent.purposes == {LIVE}
+        await sending.consent()
+        relay.cut()
+        await until(lambda: body.visitors.present and not body.visitors.present[-1].consent.purposes)
+
+
 async def test_nothing_of_it_passes_the_gateway(body: Body) -> None:
     """What a visitor sends after the cables of all applications to the gateway were pulled arrives as before."""
     clock = SystemClock()
