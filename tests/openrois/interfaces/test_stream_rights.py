@@ -177,6 +177,13 @@ def _is_end(told: dict[str, Any]) -> bool:
     return bool(told["status"].endswith("NOT_CONNECTED"))
 
 
+async def test_no_application_says_itself_that_it_listens() -> None:
+    async with place("fleet") as where, where.application(principal("viewer", "*")) as wire:
+        told = {**connecting(LISTENING), "role": "listener"}
+        assert await wire.code("rois.stream.connect_stream", told) == -32602
+        assert sent(where) == 0
+
+
 @pytest.mark.parametrize("how", ["disconnect", "by the engine", "leave", "another token"])
 async def test_the_audit_trail_has_visitors_their_consent_and_listeners(how: str) -> None:
     trail = Recorded()
