@@ -7,10 +7,12 @@ from typing import Final, Literal
 import pytest
 from playwright.async_api import Browser, expect
 
+from openrois.client import Client
 from tests.support.accessibility import found_by_axe, too_small
 from tests.support.browser import Visit, visiting
 from tests.support.conversation import all_stopped, meet
 from tests.support.demo import Demo
+from tests.support.devices import Devices
 
 pytestmark = [
     pytest.mark.browser,
@@ -52,12 +54,19 @@ async def _faultless(visit: Visit, state: str, looks: Sequence[tuple[str, str]])
     ],
 )
 async def test_axe_reports_nothing_in_any_state_of_the_page(
-    browser: Browser, avatar: Demo, guest: Visit, looks: Sequence[tuple[str, str]]
+    browser: Browser,
+    devices: Devices,
+    pocketsphinx: None,
+    avatar: Demo,
+    guest: Visit,
+    looks: Sequence[tuple[str, str]],
 ) -> None:
     async with visiting(browser, avatar.page, script=_NEVER_OPEN) as waiting:
         await expect(waiting.item("connection")).to_have_attribute("data-state", "connecting")
         await _faultless(waiting, "connecting", looks)
     await _faultless(guest, "live", looks)
+    await _share_the_legs(guest, avatar, looks)
+    await _send_with_consent(guest, looks)
     await guest.press("control-toggle")
     await expect(guest.item("control-toggle")).to_have_attribute("aria-pressed", "true")
     await _faultless(guest, "driving", looks)
@@ -66,6 +75,7 @@ async def test_axe_reports_nothing_in_any_state_of_the_page(
         await _faultless(other, "another visitor drives", looks)
     await guest.press("stop-all")
     await all_stopped(guest)
+    await expect(guest.item("stopped-hand-back")).to_be_visible()
     await _faultless(guest, "stopped", looks)
     await guest.press("fullscreen")
     await guest.until("document.querySelector(':root:fullscreen')")
@@ -75,6 +85,36 @@ async def test_axe_reports_nothing_in_any_state_of_the_page(
     await guest.page.evaluate("location.hash = '#inspector/avatar/speech_synthesizer'")
     await expect(guest.item("bind")).to_be_visible()
     await _faultless(guest, "inspector", looks)
+
+
+async def _share_the_legs(visit: Visit, avatar: Demo, looks: Sequence[tuple[str, str]]) -> None:
+    """Look at the parts of the body while a program has one of them, and while that is taken over."""
+    legs = visit.page.locator("[data-part=legs]")
+    async with Client(avatar.url) as program:
+        await program.bind("avatar/navigation")
+        take = legs.get_by_role("button", name="Take over")
+        await expect(take).to_be_visible()
+        await _faultless(visit, "a program has the legs", looks)
+        await take.click()
+        await expect(legs).to_contain_text("s left")
+        await _faultless(visit, "the legs are taken over", looks)
+        await legs.get_by_role("button", name="Hand back").click()
+        await expect(take).to_be_visible()
+    await expect(legs).to_contain_text("free")
+
+
+async def _send_with_consent(visit: Visit, looks: Sequence[tuple[str, str]]) -> None:
+    """Look at the consent while something is sent, and where there is none."""
+    await visit.press("microphone-toggle")
+    await expect(visit.item("consent-withdraw")).to_be_visible()
+    await visit.press("hearing-switch")
+    await expect(visit.page.locator("[data-role=card-operator]")).to_contain_text("listened to")
+    await _faultless(visit, "microphone on, and listened to", looks)
+    await visit.press("consent-withdraw")
+    await expect(visit.item("consent-withdraw")).to_be_hidden()
+    await _faultless(visit, "nothing consented to", looks)
+    for purpose in ("live", "recognition"):
+        await visit.item(f"consent-{purpose}").check()
 
 
 async def _meet_the_driven(visit: Visit) -> None:

@@ -6,7 +6,7 @@ import { PartLeases } from "./part_leases.ts";
 import type { BodyPart } from "./part_leases.ts";
 import { PartLoans } from "./part_loans.ts";
 import type { HeldPart } from "./part_loans.ts";
-import { named } from "./plain_words.ts";
+import { amid, named } from "./plain_words.ts";
 
 /** Gives back what was taken; a second call does nothing. */
 export type GiveBack = () => void;
@@ -295,7 +295,7 @@ export class BodyControl {
     const isAsked = ({ componentRef }: HeldPart): boolean => asked.includes(componentRef);
     for (const part of parts) if (!isAsked(part)) await part.release();
     const why = await this.#client.control.grant(id).then(
-      () => `You have handed over control to ${named(this.#leases.nameOf(request.lease.subject))}.`,
+      () => `You have handed over control to ${amid(named(this.#leases.nameOf(request.lease.subject)))}.`,
       () => "The request had ended already. Control was given back.",
     );
     for (const part of parts) if (isAsked(part)) void part.release();
@@ -308,7 +308,7 @@ export class BodyControl {
     const control = this.state;
     if (!this.#holding || control.kind !== "mine") return;
     this.#giveBackAll();
-    this.onLost(`You have handed control back to ${named(control.lender)}.`);
+    this.onLost(`You have handed control back to ${amid(named(control.lender))}.`);
     this.#onChange();
   }
 

@@ -14,6 +14,9 @@ export const PURPOSE_WORDS: Readonly<Record<Purpose, string>> = {
 /** What a body did with them before it asked: that is chosen at first. */
 export const AT_FIRST: readonly Purpose[] = ["live", "recognition"];
 
+/** Says why nothing can be sent where nothing is consented to. */
+export const NOTHING_CHOSEN = "Microphone and camera stay off until you choose what they may be used for";
+
 const SHORT: Readonly<Record<Purpose, string>> = {
   live: "heard and seen live",
   recognition: "recognised",

@@ -21,6 +21,8 @@ const RECENT = 4;
 
 /** Tags that browsers name wrongly or not at all. */
 const NAMES: Readonly<Record<string, string>> = {
+  // A voice of a server speaks whatever the text is written in.
+  mul: "Any language",
   ba: "Bashkir",
   bpy: "Bishnupriya",
   "ca-ba": "Catalan (Balearic)",

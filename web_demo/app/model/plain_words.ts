@@ -19,6 +19,13 @@ export function named(subject: string, unknown = "Another visitor"): string {
   return subject === "" || subject === WITHOUT_TOKEN ? unknown : subject;
 }
 
+const NAMELESS = [PROGRAM, "Another visitor"];
+
+/** Returns a name as it stands within a sentence. */
+export function amid(name: string): string {
+  return NAMELESS.includes(name) ? `${name.charAt(0).toLowerCase()}${name.slice(1)}` : name;
+}
+
 /** A gateway says so of a component that another application holds by now. */
 const HOLDER = /^\S+ is (?:now )?(?:held|bound|controlled) by (.+?)(?: now)?: /;
 /** Random bits, with what stands before them: `avatar/0a1b…`, `command-0a1b…: `. */

@@ -1,7 +1,7 @@
 /** What may be done with microphone and camera: chosen before they are sent, shown and withdrawn while they are. */
 
 import type { Purpose } from "../../sdk/index.ts";
-import { AT_FIRST, PURPOSE_WORDS, consentWords } from "../model/consent.ts";
+import { AT_FIRST, NOTHING_CHOSEN, PURPOSE_WORDS, consentWords } from "../model/consent.ts";
 import { make, setText } from "../dom/elements.ts";
 
 export class ConsentPanel {
@@ -9,6 +9,12 @@ export class ConsentPanel {
   readonly #boxes = new Map<Purpose, HTMLInputElement>();
   readonly #strip: HTMLElement;
   readonly #words = make("span", { "data-testid": "consent-words" });
+  readonly #withdraw = make(
+    "button",
+    { type: "button", class: "button small", "data-testid": "consent-withdraw" },
+    "Withdraw",
+  );
+  #sending = false;
 
   /**
    * @param onChange is called when something else is consented to
@@ -20,24 +26,18 @@ export class ConsentPanel {
       const box = make("input", { type: "checkbox", "data-testid": `consent-${purpose}` });
       box.checked = AT_FIRST.includes(purpose);
       box.addEventListener("change", () => {
-        this.#showWords();
+        this.#render();
         onChange();
       });
       this.#boxes.set(purpose, box);
       return make("label", { class: "consent-row" }, box, words);
     });
-    const button = make(
-      "button",
-      { type: "button", class: "button", "data-testid": "consent-withdraw" },
-      "Withdraw",
-    );
-    button.addEventListener("click", () => {
+    this.#withdraw.addEventListener("click", () => {
       for (const box of this.#boxes.values()) box.checked = false;
-      this.#showWords();
+      this.#render();
       withdraw();
     });
-    this.#strip = make("p", { class: "consent-strip", role: "status" }, this.#words, button);
-    this.#strip.hidden = true;
+    this.#strip = make("p", { class: "consent-strip", role: "status" }, this.#words, this.#withdraw);
     const legend = make("legend", {}, "What may be done with microphone and camera");
     this.element = make(
       "div",
@@ -45,7 +45,7 @@ export class ConsentPanel {
       this.#strip,
       make("fieldset", { class: "consent-rows" }, legend, ...rows),
     );
-    this.#showWords();
+    this.#render();
   }
 
   /** All that is consented to. */
@@ -55,10 +55,15 @@ export class ConsentPanel {
 
   /** Whether something is sent, so that what holds is shown and can be withdrawn. */
   set sending(sending: boolean) {
-    this.#strip.hidden = !sending;
+    this.#sending = sending;
+    this.#render();
   }
 
-  #showWords(): void {
-    setText(this.#words, consentWords(this.purposes));
+  /** Says what holds while something is sent; and where nothing can be sent, why. */
+  #render(): void {
+    const { purposes } = this;
+    this.#strip.hidden = !this.#sending && purposes.length > 0;
+    this.#withdraw.hidden = !this.#sending;
+    setText(this.#words, this.#sending ? consentWords(purposes) : `${NOTHING_CHOSEN}.`);
   }
 }

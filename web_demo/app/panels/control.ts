@@ -9,7 +9,7 @@ import { GamepadWatch } from "./gamepad.ts";
 import type { Pad } from "./gamepad.ts";
 import { describeFailure } from "../model/outcome.ts";
 import { explain } from "../model/permission.ts";
-import { plainReason, sentence } from "../model/plain_words.ts";
+import { amid, plainReason, sentence } from "../model/plain_words.ts";
 import { Stick } from "./stick.ts";
 
 const KEYS: readonly (readonly [string, string])[] = [
@@ -201,7 +201,7 @@ export class Control {
         `${pad.name} cannot drive: the browser does not know its buttons. Use another one, or the keyboard.`,
       );
     const holder = this.#body.holderOf(this.#teleoperation.componentRef);
-    const then = holder === "" ? ": take control to drive" : `; ${holder} has control`;
+    const then = holder === "" ? ": take control to drive" : `; ${amid(holder)} has control`;
     this.#say(`${pad.name} is connected${then}`);
   }
 

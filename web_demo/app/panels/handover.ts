@@ -2,7 +2,7 @@
 
 import type { BodyControl, GiveBack } from "../model/body_control.ts";
 import { byRole, byTestId, setText } from "../dom/elements.ts";
-import { named } from "../model/plain_words.ts";
+import { amid, named } from "../model/plain_words.ts";
 import { WATCHING } from "../model/permission.ts";
 
 type Press = () => Promise<unknown>;
@@ -93,7 +93,7 @@ export class Handover {
   #has(lender: string): void {
     const handBack: Press = async () => this.#body.handBack();
     if (lender !== "")
-      return this.#show(`You have control in place of ${named(lender)}`, null, ["Hand back", handBack]);
+      return this.#show(`You have control in place of ${amid(named(lender))}`, null, ["Hand back", handBack]);
     if (this.#held !== "") return this.#show(this.#held, null, null);
     if (!this.#giveBack) return this.#hide();
     const giveBack: Press = async () => {

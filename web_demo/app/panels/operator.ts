@@ -6,12 +6,11 @@ import type { PageBody } from "../model/bodies.ts";
 import type { GiveBack } from "../model/body_control.ts";
 import { ConsentPanel } from "./consent.ts";
 import { DeviceControl } from "./device_control.ts";
+import { NOTHING_CHOSEN } from "../model/consent.ts";
 import { sendingWords } from "../model/device_words.ts";
 import { byRole, byTestId, make, setText } from "../dom/elements.ts";
 import { HearingPanel } from "../senses/hearing_panel.ts";
 import { SightPanel } from "../senses/sight_panel.ts";
-
-const NOTHING_CHOSEN = "Choose what microphone and camera may be used for";
 
 export class OperatorCard {
   readonly #client: Client;

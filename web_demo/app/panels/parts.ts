@@ -3,7 +3,7 @@
 import { byTestId, make, setText } from "../dom/elements.ts";
 import type { BodyControl } from "../model/body_control.ts";
 import type { BodyPart } from "../model/part_leases.ts";
-import { named, sentence } from "../model/plain_words.ts";
+import { amid, named, sentence } from "../model/plain_words.ts";
 
 /** One line of the list. */
 interface Row {
@@ -88,5 +88,5 @@ export class PartsPanel {
 export function holderWords({ state, holder, absent, lender, seconds }: BodyPart): string {
   if (state === "free") return "free";
   const holds = state === "mine" ? "yours" : `${named(holder)}${absent ? ", connection lost" : ""}`;
-  return lender === "" ? holds : `${holds}, from ${named(lender)}, ${seconds} s left`;
+  return lender === "" ? holds : `${holds}, from ${amid(named(lender))}, ${seconds} s left`;
 }

@@ -140,7 +140,7 @@ it("hands over the whole body: all else is given back before the part that was a
   await settle();
   expect(gateway.called("openrois.lease.grant")).toEqual([{ request_id: "r2" }]);
   expect(verbs().slice(3, 5)).toEqual(["release a/reaction", "grant -"]);
-  expect(lost).toEqual(["You have handed over control to Another visitor."]);
+  expect(lost).toEqual(["You have handed over control to another visitor."]);
 });
 
 it("waits in line for what is another's, and has all of it or nothing then", async () => {

@@ -41,6 +41,10 @@ describe("languageChoice", () => {
     for (const name of names) expect(ODD.split(" ")).not.toContain(name);
   });
 
+  it("says of a voice of several languages that it speaks any", () => {
+    expect(languageChoice(["mul"], [], ["de"]).others).toEqual([{ tag: "mul", name: "Any language" }]);
+  });
+
   it.each<[string, string[], string[], string[]]>([
     ["de", ["de", "en"], ["de"], ["en"]],
     ["en-GB", ["de", "en", "en-GB"], [], ["fr", "en-GB"]],

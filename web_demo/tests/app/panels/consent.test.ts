@@ -51,5 +51,12 @@ it("says what is chosen, shows it while something is sent, and withdraws it in o
   expect(said).toEqual(["changed to live,recognition,agent", "withdrawn, left "]);
   expect(panel.purposes).toEqual([]);
   panel.sending = false;
+  expect([strip?.hidden, named(elements, "consent-withdraw").hidden]).toEqual([false, true]);
+  expect(named(elements, "consent-words").textContent).toBe(
+    "Microphone and camera stay off until you choose what they may be used for.",
+  );
+  const live = named(elements, "consent-live");
+  live.checked = true;
+  live.dispatchEvent(new Event("change"));
   expect(strip?.hidden).toBe(true);
 });

@@ -56,6 +56,7 @@ it.each<[Partial<BodyPart>, string]>([
   [{}, "free"],
   [{ state: "mine" }, "yours"],
   [{ state: "mine", lender: "night watch", seconds: 18 }, "yours, from night watch, 18 s left"],
+  [{ state: "mine", lender: "A program", seconds: 3 }, "yours, from a program, 3 s left"],
   [{ state: "other", holder: "ann", lender: "bob", seconds: 1 }, "ann, from bob, 1 s left"],
   [{ state: "other", holder: "ann", absent: true }, "ann, connection lost"],
   [{ state: "other", holder: "local" }, "Another visitor"],
