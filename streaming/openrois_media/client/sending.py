@@ -51,18 +51,25 @@ class Sending:
     async def consent(self, *purposes: Purpose) -> None:
         """Consent to these purposes, and to no other, from now on; without any everything is withdrawn.
 
-        It holds for all that this application sends to the body, also after it was connected again.
+        It holds for all that this application sends to the body, also after it was connected again. Nothing is sent
+        until the body knows it.
 
         Raises:
             RoISError: the engine refuses.
+            ConnectionLost, TimeoutError: the engine was not told; it is when the streams are connected again.
         """
+        stated = consenting(purposes)
         connected = None
         for stream in self._streams:
-            stream.transport = consenting(purposes)
+            stream.transport = stated
             connected = connected or stream.state.stream_id
         if connected is not None:
-            told = await self._client.call("rois.stream.set_consent", stream_id=connected, consent=sorted(purposes))
+            told = await self._client.call("rois.stream.set_consent", stream_id=connected, **stated)
             self.visitor_ref = told.get("visitor_ref", "")
+            for stream in self._streams:
+                # Of one that is connected at this moment `connect` notes it.
+                if stream.transport is stated and stream.state.stream_id is not None:
+                    stream.known_transport = stated
 
     async def finished(self) -> None:
         """Wait until every source has ended, such as one that plays a file.

@@ -98,6 +98,8 @@ class ClientStream:
         transport: Mapping[str, Any],
     ) -> None:
         self.transport = transport
+        self.known_transport: Mapping[str, Any] | None = None
+        """What of it the engine knows: that of its last connection, or what was stated since."""
         self.component_ref = component_ref
         self.kind = kind
         self.direction = direction
@@ -375,6 +377,9 @@ class SentStream(ClientStream):
             async for frame in frames:
                 if not self._sends:
                     return
+                if self.known_transport is not self.transport:
+                    # The engine does not know yet what may be done with it now.
+                    continue
                 for each in self.place.attachments():
                     if each.section.outgoing is not None and each.peer.is_connected:
                         each.section.outgoing.put(frame)

@@ -158,6 +158,7 @@ class Streams:
         except BaseException:
             self._tasks.start(self._tell("rois.stream.disconnect_stream", {"stream_id": stream_id}))
             raise
+        stream.known_transport = transport
         return stream_id
 
     async def perform(self, verb: Verb, stream_id: str) -> None:

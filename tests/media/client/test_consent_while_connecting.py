@@ -5,6 +5,7 @@ import json
 from collections.abc import Iterable
 from typing import Any, cast
 
+import numpy as np
 import pytest
 from openrois_media.client.sending import Sending, consenting
 from openrois_media.client.stream import SentStream
@@ -12,12 +13,26 @@ from openrois_media.client.stream_state import Desire
 from openrois_media.client.streams import Streams
 from openrois_streaming.source.source import RawAudio
 
-from openrois.client import Client, ConnectionState, RoISError, Unsupported
-from openrois.types.codes import Purpose
+from openrois.client import Client, ConnectionLost, ConnectionState, Unsupported
+from openrois.types.codes import Purpose, StreamStatus
 from openrois.types.messages import Parameter
 from tests.support.streaming import FedSource, VirtualClock, settle
 
+SILENCE = np.zeros((960, 1), np.int16)
 LIVE, AGENT, NOTHING = (Purpose.LIVE,), (Purpose.AGENT,), ()
+
+
+class Path:
+    """A peer connection that carries a stream, and what is sent over it."""
+
+    is_connected = True
+
+    def __init__(self) -> None:
+        self.sent: list[float] = []
+        self.peer = self.section = self.outgoing = self
+
+    def put(self, block: RawAudio) -> None:
+        self.sent.append(block.captured_at)
 
 
 class SlowGateway:
@@ -28,7 +43,9 @@ class SlowGateway:
     def __init__(self) -> None:
         self.asked: list[tuple[str, Any]] = []
         self.answers: asyncio.Queue[str] = asyncio.Queue()
-        self.refusal: RoISError | None = None
+        self.refusal: Exception | None = None
+        self.may_answer = asyncio.Event()
+        self.may_answer.set()
 
     def notifications(self, *_methods: str, buffer: int) -> Any:
         return _nothing()
@@ -44,6 +61,7 @@ class SlowGateway:
     async def call(self, method: str, **params: Any) -> dict[str, Any]:
         if method == "rois.stream.set_consent":
             self.asked.append(("state", params["consent"]))
+            await self.may_answer.wait()
             if self.refusal is not None:
                 raise self.refusal
         elif method == "rois.stream.disconnect_stream":
@@ -86,3 +104,48 @@ async def test_a_stream_whose_consent_cannot_be_stated_is_not_sent() -> None:
         await settle()
         assert gateway.asked == [("connect", ["live"]), ("state", []), ("disconnect", "robot/s1")]
         assert stream.state.stream_id is None
+
+
+@pytest.mark.parametrize("fails", [False, True])
+async def test_nothing_is_sent_until_the_body_knows_what_may_be_done_with_it(
+    monkeypatch: pytest.MonkeyPatch, fails: bool
+) -> None:
+    gateway, clock, source, path = SlowGateway(), VirtualClock(), FedSource[RawAudio](), Path()
+    async with Streams(cast(Client, gateway), clock) as streams:
+        stream = SentStream("robot/ears", "audio", source, streams, clock, consenting((*LIVE, *AGENT)))
+        monkeypatch.setattr(stream.place, "attachments", lambda: [path])
+        streams.add(stream)
+        stream.want(Desire.RUNNING)
+        gateway.answers.put_nowait("robot/s1")
+        await stream.established()
+        sending, reading = Sending([stream], cast(Client, gateway)), asyncio.ensure_future(stream.run_source())
+        await settle()
+        await source.feed(block(0.0))
+        assert path.sent == [0.0]
+        gateway.may_answer.clear()
+        gateway.refusal = ConnectionLost("gone") if fails else None
+        stating = asyncio.ensure_future(sending.consent(*LIVE))
+        await settle()
+        await source.feed(block(0.02))
+        gateway.may_answer.set()
+        await asyncio.wait({stating})
+        await source.feed(block(0.04))
+        # The source stays open meanwhile.
+        assert source.opened == 1
+        assert path.sent == ([0.0] if fails else [0.0, 0.04])
+        assert (stating.exception() is not None) == fails
+        if fails:
+            # With the next connection it is told.
+            stream.lost(StreamStatus.STREAMING_NOT_CONNECTED)
+            stream.retry_now()
+            gateway.answers.put_nowait("robot/s2")
+            await stream.established()
+            await source.feed(block(0.06))
+            assert gateway.asked[-1] == ("connect", ["live"])
+            assert path.sent == [0.0, 0.06]
+        reading.cancel()
+        await asyncio.wait({reading})
+
+
+def block(at: float) -> RawAudio:
+    return RawAudio(SILENCE, at)
