@@ -53,20 +53,38 @@ class SpeechInput(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class NoSpeech:
-    """Sink of speech to a body that plays no sound of applications: it is refused."""
+    """Speech to a body that plays no sound of applications: it is refused.
 
+    Attributes:
+        reason: why, and what to use instead.
+    """
+
+    reason: str = "this body plays no sound of applications: use its speech_synthesizer where it has that"
+
+    def apply_holder(self, notification: HolderNotification, client: Client) -> None:
+        """Pass over who holds a component: no component speaks by sound."""
+
+    def speech_sink(self, _client: Client, reply: Callable[[str], None]) -> InputSink:
+        """Return a sink that refuses each speech when it begins."""
+        return _Refusing(self.reason, reply)
+
+    def forget_client(self, client: Client) -> None:
+        """Have nothing to end."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Refusing:
+    reason: str
     reply: Callable[[str], None]
 
     def input_came(self, _label: Label, data: str | bytes) -> None:
-        """Refuse a speech when it begins."""
         with suppress(InputError):
             message = None if isinstance(data, bytes) else read_speech(data)
             if isinstance(message, Begin):
-                reason = "this body speaks no sound of applications: use SpeechSynthesis where it has that"
-                self.reply(json.dumps(Refused(message.utterance, reason).to_json()))
+                self.reply(json.dumps(Refused(message.utterance, self.reason).to_json()))
 
     def input_lost(self, _reason: str) -> None:
-        """Have nothing to end."""
+        pass
 
 
 @dataclass(frozen=True, slots=True)

@@ -132,7 +132,7 @@ class StreamingInterface:
         network: network settings of the streams.
         cap: returns a client's limits of each stream, whatever it asks for; None: as much as its path carries.
         operator: input of the operator; None: the body cannot be operated.
-        speech: speech as sound; None: the body speaks none.
+        speech: speech as sound, or what refuses it; None: it is refused.
         visitors: the applications that send; None: those of this engine alone.
     """
 
@@ -155,7 +155,7 @@ class StreamingInterface:
         self.visitors.withdrawn.add(self._end_relays)
         self._cap = cap
         self._operator = operator
-        self._speech = speech
+        self._speech = speech or NoSpeech()
         self.guarded = GuardFigures()
         """Counts of dropped datagrams of all sessions."""
         self._network = network or NetworkSettings()
@@ -281,7 +281,8 @@ class StreamingInterface:
             caps=encoding.caps() if self._cap is None else encoding.caps().within(self._cap(client)),
             stereo=encoding.channels > 1,
         )
-        if transport.input or transport.speech:
+        has_input = self._operator is not None or client in self._channels
+        if transport.speech or (transport.input and has_input):
             session.input.open()
         if sink is not None:
             if not isinstance(published.inlet, VisitorUplink):
@@ -359,13 +360,11 @@ class StreamingInterface:
             session.input.send_message(message, "speech")
 
         own = self._channels.get(client)
-        operator, speech = self._operator, self._speech
-        sink = None
-        if operator is not None or speech is not None:
-            sink = ChannelSinks(
-                None if operator is None else operator.input_sink(client, reply, lambda: session.round_trip_time),
-                NoSpeech(answer) if speech is None else speech.speech_sink(client, answer),
-            )
+        operator = self._operator
+        sink = ChannelSinks(
+            None if operator is None else operator.input_sink(client, reply, lambda: session.round_trip_time),
+            self._speech.speech_sink(client, answer),
+        )
         session = StreamSession(
             mint=lambda: new_id(self._engine_id),
             send=send,

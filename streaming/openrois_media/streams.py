@@ -84,7 +84,7 @@ class AdapterStreams:
         cap: returns the limits of a client's streams; None: as much as its path carries.
         encoders: limit on the encoders of all sources.
         operator: input of the operator; None: the body cannot be operated by hand.
-        speech: speech as sound; None: the body speaks none.
+        speech: speech as sound, or what refuses it; None: it is refused.
 
     Attributes:
         components: the streaming components, by name.

@@ -473,7 +473,7 @@ async def test_speech_to_a_body_that_speaks_no_sound_is_refused_and_keys_go_to_t
     told = [json.loads(each) for each in channels.told]
     assert [each["event"] for each in told] == ["refused", "refused"]
     assert (channels.labels, told[0]["utterance"]) == (["speech", "control"], 4)
-    assert "speaks no sound" in told[0]["reason"]
+    assert "plays no sound" in told[0]["reason"]
     channels.close()
 
 

@@ -11,6 +11,7 @@ from openrois_body.components.sight import Sight
 from openrois_body.metrics import body_figures
 from openrois_body.teleoperation.operator_control import OperatorControl
 from openrois_media import NetworkSettings, VideoSource
+from openrois_media.channel_sinks import NoSpeech
 from openrois_media.components import VideoStreaming
 from openrois_media.devices import Camera
 from openrois_media.metrics.figures import FigureGroup
@@ -49,6 +50,7 @@ __all__ = ["BACK_VIDEO", "VIDEO", "Robot", "hosted_kachaka", "linked_kachaka"]
 VIDEO: Final = VideoStreaming.component_type.name
 BACK_VIDEO: Final = f"{VIDEO}_back"
 """The names of the streaming components of the front and the back camera."""
+_NO_SOUND: Final = "a Kachaka plays no sound that is sent to it, its interface takes texts: use its speech_synthesizer"
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,6 +163,7 @@ async def hosted_kachaka(
         clock=clock,
         network=network,
         operator=robot.operator_control,
+        speech=NoSpeech(_NO_SOUND),
     )
     cameras = {name: camera.figures for name, camera in robot.cameras.items()}
     requirements = {"the robot: it does not answer": lambda: link.is_up}

@@ -3,10 +3,12 @@
 from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
+from typing import Final
 
 from openrois_body.metrics import body_figures
 from openrois_body.teleoperation.operator_control import OperatorControl
 from openrois_media import NetworkSettings, VideoSource
+from openrois_media.channel_sinks import NoSpeech
 from openrois_media.metrics.figures import FigureGroup
 from openrois_media.streams import AdapterStreams
 from openrois_streaming.clock import MediaClock
@@ -32,6 +34,11 @@ from openrois_robots.ros2.parts import Parts
 from openrois_robots.ros2.robot.pictures import camera_source
 
 __all__ = ["Robot", "hosted_robot", "ros_robot"]
+
+_NO_SOUND: Final = (
+    "a robot that speaks ROS 2 takes texts and no sound, for which its nodes agree on no topic: "
+    "use its speech_synthesizer where it has that"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +119,12 @@ async def hosted_robot(
         UnsupportedLibrary: the installed version of aiortc is not supported.
     """
     streams = AdapterStreams(
-        engine_id, dict(robot.cameras), clock=clock, network=network, operator=robot.operator_control
+        engine_id,
+        dict(robot.cameras),
+        clock=clock,
+        network=network,
+        operator=robot.operator_control,
+        speech=NoSpeech(_NO_SOUND),
     )
     requirements = {"the robot: it is not linked": lambda: robot.link.is_up}
 

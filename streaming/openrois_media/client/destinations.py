@@ -34,7 +34,10 @@ async def find_speaker(client: Client, to: str | ComponentProxy | None) -> Compo
     known = await client.find_all(SPEECH_STREAM)
     found = [each for each in known if ref is None or engine_of(each.component_ref) in (ref, engine_of(ref))]
     if not found:
-        raise Unsupported(f"no component{'' if ref is None else f' of {ref}'} speaks by sound: it has no SpeechStream")
+        raise Unsupported(
+            f"no component{'' if ref is None else f' of {ref}'} speaks by sound: there is no SpeechStream; send texts "
+            "to a SpeechSynthesis"
+        )
     if len(found) > 1:
         names = ", ".join(each.component_ref for each in found)
         raise BadParameter(f"several components speak by sound, say which: {names}")
