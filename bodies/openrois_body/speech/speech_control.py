@@ -318,7 +318,10 @@ class _ClientSpeech:
     def _refusal(self, begin: Begin) -> str:
         """Return why a speech cannot begin; empty if it can."""
         if self._control.holder is not self._client:
-            return f"{self._control.component_ref} has to be bound first"
+            return (
+                f"{self._control.component_ref} has to be bound first; while it is lent, or a person has stopped the "
+                "body for programs, an application that has bound it waits"
+            )
         if begin.utterance in self._cleared:
             return "the speech was cleared"
         if len(self._streams) >= STREAMS_AT_ONCE:

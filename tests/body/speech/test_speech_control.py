@@ -163,7 +163,9 @@ async def test_only_the_application_that_holds_the_component_speaks(stage: Stage
     stage.bob.begin()
     stage.bob.push(4_800)
     await settle()
-    assert stage.bob.told == [Refused(1, f"{REF} has to be bound first")]
+    (refused,) = stage.bob.told
+    assert isinstance(refused, Refused)
+    assert refused.reason.startswith(f"{REF} has to be bound first; while it is lent")
     assert (stage.control.figures.dropped, stage.speaks()) == (10, [])
     stage.hold(stage.bob, ref="avatar/teleoperation")
     stage.bob.begin(2)
