@@ -2,8 +2,8 @@
 
 From espeak's 22,050 Hz, 48,000 / 22,050 = 320 / 147: every 147 samples become 320. As the weights of the band-limiting
 filter repeat with every such group, all groups are computed at once, as one product of matrices. From 16,000 or 24,000
-Hz every sample becomes 3 or 2, and of small pieces each of these is one convolution: products of small matrices would
-wake threads that wait for each other.
+Hz every sample becomes 3 or 2, and each of these is one convolution: pieces are small there, and products of small
+matrices would wake threads that wait for each other.
 """
 
 from __future__ import annotations
@@ -29,13 +29,15 @@ _KAISER_BETA: Final = 9.0
 class Resampler:
     """Resamples mono sound in pieces of any length, with a delay of `_REACH` samples and the rest of a group.
 
+    A group is one sample where 48,000 is a multiple of the rate; sound of 48,000 Hz is returned as it is.
+
     Args:
         rate: of the sound that is added, one of `RATES`.
     """
 
     def __init__(self, rate: int) -> None:
         shared = gcd(rate, TARGET_RATE)
-        times = -(-_LEAST // (rate // shared))
+        times = 1 if rate == shared else -(-_LEAST // (rate // shared))
         self._in, self._out = times * rate // shared, times * TARGET_RATE // shared
         self._before = np.zeros(_REACH, np.float32)
         """Samples from `_REACH` before the next group on."""
@@ -43,6 +45,8 @@ class Resampler:
 
     def add(self, samples: NDArray[np.int16]) -> NDArray[np.int16]:
         """Return what can be computed once `samples` is known."""
+        if self._in == self._out:
+            return samples
         self._added += len(samples)
         return self._compute(np.concatenate((self._before, samples.astype(np.float32))))
 
@@ -54,48 +58,24 @@ class Resampler:
         return self._compute(np.concatenate((self._before, np.zeros(max(0, missing), np.float32))))[:length]
 
     def _compute(self, known: NDArray[np.float32]) -> NDArray[np.int16]:
-        width = self._in + 2 * _REACH
         groups = max(0, (len(known) - 2 * _REACH) // self._in)
         self._before = known[groups * self._in :]
         self._made += groups * self._out
         if not groups:
             return np.zeros(0, np.int16)
-        windows = np.lib.stride_tricks.sliding_window_view(known, width)[:: self._in][:groups]
-        mixed: NDArray[np.float32] = (windows @ _weights(self._in, self._out)).reshape(-1)
-        return np.clip(np.rint(mixed), -32768, 32767).astype(np.int16)
-
-
-class Upsampler:
-    """Resamples one stream of mono sound, piece by piece: n samples become exactly as many times as many.
-
-    What comes out is 32 source samples late (2 ms of 16,000 Hz) until `finish`.
-
-    Args:
-        factor: samples that each sample becomes.
-    """
-
-    def __init__(self, factor: int) -> None:
-        self._factor = factor
-        self._kept = np.zeros(_REACH, np.float32)
-
-    def push(self, samples: NDArray[np.int16]) -> NDArray[np.int16]:
-        """Return the next samples."""
-        if self._factor == 1:
-            return samples
-        around = np.concatenate((self._kept, samples.astype(np.float32)))
-        count = len(around) - 2 * _REACH
-        if count <= 0:
-            self._kept = around
-            return np.zeros(0, np.int16)
-        self._kept = around[count:]
-        mixed = np.empty((count, self._factor), np.float32)
-        for phase, weights in enumerate(_weights(1, self._factor).T):
-            mixed[:, phase] = np.convolve(around, weights[::-1], "valid")[:count]
+        mixed = self._filter(known, groups)
         return np.clip(np.rint(mixed.reshape(-1)), -32768, 32767).astype(np.int16)
 
-    def finish(self) -> NDArray[np.int16]:
-        """Return the samples that are left, as if silence followed."""
-        return self.push(np.zeros(_REACH, np.int16)) if self._factor > 1 else np.zeros(0, np.int16)
+    def _filter(self, known: NDArray[np.float32], groups: int) -> NDArray[np.float32]:
+        """Return the samples of so many groups (rows)."""
+        weights = _weights(self._in, self._out)
+        if self._in > 1:
+            windows = np.lib.stride_tricks.sliding_window_view(known, self._in + 2 * _REACH)[:: self._in][:groups]
+            return np.asarray(windows @ weights, np.float32)
+        mixed = np.empty((groups, self._out), np.float32)
+        for phase, each in enumerate(weights.T):
+            mixed[:, phase] = np.convolve(known, each[::-1], "valid")[:groups]
+        return mixed
 
 
 @cache

@@ -10,7 +10,7 @@ from openrois_streaming.receive.decoders import OpusDecoder
 from openrois_streaming.receive.playout import UndecodableSound
 from openrois_streaming.source.source import SAMPLE_RATE
 
-from openrois_body.speech.resample import Upsampler
+from openrois_body.speech.resample import Resampler
 
 __all__ = ["StreamSound"]
 
@@ -28,7 +28,7 @@ class StreamSound:
     def __init__(self, format: SpeechFormat, rate: int) -> None:
         self._factor = SAMPLE_RATE // rate
         self._decoder = OpusDecoder() if format == "opus" else None
-        self._upsampler = Upsampler(1 if format == "opus" else self._factor)
+        self._resampler = Resampler(SAMPLE_RATE if format == "opus" else rate)
 
     def read(self, sound: bytes) -> NDArray[np.int16]:
         """Return the samples (mono) of a frame, not resampled yet.
@@ -51,11 +51,11 @@ class StreamSound:
 
     def resample(self, samples: NDArray[np.int16]) -> NDArray[np.int16]:
         """Return the next samples of 48 kHz; a few are kept until `finish`."""
-        return self._upsampler.push(samples)
+        return self._resampler.add(samples)
 
     def finish(self) -> NDArray[np.int16]:
         """Return the samples that were kept."""
-        return self._upsampler.finish()
+        return self._resampler.finish()
 
     def counted(self, samples: int) -> int:
         """Return how many samples of 48 kHz are at the rate that is counted in."""

@@ -1,10 +1,13 @@
 """The sound of a stream: samples and real Opus, at each rate."""
 
+from contextlib import suppress
 from fractions import Fraction
 
 import av
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from openrois_body.speech.stream_sound import StreamSound
 from openrois_streaming.input.messages import InputError
 from openrois_streaming.publish.audio_encoder import OpusEncoder
@@ -56,3 +59,15 @@ def test_opus_in_stereo_is_played_too() -> None:
 def test_what_is_no_sound_is_refused(format: str, data: bytes) -> None:
     with pytest.raises(InputError, match=r"whole samples|cannot be decoded"):
         StreamSound(format, 48_000).read(data)  # type: ignore[arg-type]
+
+
+@given(st.lists(st.binary(min_size=1, max_size=400), max_size=5), st.sampled_from([16_000, 24_000, 48_000]))
+@settings(deadline=None)
+def test_whatever_comes_as_a_packet_of_opus_is_refused_or_at_most_its_120_ms(packets: list[bytes], rate: int) -> None:
+    sound = StreamSound("opus", rate)
+    for packet in packets:
+        with suppress(InputError):
+            read = sound.read(packet)
+            assert len(read) <= 5_760
+            assert sound.count(read) <= rate * 0.12
+            assert len(sound.resample(read)) == len(read)
