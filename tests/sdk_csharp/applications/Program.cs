@@ -29,6 +29,7 @@ public static class Program
         { "sharer", Sharer.Run },
         { "streamer", Streamer.Run },
         { "viewer", Viewer.Run },
+        { "visiting", Visiting.Run },
         { "barred", Barred.Run },
         { "steadfast", Steadfast.Run },
         { "frugal", Frugal.Run },

@@ -1,5 +1,6 @@
 // Copyright the OpenRoIS authors. Apache-2.0.
 using System;
+using System.Collections.Generic;
 using System.Threading;
 using System.Threading.Tasks;
 using Newtonsoft.Json.Linq;
@@ -92,6 +93,21 @@ namespace OpenRoIS.Components
             double milliseconds = Math.Min(Math.Max(delay.TotalMilliseconds, 0), LongestPlayout);
             var given = new ReportPlayoutParams { StreamId = streamId, Milliseconds = (int)Math.Round(milliseconds) };
             return Client.CallAsync(Methods.StreamReportPlayout, given, token);
+        }
+
+        /// <summary>
+        /// States anew what may be done with all that this application sends to the engine, by purpose; none withdraws it.
+        /// What it consents to before the first packet is said with the stream: <c>new { direction = "sendonly", consent =
+        /// new[] { "live" } }</c>.
+        /// </summary>
+        /// <returns>the name that this application has as a visitor</returns>
+        /// <exception cref="UnsupportedException">this application sends no such stream</exception>
+        public Task<string> SetConsentAsync(
+            string streamId, IEnumerable<Purpose> consent, CancellationToken token = default(CancellationToken))
+        {
+            var given = new SetConsentParams { StreamId = streamId, Consent = new List<Purpose>(consent) };
+            return Client.Application.Strand.Run(async () =>
+                (await Client.Application.Connection.ActAsync(Methods.StreamSetConsent, given, token)).VisitorRef);
         }
 
         private async Task<string> Connect(Arguments chosen, CancellationToken token)
