@@ -34,6 +34,7 @@ from openrois.aio.tasks import TaskScope
 from openrois.contract import Client
 from openrois.errors import Aborted, OutOfResources
 from openrois.types.streams import HolderNotification
+from openrois_body.holder import ComponentHolder
 from openrois_body.sound.playback import SoundOverrun
 from openrois_body.speech.contract import NamedMark, Word
 from openrois_body.speech.progress import Progress, SpeechBegan, SpeechEnded, SpeechStarved
@@ -102,15 +103,12 @@ class SpeechControl:
     """
 
     def __init__(self, component_ref: str, voice: Voice, clock: MediaClock, tasks: TaskScope) -> None:
-        self.component_ref = component_ref
         self.figures = SpeechFigures()
         self.outcomes = SpeechOutcomes()
         self.voice = voice
         self.clock = clock
         self.tasks = tasks
-        self.holder: Client | None = None
-        """The application that holds the component."""
-        self._epoch = 0
+        self._held = ComponentHolder(component_ref)
         self._streams: list[_Stream] = []
 
     @property
@@ -118,22 +116,25 @@ class SpeechControl:
         """Speeches that are played or wait for their turn."""
         return len(self._streams)
 
+    @property
+    def component_ref(self) -> str:
+        """The component that has to be bound."""
+        return self._held.component_ref
+
+    @property
+    def holder(self) -> Client | None:
+        """The application that holds the component."""
+        return self._held.client
+
     def apply_holder(self, notification: HolderNotification, client: Client) -> None:
         """Follow the gateway's notification of the application that holds a component."""
-        if notification.component_ref != self.component_ref:
-            return
-        if notification.holds and (self.holder is None or notification.epoch >= self._epoch):
-            if self.holder is not client:
-                self.interrupt("another application has bound the component")
-            self.holder, self._epoch = client, notification.epoch
-        elif not notification.holds and self.holder is client:
-            self.holder = None
-            self.interrupt("the component was released")
+        lost = self._held.apply(notification, client)
+        if lost:
+            self.interrupt(lost)
 
     def forget_client(self, client: Client) -> None:
         """End the speech of an application that has disconnected."""
-        if self.holder is client:
-            self.holder = None
+        if self._held.forget(client):
             self.interrupt("the application that spoke is gone")
 
     def speech_sink(self, client: Client, reply: Callable[[str], None]) -> InputSink:

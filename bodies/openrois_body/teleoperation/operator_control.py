@@ -16,6 +16,7 @@ from openrois.aio.listeners import Listeners
 from openrois.contract import Client
 from openrois.errors import OutOfResources
 from openrois.types.streams import HolderNotification
+from openrois_body.holder import ComponentHolder
 from openrois_body.teleoperation.pilot import Pilot
 
 __all__ = ["OperatorControl", "OperatorFigures"]
@@ -48,56 +49,47 @@ class OperatorControl:
     """
 
     def __init__(self, component_ref: str, clock: MediaClock, gaze_ref: str = "") -> None:
-        self.component_ref = component_ref
-        self._gaze_ref = gaze_ref
-        self._gaze_holder: Client | None = None
-        self._gaze_epoch = 0
+        self._held = ComponentHolder(component_ref)
+        self._gaze = ComponentHolder(gaze_ref)
         self.figures = OperatorFigures()
         self.held_changed = Listeners[bool]()
         """Called with whether an application holds the component now, when that changes."""
         self._clock = clock
-        self._holder: Client | None = None
-        self._epoch = 0
         self._pilot: Pilot | None = None
         self._vacated: asyncio.Future[str] | None = None
         self._reply: Callable[[str], None] = _discard
 
     @property
+    def component_ref(self) -> str:
+        """The component that has to be bound."""
+        return self._held.component_ref
+
+    @property
     def is_held(self) -> bool:
         """Whether an application holds the component, operating or not."""
-        return self._holder is not None
+        return self._held.client is not None
 
     @property
     def may_turn_eyes(self) -> bool:
         """Whether input turns the eyes: not where an application that does not operate holds the body's gaze."""
-        return self._gaze_holder is None or self._gaze_holder is self._holder
+        return self._gaze.client is None or self._gaze.client is self._held.client
 
     def apply_holder(self, notification: HolderNotification, client: Client) -> None:
         """Follow the gateway's notification of the application that holds a component."""
-        if notification.component_ref == self._gaze_ref:
-            self._apply_gaze_holder(notification, client)
-        if notification.component_ref != self.component_ref:
-            return
-        if notification.holds and (self._holder is None or notification.epoch >= self._epoch):
-            if self._holder is not client:
-                self._vacate("another application has bound the component")
-            self._holder, self._epoch = client, notification.epoch
-            self.held_changed.notify_all(True)
-        elif not notification.holds and self._holder is client:
-            self._vacate("the component was released")
-
-    def _apply_gaze_holder(self, notification: HolderNotification, client: Client) -> None:
-        if notification.holds and (self._gaze_holder is None or notification.epoch >= self._gaze_epoch):
-            self._gaze_holder, self._gaze_epoch = client, notification.epoch
-        elif not notification.holds and self._gaze_holder is client:
-            self._gaze_holder = None
+        self._gaze.apply(notification, client)
+        before = self._held.client
+        lost = self._held.apply(notification, client)
+        if lost:
+            self._vacate(lost)
+        if self._held.client is not before:
+            self.held_changed.notify_all(self.is_held)
 
     def forget_client(self, client: Client) -> None:
         """End the operation by an application that has disconnected."""
-        if self._gaze_holder is client:
-            self._gaze_holder = None
-        if self._holder is client:
+        self._gaze.forget(client)
+        if self._held.forget(client):
             self._vacate("the application that operated is gone")
+            self.held_changed.notify_all(False)
 
     def input_sink(
         self,
@@ -124,7 +116,7 @@ class OperatorControl:
         Raises:
             OutOfResources: no application holds it, as far as this adapter was notified.
         """
-        if self._holder is None:
+        if not self.is_held:
             raise OutOfResources(
                 f"no application has bound {self.component_ref}, or the gateway does not notify this adapter of it"
             )
@@ -141,7 +133,7 @@ class OperatorControl:
 
     def pilot_for(self, client: Client) -> Pilot | None:
         """Return the pilot of the application that operates; None for another one."""
-        return self._pilot if self._holder is client else None
+        return self._pilot if self._held.client is client else None
 
     def notify_operator(self, event: str, reason: str) -> None:
         """Notify the application that operates, over its own data channel."""
@@ -152,14 +144,12 @@ class OperatorControl:
         self._reply = reply
 
     def _vacate(self, reason: str) -> None:
-        self._holder = None
         pilot, self._pilot = self._pilot, None
         if pilot is not None:
             pilot.lose(reason)
             self._reply = _discard
         if self._vacated is not None and not self._vacated.done():
             self._vacated.set_result(reason)
-        self.held_changed.notify_all(False)
 
 
 class _ClientInput:
