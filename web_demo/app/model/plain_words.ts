@@ -4,6 +4,7 @@
 const WITHOUT_TOKEN = "local";
 /** What an application without a token is where visitors have tokens. */
 const PROGRAM = "A program";
+const NAMELESS = [PROGRAM, "Another visitor"];
 
 /**
  * Returns how a holder is called.
@@ -18,8 +19,6 @@ export function nameOfHolder(subject: string, ranked: boolean): string {
 export function named(subject: string, unknown = "Another visitor"): string {
   return subject === "" || subject === WITHOUT_TOKEN ? unknown : subject;
 }
-
-const NAMELESS = [PROGRAM, "Another visitor"];
 
 /** Returns a name as it stands within a sentence. */
 export function amid(name: string): string {
