@@ -1,5 +1,6 @@
-"""A person with Firefox: watches the avatar, hears it speak, and drives it."""
+"""A person with Firefox: watches the avatar, hears it speak, drives it, and shares it with a program."""
 
+import asyncio
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Final
@@ -7,8 +8,10 @@ from typing import Final
 import pytest
 import pytest_asyncio
 
+from openrois.client import BindingLent, BindingRestored, Client, Notice
+from openrois.errors import OutOfResources
 from tests.support.demo import Demo
-from tests.support.firefox import FirefoxTab, firefox_at
+from tests.support.firefox import PATIENCE, FirefoxTab, firefox_at
 
 pytestmark = [
     pytest.mark.browser,
@@ -44,6 +47,7 @@ _FROM_THE_MIDDLE: Final = """openrois.client.query("robot_position", "component_
 """How far the avatar says it is from where it stands at first, in metres."""
 _SAYING: Final = "document.querySelector('[data-testid=say-state]').dataset.state"
 _CONTROL: Final = "document.querySelector('[data-testid=control-toggle]')"
+_LEGS: Final = "document.querySelector('[data-part=legs] .part-holder').innerText"
 _ENTER: Final = "\ue007"
 
 
@@ -75,3 +79,55 @@ async def test_a_visitor_with_firefox_sees_hears_and_drives_the_avatar(firefox: 
     await firefox.key_up("w")
     await firefox.click("control-toggle")
     await firefox.until(f"{_CONTROL}.ariaPressed === 'false'")
+
+
+@pytest.mark.long
+async def test_a_visitor_with_firefox_shares_the_avatar_with_a_program(firefox: FirefoxTab, avatar: Demo) -> None:
+    async with Client(avatar.url) as program:
+        notices = program.notices(BindingLent, BindingRestored)
+        legs = program.component("avatar/navigation")
+        await legs.bind()
+        await firefox.until(f"{_LEGS} === 'A program'")
+        await firefox.click("parts", "[data-part=legs] button")
+        await firefox.until(f"{_LEGS}.startsWith('yours, from a program')")
+        assert isinstance(await _next(notices), BindingLent)
+        await firefox.click("parts", "[data-part=legs] button")
+        assert await _next(notices) == BindingRestored("avatar/navigation")
+        await firefox.until(f"{_LEGS} === 'A program'")
+
+        await firefox.click("handover-yes")
+        await firefox.until(f"{_CONTROL}.ariaPressed === 'true'")
+        assert isinstance(await _next(notices), BindingLent)
+        await firefox.click("stop-all")
+        await firefox.until(f"{_CONTROL}.ariaPressed === 'false'")
+        await legs.bind()  # what was lent does not come back to a program that has to wait
+        with pytest.raises(OutOfResources, match="was stopped by visitor"):
+            await legs.command("start")
+        await firefox.click("stopped-hand-back")
+        await firefox.until("document.querySelector('[data-testid=stopped]').hidden")
+        assert not (await program.control.status(legs.component_ref)).stopped_by
+
+
+@pytest.mark.long
+async def test_a_visitor_with_firefox_is_heard_as_far_as_it_consents(firefox: FirefoxTab, avatar: Demo) -> None:
+    words = "document.querySelector('[data-testid=consent-words]').innerText"
+    microphone = "document.querySelector('[data-testid=microphone-toggle]')"
+    async with Client(avatar.url) as program:
+        visitors = program.component("avatar/visitors")
+        await firefox.click("consent-recording")
+        await firefox.click("microphone-toggle")
+        await firefox.until("openrois.microphone.status === 'STREAMING_RUNNING'")
+        await firefox.until(f"{words} === 'You may be heard and seen live, recognised and recorded.'")
+        told = await visitors.query("visitors")
+        assert (told["devices"], told["consent"]) == (["microphone"], ["live recognition recording"])
+        async with visitors.event("visitor_changed") as changes, asyncio.timeout(PATIENCE):
+            await firefox.click("consent-withdraw")
+            while (await visitors.query("visitors"))["visitor_ref"]:
+                await anext(changes)
+        await firefox.until(f"{microphone}.disabled && {words}.startsWith('Microphone and camera stay off')")
+        await firefox.until("openrois.microphone.status === 'STREAMING_NOT_CONNECTED'")
+
+
+async def _next(notices: AsyncIterator[Notice]) -> Notice:
+    async with asyncio.timeout(PATIENCE):
+        return await anext(notices)

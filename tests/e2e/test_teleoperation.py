@@ -81,6 +81,34 @@ async def test_keyboard_drives_and_a_hidden_page_releases_everything(drivers: Dr
     assert len(engine.times(Drive)) == driven
 
 
+@pytest.mark.long
+async def test_a_key_held_while_another_visitor_stops_the_avatar_has_to_be_pressed_anew(
+    browser: Browser, drivers: Drivers
+) -> None:
+    visit, engine = drivers.visit, drivers.engine
+    driving = visit.item("control-toggle")
+    await drivers.take_control()
+    await visit.page.keyboard.down("KeyW")
+    await drivers.goes()
+    async with visiting(browser, visit.page.url) as other:
+        await other.press("stop-all")
+    await expect(driving).to_have_attribute("aria-pressed", "false", timeout=PATIENCE * 1000)
+    await drivers.stands()
+    driven = len(engine.times(Drive))
+
+    await drivers.take_control()
+    await visit.page.keyboard.down("KeyW")  # it is held on: this one is a repetition
+    await visit.page.keyboard.press("Escape")
+    await visit.until_executed("avatar/teleoperation", "stop")
+    await expect(driving).to_have_attribute("aria-pressed", "false")
+    assert len(engine.times(Drive)) == driven
+
+    await visit.page.keyboard.up("KeyW")
+    await drivers.take_control()
+    await visit.page.keyboard.down("KeyW")
+    await drivers.goes()
+
+
 _PAD = """
     const buttons = Array.from({ length: 17 }, () => ({ pressed: false, value: 0 }));
     const id = "Stick 2000 (STANDARD GAMEPAD)";

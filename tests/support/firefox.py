@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from websockets.asyncio.client import ClientConnection, connect
 
-__all__ = ["FirefoxTab", "firefox_at"]
+__all__ = ["PATIENCE", "FirefoxTab", "firefox_at"]
 
 PATIENCE: Final = 60.0
 """Seconds that Firefox and the page may take for anything; on an idle machine a start takes about three."""
@@ -90,9 +90,9 @@ class FirefoxTab:
             }})"""
         )
 
-    async def click(self, test_id: str) -> None:
-        """Click the middle of an element with the mouse, once it can be clicked."""
-        element = f"document.querySelector('[data-testid={test_id}]')"
+    async def click(self, test_id: str, within: str = "") -> None:
+        """Click the middle of an element, or of what is found within it, with the mouse, once it can be clicked."""
+        element = f"document.querySelector('[data-testid={test_id}] {within}')"
         await self.until(f"{element} && !{element}.disabled && {element}.checkVisibility()")
         await self.read(f"{element}.scrollIntoView({{ block: 'center' }})")
         place = json.loads(
