@@ -71,12 +71,11 @@ def avatar(request: pytest.FixtureRequest, demos: Demos) -> Iterator[Demo]:
 
 @pytest_asyncio.fixture(loop_scope="session", autouse=True)
 async def handed_back(request: pytest.FixtureRequest) -> AsyncIterator[None]:
-    """What a test has stopped, whichever page it used, is not stopped for the programs of the next one."""
-    names = {"avatar", "demo"}.intersection(request.fixturenames)
-    demos = [request.getfixturevalue(name) for name in names]
+    """What a test has stopped in a shared demo, on whichever page, is not stopped for the programs of the next one."""
+    demos = request.getfixturevalue("demos") if "demos" in request.fixturenames else None
     yield
-    for demo in demos:
-        await hand_back(demo)
+    if demos is not None and demos.running is not None:
+        await hand_back(demos.running)
 
 
 @pytest_asyncio.fixture(loop_scope="session")

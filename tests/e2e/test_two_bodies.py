@@ -15,7 +15,7 @@ from openrois.client.components import SystemInformation
 from tests.support.accessibility import found_by_axe, too_small
 from tests.support.browser import PATIENCE, Visit, visiting
 from tests.support.conversation import all_stopped
-from tests.support.demo import Demo, running_demo
+from tests.support.demo import Demo, hand_back, running_demo
 
 pytestmark = [
     pytest.mark.browser,
@@ -75,6 +75,7 @@ async def bodies(browser: Browser, demo: Demo) -> AsyncIterator[TwoBodies]:
         await live(both.large)
         await live(both.card)
         yield both
+    await hand_back(demo)
 
 
 async def test_both_are_seen_and_driven_and_stop_stops_them(bodies: TwoBodies) -> None:

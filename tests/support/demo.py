@@ -147,13 +147,16 @@ class Demos:
 
     Args:
         folders: where their logs go.
+
+    Attributes:
+        running: the one that runs now.
     """
 
     def __init__(self, folders: pytest.TempPathFactory) -> None:
+        self.running: Demo | None = None
         self._folders = folders
         self._stack = ExitStack()
         self._engine = ""
-        self._running: Demo | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -168,13 +171,13 @@ class Demos:
         Raises:
             AssertionError: something went wrong in it during the block, and only its log says so.
         """
-        if self._running is None or self._engine != engine:
+        if self.running is None or self._engine != engine:
             self._stack.close()
             folder = self._folders.mktemp(engine)
-            self._running, self._engine = self._stack.enter_context(running_demo(folder, engine)), engine
-        before = len(self._running.log())
-        yield self._running
-        log = self._running.log()[before:]
+            self.running, self._engine = self._stack.enter_context(running_demo(folder, engine)), engine
+        before = len(self.running.log())
+        yield self.running
+        log = self.running.log()[before:]
         assert "Traceback" not in log, log
 
 
