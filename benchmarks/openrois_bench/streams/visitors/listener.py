@@ -28,7 +28,7 @@ class _Count:
         self.items = 0
         self.came = asyncio.Event()
 
-    async def read(self, reader: StreamReader[Any]) -> None:
+    async def count_items(self, reader: StreamReader[Any]) -> None:
         async for _ in reader:
             self.items += 1
             self.came.set()
@@ -48,7 +48,7 @@ async def _listening(url: str) -> AsyncIterator[Mapping[str, Handler]]:
             source = visitor.camera.frames("i420") if device == "camera" else visitor.microphone.blocks()
             reader: StreamReader[Any] = await stack.enter_async_context(source)
             counts[device] = _Count()
-            tasks.start(counts[device].read(reader))
+            tasks.start(counts[device].count_items(reader))
 
         async def run(_params: Mapping[str, Any]) -> None:
             """Answer when something of each device has come."""
