@@ -48,7 +48,9 @@ export class LocalStream extends ControlledStream {
 
   /** @internal */
   override get outgoing(): MediaStreamTrack | null {
-    return this.desire === "running" && !this.#held ? this.#capture.track : null;
+    // The engine has to know what may be done with it.
+    const mayBeSent = this.desire === "running" && !this.#held && this.told === this.stated;
+    return mayBeSent ? this.#capture.track : null;
   }
 
   /** @internal */
@@ -68,15 +70,17 @@ export class LocalStream extends ControlledStream {
 
   /**
    * Consents to these purposes, and to no other, from now on; it holds for all that this application sends to the body,
-   * so tell its other streams as well. Without any everything is withdrawn.
+   * so tell its other streams as well. Without any everything is withdrawn. Nothing is sent until the body knows it.
    *
    * @throws RoISError when the body refuses; what was said holds from the next connection on all the same
    */
   async setConsent(consent: readonly Purpose[]): Promise<void> {
-    this.stated = [...consent];
-    this.changed();
+    const stated = (this.stated = [...consent]);
+    this.#follow();
     if (this.streamId !== null) {
-      this.#visitorRef = await this.#operations.setConsent(this.streamId, this.stated);
+      this.#visitorRef = await this.#operations.setConsent(this.streamId, stated);
+      this.told = stated;
+      this.#follow();
     }
   }
 

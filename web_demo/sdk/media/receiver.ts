@@ -178,6 +178,7 @@ export class MediaReceiver {
       disconnect(connected);
       throw error;
     }
+    stream.told = stated;
     return streamId;
   }
 

@@ -69,6 +69,8 @@ export abstract class ControlledStream {
   readonly limits: EncodingLimits;
   /** What is consented to when it is connected next; null where nothing is said. @internal */
   stated: readonly Purpose[] | null;
+  /** What of it the engine knows; undefined before the first connection. @internal */
+  told: readonly Purpose[] | null | undefined;
   /** For the `MediaReceiver` that owns the stream. @internal */
   readonly place: StreamPlace;
   readonly #events = new Emitter<StreamEvents>();

@@ -129,6 +129,27 @@ describe("a local stream", () => {
     expect(microphone.streamId).toBe("avatar/late");
   });
 
+  it("sends nothing until the body knows what it may be used for, also where it cannot be told", async () => {
+    let answer: ((result: { visitor_ref: string }) => void) | undefined;
+    gateway.on(
+      "rois.stream.set_consent",
+      () => new Promise<{ visitor_ref: string }>((resolve) => (answer = resolve)),
+    );
+    await sending();
+    expect(section().sender.track).toBe(fake.last);
+    const stating = microphone.setConsent(["live"]);
+    await pass(1);
+    expect(section().sender.track).toBeNull();
+    answer?.({ visitor_ref: "urn:me" });
+    await stating;
+    await pass(1);
+    expect(section().sender.track).toBe(fake.last);
+    gateway.on("rois.stream.set_consent", () => ({ return_code: "ERROR" }));
+    await expect(microphone.setConsent([])).rejects.toThrow();
+    await pass(1);
+    expect(section().sender.track).toBeNull();
+  });
+
   it("is made with what it may be used for", async () => {
     const camera = receiver.sending("avatar/video", "video", { consent: ["recognition"] });
     expect(camera.consent).toEqual(["recognition"]);
