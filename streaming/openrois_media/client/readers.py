@@ -133,8 +133,9 @@ class StreamReader(Generic[T]):
         await self._want(Desire.RUNNING)
 
     async def disconnected(self) -> None:
-        """Wait until the engine has ended the stream, as it does where a visitor leaves or withdraws its consent."""
-        await self._stream.news.until(lambda: self.status is StreamStatus.STREAMING_NOT_CONNECTED)
+        """Wait until the engine has ended the stream, or knows none: a visitor has left, or withdrawn its consent."""
+        stream = self._stream
+        await stream.news.until(lambda: self.status is StreamStatus.STREAMING_NOT_CONNECTED or stream.is_unknown)
 
     async def _want(self, desire: Desire) -> None:
         self.desire = desire

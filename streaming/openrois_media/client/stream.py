@@ -121,6 +121,12 @@ class ClientStream:
         words, frames = self._fault or ("", 0)
         return words if frames == self._frames else ""
 
+    @property
+    def is_unknown(self) -> bool:
+        """Whether the engine has said, when it was asked to connect the stream again, that there is no such stream."""
+        problem = self.state.problem
+        return self.state.stream_id is None and problem is not None and isinstance(problem.error, Unsupported)
+
     def note_fault(self, words: str) -> None:
         """Note what its component has reported; the next frame says that it is over."""
         self._fault = (words, self._frames)

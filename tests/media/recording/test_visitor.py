@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Generic, TypeVar
 
@@ -13,6 +14,7 @@ from openrois_media.recording import record_command
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.source.source import RawAudio, RawVideo
 
+from openrois.testing import FaultRelay
 from openrois.types.codes import Purpose
 from tests.media.recording.test_commands import begin, finish, names
 from tests.media.visitors.test_listening import Body, body, token, until
@@ -130,6 +132,28 @@ async def test_it_ends_with_the_consent_and_has_nothing_of_after(
     assert recorded.pictures
     assert brightest(path) < 100
     assert np.abs(recorded.sound).max(initial=0) < 0.1
+
+
+async def test_it_ends_where_the_visitor_has_left_while_the_gateway_was_away(
+    body: Body, folder: Path, listener_token: Path
+) -> None:
+    scene, path = Scene(), folder / "film.webm"
+    async with (
+        FaultRelay(body.url) as relay,
+        body.application("visitor") as sender,
+        AsyncExitStack() as stay,
+    ):
+        sending = sender.send(microphone=scene.microphone, consent=[RECORDING])
+        await stay.enter_async_context(sending)
+        (visitor,) = await sender.visitors("robot", purposes=[RECORDING])
+        async with recording(replace(body, url=relay.url), path, visitor.visitor_ref, listener_token) as process:
+            relay.cut(refuse=True)
+            await stay.aclose()
+            relay.mend()
+            status, said = await finish(process)
+    assert status == 0, said
+    assert "the visitor has left" in said
+    assert names(folder) == ["film.webm"]
 
 
 async def test_a_visitor_that_does_not_consent_to_that_is_not_recorded(
