@@ -35,7 +35,7 @@ class ComponentHolder:
             return ""
         return "the component was released" if self.client is None else "another application has bound the component"
 
-    def forget(self, client: Client) -> bool:
+    def forget_client(self, client: Client) -> bool:
         """Take it from an application that has disconnected; returns whether that held it."""
         held = self.client is client
         if held:

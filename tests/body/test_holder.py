@@ -29,8 +29,8 @@ def test_what_is_late_or_of_another_component_changes_nothing() -> None:
     for late in (told(True, 4), told(False, 4), told(False, 6, "robot/door"), told(True, 6, "robot/door")):
         assert held.apply(late, ANN) == ""
     assert held.client is BOB
-    assert not held.forget(ANN)
-    assert held.forget(BOB)
+    assert not held.forget_client(ANN)
+    assert held.forget_client(BOB)
     assert held.client is None
 
 

@@ -16,6 +16,8 @@ __all__ = ["AHEAD_LIMIT", "Playback", "SoundOverrun", "Timeline", "reach"]
 
 AHEAD_LIMIT: Final = 60.0
 """Seconds of sound that may wait in one speech."""
+_ROUNDED: Final = SAMPLE_RATE // 1000
+"""Samples behind the last one that are still the end."""
 _REMEMBERED: Final = 5 * SAMPLE_RATE
 """Samples for which it is known what was played: much longer than the way to any viewer that is waited for."""
 _RISE: Final = (np.arange(SEAM, dtype=np.float32) + 0.5) / SEAM
@@ -165,7 +167,12 @@ class Playback:
         return np.concatenate(rest) if rest else np.zeros(0, np.int16)
 
     def moment(self, position: int) -> float | None:
-        """Return when a sample of the speech is due, or was; None for one that has not come or is long gone."""
+        """Return when a sample of the speech is due, or was; None for one that has not come or is long gone.
+
+        Behind the last sample is the end, once that is set: what is marked there is a sample or two off by rounding.
+        """
+        if self._finished and self._pushed <= position <= self._pushed + _ROUNDED:
+            return self.end
         for run in reversed(self._runs):
             if run.position <= position < run.position + run.count:
                 return (run.first + position - run.position) / SAMPLE_RATE

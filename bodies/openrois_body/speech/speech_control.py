@@ -134,7 +134,7 @@ class SpeechControl:
 
     def forget_client(self, client: Client) -> None:
         """End the speech of an application that has disconnected."""
-        if self._held.forget(client):
+        if self._held.forget_client(client):
             self.interrupt("the application that spoke is gone")
 
     def speech_sink(self, client: Client, reply: Callable[[str], None]) -> InputSink:
@@ -189,6 +189,10 @@ class _Stream:
         self.utterance: Utterance = control.voice.make_utterance(
             begin.text, on_played=self._played, on_progress=self._progressed
         )
+
+    def leave(self) -> None:
+        """Tell the application no more of it: its channels are lost."""
+        self._tell = self._ended = lambda _what: None
 
     def push(self, frame: Frame) -> None:
         """Append the sound of a frame. Raises InputError and SoundOverrun."""
@@ -276,6 +280,13 @@ class _ClientSpeech:
 
     def input_lost(self, reason: str) -> None:
         self._cut_all(reason)
+        # What comes over other channels begins anew, as that of a program that was started again.
+        for stream in self._streams.values():
+            stream.leave()
+        self._streams.clear()
+        self._newest = -1
+        self._cleared.clear()
+        self._malformed = 0
 
     def _push(self, frame: Frame) -> None:
         stream = self._streams.get(frame.utterance)
@@ -305,7 +316,10 @@ class _ClientSpeech:
 
     def _begin(self, begin: Begin) -> None:
         if begin.utterance <= self._newest:
-            raise InputError(f"utterance: must be greater than {self._newest}, the number of the last speech")
+            fault = f"utterance: must be greater than {self._newest}, the number of the last speech"
+            if begin.utterance not in self._streams:
+                self._tell(Refused(begin.utterance, fault))
+            raise InputError(fault)
         self._newest = begin.utterance
         reason = self._refusal(begin)
         if reason:

@@ -35,8 +35,6 @@ _STEP: Final = 0.1
 """Seconds between two reports of what was played."""
 _KNOWN: Final = 0.2
 """Seconds for which the delay to the viewers is not asked for again."""
-_AT_END: Final = SAMPLE_RATE // 1000
-"""Samples behind the last one where a word or mark is still at the end: times are rounded."""
 
 
 class Utterance:
@@ -309,7 +307,7 @@ class Utterance:
                 return [first + self._late]
             self._begin(first)
         while self._moments:
-            moment = self._due(self._moments[0], playback)
+            moment = playback.moment(max(0, self._position(self._moments[0])))
             if moment is None:
                 return []
             if moment > heard:
@@ -333,20 +331,13 @@ class Utterance:
         """Return the sample of the present playback at which a word or mark begins."""
         return round(moment.offset_ms * SAMPLE_RATE / 1000) - self._former
 
-    def _due(self, moment: Word | NamedMark, playback: Playback) -> float | None:
-        """Return when a word or mark is due by the clock; None while its sound has not come."""
-        position = max(0, self._position(moment))
-        if self._finished and playback.pushed <= position <= playback.pushed + _AT_END:
-            return playback.end
-        return playback.moment(position)
-
     def _begin(self, moment: float) -> None:
         self._has_begun = True
         at = wall_at(self._sound.clock, moment + self._late)
         self._on_progress(SpeechBegan(self.speech_id, self._text, self._is_ssml, at))
 
     def _tell(self, moment: Word | NamedMark, playback: Playback) -> None:
-        begins = self._due(moment, playback)
+        begins = playback.moment(max(0, self._position(moment)))
         begins = self._sound.clock.now() if begins is None else begins
         if not self._has_begun:
             self._begin(begins)

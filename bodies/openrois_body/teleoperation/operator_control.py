@@ -86,8 +86,8 @@ class OperatorControl:
 
     def forget_client(self, client: Client) -> None:
         """End the operation by an application that has disconnected."""
-        self._gaze.forget(client)
-        if self._held.forget(client):
+        self._gaze.forget_client(client)
+        if self._held.forget_client(client):
             self._vacate("the application that operated is gone")
             self.held_changed.notify_all(False)
 

@@ -16,6 +16,8 @@ from openrois_media.client.stream import CarrierStream
 __all__ = ["Speeches"]
 
 _MOST_UNCLEAR: Final = 64
+_NUMBERS: Final = itertools.count(1)
+"""Of this process: an application may open its media anew, and a body takes none of its numbers twice."""
 _log = logging.getLogger(__name__)
 
 
@@ -23,14 +25,13 @@ class Speeches:
     """The speeches that are not over, by their numbers, which no two speeches of an application share."""
 
     def __init__(self) -> None:
-        self._numbers = itertools.count(1)
         self._spoken: dict[int, tuple[Speaking, SpeechSender, CarrierStream]] = {}
         self._unclear: deque[tuple[int, CarrierStream]] = deque(maxlen=_MOST_UNCLEAR)
         """Speeches that were lost, and are to be cleared where the body waits for the rest of them."""
 
     def next_number(self) -> int:
         """Return the number of the next speech."""
-        return next(self._numbers)
+        return next(_NUMBERS)
 
     def begin_speech(self, begin: Begin, speaking: Speaking, carrier: CarrierStream) -> SpeechSender:
         """Begin a speech over the channels of a stream.

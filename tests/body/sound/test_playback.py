@@ -136,3 +136,15 @@ async def test_for_hours_of_starts_and_stops_little_is_remembered(room: Room) ->
         await room.clock.advance(0.5)
     assert len(playback._runs) < 20
     assert playback.played == 200 * 960
+
+
+async def test_behind_the_last_sample_is_the_end_once_that_is_set(room: Room) -> None:
+    playback = room.sound.play()
+    playback.finish()
+    assert playback.moment(0) is None
+    playback = room.sound.play()
+    playback.push(constant(500, 960))
+    assert playback.moment(960) is None
+    playback.finish()
+    assert playback.moment(960) == playback.moment(1000) == playback.end
+    assert playback.moment(1100) is None

@@ -178,7 +178,6 @@ async def test_only_the_application_that_holds_the_component_speaks(stage: Stage
         (lambda stage: stage.hold(stage.ann, holds=False), "the component was released"),
         (lambda stage: stage.hold(stage.bob, 2), "another application has bound the component"),
         (lambda stage: stage.control.forget_client(stage.ann.client), "the application that spoke is gone"),
-        (lambda stage: stage.ann.sink.input_lost("the connection was lost"), "the connection was lost"),
         (lambda stage: stage.ann.say(Clear(1)), "the speech was cleared"),
         (lambda stage: stage.voice.interrupt("a person spoke"), "a person spoke"),
     ],
@@ -193,6 +192,23 @@ async def test_a_speech_ends_as_interrupted_when(stage: Stage, loses: Any, reaso
     assert isinstance(finished, Finished)
     assert finished.reason == f"{reason} 0.5 s after its first sound"
     assert finished.position == pytest.approx(500, abs=25)
+    assert stage.control.streams == 0
+
+
+async def test_a_speech_ends_with_its_channels_and_nothing_is_told_of_it_over_others(stage: Stage) -> None:
+    stage.ann.begin()
+    stage.ann.push(48_000)
+    await stage.clock.advance(0.56)
+    told = len(stage.ann.told)
+    stage.ann.sink.input_lost("the connection was lost")
+    stage.ann.begin()
+    stage.ann.push(480)
+    stage.ann.say(End(1))
+    await settle()
+    former, *_ = (each for each in stage.progress if isinstance(each, SpeechEnded))
+    assert former.reason == "the connection was lost 0.5 s after its first sound"
+    await stage.clock.advance(1.0)
+    assert [each for each in stage.ann.told[told:] if isinstance(each, Finished)] == [Finished(1, 10)]
     assert stage.control.streams == 0
 
 
@@ -274,6 +290,25 @@ async def test_after_many_messages_that_cannot_be_read_nothing_more_is(stage: St
     assert finished.reason.startswith("32 messages could not be read, the last one: utterance: must be greater than 1")
     stage.ann.begin(2)
     assert stage.ann.told[-1] is finished
+
+
+async def test_a_number_that_was_had_is_refused_and_over_new_channels_all_begin_anew(stage: Stage) -> None:
+    stage.ann.begin(5)
+    stage.ann.push(4_800, 5)
+    stage.ann.say(End(5))
+    await stage.clock.advance(1.0)
+    stage.ann.begin(5)
+    stage.ann.begin(2)
+    said = "utterance: must be greater than 5, the number of the last speech"
+    assert stage.ann.told[-2:] == [Refused(5, said), Refused(2, said)]
+    for _ in range(MALFORMED_LIMIT):
+        stage.ann.sink.input_came("speech", "{}")
+    stage.ann.sink.input_lost("the connection was lost")
+    stage.ann.begin(1)
+    stage.ann.push(4_800)
+    stage.ann.say(End(1))
+    await stage.clock.advance(1.0)
+    assert stage.ann.told[-1] == Finished(1, 100)
 
 
 async def test_too_many_frames_end_the_speech_and_clear_is_heard_all_the_same(stage: Stage) -> None:
@@ -361,6 +396,10 @@ def test_whatever_comes_and_happens_each_speech_has_one_end_that_is_told(came: l
             for each in came:
                 if isinstance(each, str):
                     HAPPENING[each](stage)
+                    if each == "its channels close":
+                        # Nothing is told of what came over them, and all numbers are free again.
+                        begun.clear()
+                        stage.ann.told.clear()
                 elif isinstance(each, float):
                     await stage.clock.advance(each)
                 else:
@@ -393,8 +432,8 @@ def begins(came: tuple[str, str | bytes]) -> list[Begin]:
 
 
 def is_stray(told: SpeechTold) -> bool:
-    """Whether it is about frames that no speech began for."""
-    return isinstance(told, Refused) and "before its first frame" in told.reason
+    """Whether it is about frames that no speech began for, or a number that was had."""
+    return isinstance(told, Refused) and any(each in told.reason for each in ("before its first frame", "greater than"))
 
 
 @pytest.mark.parametrize(

@@ -113,14 +113,16 @@ async def test_it_is_told_when_it_is_heard_runs_dry_and_ends(url: str) -> None:
             events = speech.events()
             speech.add_words([SpokenWord("beep", 0.1)], text="beep")
             await speech.push((tone(0.3)[:, np.newaxis] * 30_000).astype(np.int16))
-            assert isinstance(await anext(events), Started)
-            assert await anext(events) == Starved(1, 300)
+            started = await anext(events)
+            assert isinstance(started, Started)
+            number = started.utterance
+            assert await anext(events) == Starved(number, 300)
             await speech.push(tone(0.2))
             assert (await speech.finish()).seconds == 0.5
-            assert await anext(events) == Finished(1, 500)
+            assert await anext(events) == Finished(number, 500)
             assert (await anext(words))["word"] == "beep"
             await speech.push(tone(0.1))
-        assert [step async for step in events][-1] == Finished(2, 100)
+        assert [step async for step in events][-1] == Finished(number + 1, 100)
 
 
 async def test_clear_silences_it_and_says_what_was_heard(url: str) -> None:
@@ -234,3 +236,11 @@ async def test_of_several_components_one_has_to_be_named() -> None:
             ):
                 async with media.speech():
                     pass
+
+
+async def test_an_application_that_opens_its_media_anew_speaks_again(url: str) -> None:
+    async with asyncio.timeout(PATIENCE), Client(url) as client:
+        for _ in range(2):
+            async with Media(client) as media, media.speech("avatar") as speech:
+                await speech.push(tone(0.1))
+                assert (await speech.finish()).seconds == pytest.approx(0.1)
