@@ -38,6 +38,8 @@ export class SpeechStream {
   readonly #media: InputMedia;
   readonly #events = new Emitter<SpeechStreamEvents>();
   readonly #spoken = new Map<number, Utterance>();
+  /** Speeches that were lost with their channels: the body may wait for the rest of them, and others behind them. */
+  readonly #lost: Utterance[] = [];
   #current: Utterance | null = null;
   #latest: Utterance | null = null;
   #turn: Promise<unknown> = Promise.resolve();
@@ -152,12 +154,16 @@ export class SpeechStream {
   #begin(text: string): Utterance {
     const [channels] = this.#media.inputs(engineOf(this.componentRef));
     if (!channels) throw new Error(`there is no connection to ${this.componentRef} now`);
+    for (const { number } of this.#lost.splice(0)) channels.sendChange(clearing(number));
     newest += 1;
     const utterance = new Utterance(newest, this.rate, channels, text);
     channels.listenToSpeech(
       utterance.number,
       (told) => this.#handle(utterance, told),
-      () => this.#handle(utterance, utterance.lost),
+      () => {
+        this.#lost.push(utterance);
+        this.#handle(utterance, utterance.lost);
+      },
     );
     this.#spoken.set(utterance.number, utterance);
     this.#current = this.#latest = utterance;
@@ -179,6 +185,8 @@ export class SpeechStream {
     return done;
   }
 }
+
+const clearing = (utterance: number): string => JSON.stringify({ event: "clear", utterance });
 
 /** One speech, from its first frame to its end. */
 class Utterance {
@@ -223,7 +231,7 @@ class Utterance {
   }
 
   clear(): void {
-    this.#channels.sendChange(JSON.stringify({ event: "clear", utterance: this.number }));
+    this.#channels.sendChange(clearing(this.number));
   }
 
   handle(told: SpeechTold): void {

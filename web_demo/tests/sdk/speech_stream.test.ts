@@ -10,6 +10,7 @@ const REF = "avatar/speech_stream";
 
 let gateway: FakeGateway;
 let client: Client;
+let open: InputChannels[];
 let connection: FakePeerConnection;
 let speech: SpeechStream;
 let steps: unknown[];
@@ -31,8 +32,8 @@ beforeEach(async () => {
   client = new Client("ws://test/", { webSocket: gateway.webSocket });
   await client.connect();
   connection = new FakePeerConnection({});
-  const channels = new InputChannels(connection as unknown as RTCPeerConnection);
-  speech = new SpeechStream(client, { inputs: () => (channels.open ? [channels] : []) }, REF, 16_000);
+  open = [new InputChannels(connection as unknown as RTCPeerConnection)];
+  speech = new SpeechStream(client, { inputs: () => open.filter((each) => each.open) }, REF, 16_000);
   steps = [];
   for (const name of ["started", "starved", "finished"] as const)
     speech.on(name, (value) => steps.push([name, value]));
@@ -150,6 +151,25 @@ describe("SpeechStream", () => {
     await expect(speech.push(new Int16Array(1))).rejects.toThrow(
       "there is no connection to avatar/speech_stream now",
     );
+  });
+
+  it("clears what was lost with its channels over the next ones, so that the body waits for no more of it", async () => {
+    const pushing = speech.push(new Int16Array(20_000));
+    await settle();
+    const lost = number();
+    connection.channel("speech").close();
+    await expect(pushing).rejects.toThrow("was lost");
+    connection = new FakePeerConnection({});
+    open = [new InputChannels(connection as unknown as RTCPeerConnection)];
+    await speech.push(new Int16Array(8));
+    expect(sent("control")).toEqual([{ event: "clear", utterance: lost }]);
+    expect(number()).toBe(lost + 1);
+    const finishing = speech.finish();
+    await settle();
+    tell({ event: "finished", utterance: number(), position: 0 });
+    await finishing;
+    await speech.push(new Int16Array(8));
+    expect(sent("control")).toHaveLength(1);
   });
 
   it("gives the component back when it stops", async () => {
