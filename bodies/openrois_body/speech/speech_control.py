@@ -192,7 +192,8 @@ class _Stream:
 
     def leave(self) -> None:
         """Tell the application no more of it: its channels are lost."""
-        self._tell = self._ended = lambda _what: None
+        self._tell = lambda _told: None
+        self._ended = lambda _number: None
 
     def push(self, frame: Frame) -> None:
         """Append the sound of a frame. Raises InputError and SoundOverrun."""
