@@ -41,6 +41,7 @@ SPOKEN_EVENTS: Final = 256
 """Steps of speech that wait for a slow reader; the oldest makes room for the newest."""
 _FRAME_SAMPLES: Final = (SPEECH_MESSAGE_LIMIT - FRAME_HEAD.size) // 2
 _OPUS_BITRATE: Final = 48_000
+_CLEARED: Final = "the speech was cleared before this was spoken"
 LOST: Final = "the connection over which it was spoken was lost"
 
 Samples = NDArray[np.int16] | NDArray[np.float32] | NDArray[np.float64]
@@ -136,6 +137,17 @@ class SpeechSender:
         self.news.notify()
 
 
+@dataclass(slots=True)
+class _Pushes:
+    """What is pushed up to the next `finish`.
+
+    Attributes:
+        interrupted: why that was interrupted; what of it waits to be sent is dropped then.
+    """
+
+    interrupted: str = ""
+
+
 class Speaking:
     """Sound that an application speaks through a body, inside the block of `Media.speech`.
 
@@ -167,6 +179,8 @@ class Speaking:
         """Speeches that are not over, the present one last."""
         self._packets: _Packets | None = None
         self._turn = asyncio.Lock()
+        self._pushes = _Pushes()
+        self._clears = 0
         self._steps: deque[SpeechTold] = deque(maxlen=SPOKEN_EVENTS)
         self._news = News()
         self._closed = False
@@ -189,12 +203,19 @@ class Speaking:
             ValueError: it is not such an array.
         """
         sound = _pcm(samples)
+        pushes, clears = self._pushes, self._clears
         async with self._turn:
+            # It has waited for its turn behind others.
+            if why := pushes.interrupted if clears == self._clears else _CLEARED:
+                raise Aborted(why)
             sender = self._current or self._begin_speech(text)
             try:
                 for part, count in self._parts(sound):
                     await sender.push(part, count)
-            except Aborted:
+            except Aborted as aborted:
+                pushes.interrupted = str(aborted)
+                if self._pushes is pushes:
+                    self._pushes = _Pushes()
                 self._leave(sender)
                 raise
 
@@ -212,6 +233,7 @@ class Speaking:
 
     async def finish(self) -> Spoken:
         """End the present speech, and wait until all of it was heard; without one, until the last one is over."""
+        self._pushes = _Pushes()
         async with self._turn:
             sender = self._current
             if sender is not None:
@@ -220,7 +242,12 @@ class Speaking:
         return Spoken(0.0) if latest is None else await latest.over()
 
     async def clear(self) -> Spoken:
-        """Silence all that was pushed, at once; returns what was heard of the present speech, or of the last one."""
+        """Silence all that was pushed, at once, also what waits to be sent.
+
+        Returns:
+            What was heard of the present speech, or of the last one.
+        """
+        self._clears += 1
         senders = [each for each in self._spoken if each.result is None]
         for sender in senders:
             sender.clear()

@@ -148,6 +148,22 @@ async def test_a_push_that_waits_for_credit_fails_when_the_speech_is_interrupted
         assert (await speech.finish()).seconds == pytest.approx(0.1)
 
 
+@pytest.mark.parametrize("how", ["clear", "stop"])
+async def test_pushes_that_wait_behind_one_that_is_silenced_are_not_spoken(url: str, how: str) -> None:
+    async with program(url) as (client, media), media.speech("avatar") as speech:
+        pushing = [asyncio.create_task(speech.push(tone(20))) for _ in range(3)]
+        await anext(speech.events())
+        if how == "clear":
+            await speech.clear()
+        else:
+            await client.component(speech.component_ref).command("stop")
+        ends = await asyncio.gather(*pushing, return_exceptions=True)
+        assert [type(end) for end in ends] == [Aborted] * 3
+        assert await speech.finish() == await speech.clear()
+        await speech.push(tone(0.1))
+        assert (await speech.finish()).seconds == pytest.approx(0.1)
+
+
 async def test_what_fails_inside_the_block_silences_the_body_and_gives_it_back(url: str) -> None:
     async with program(url) as (client, media):
 
