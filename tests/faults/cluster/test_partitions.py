@@ -154,7 +154,7 @@ async def test_f51_one_gateway_without_the_store_and_one_without_nats(
         done = [each.done for each in rests]
         await goes_on[0].moves(10)
         assert [each.done for each in rests] == done
-        assert not late.done()
+        assert await here.cluster.owner_id("late") == ""
         await open_again(here, *cut)
         await late
         for gateway in gateways.values():

@@ -159,7 +159,7 @@ async def test_f47_f48_the_shipped_proxy_cuts_no_application_off_while_no_gatewa
                 await each.ready()
             await place.front.takes_for("UP", "UP", "UP")
             await here.command("move")
-            assert await times(there) == 22
+            assert await times(await arm_of(elsewhere)) == 22
         assert not gone.done()
         gone.cancel()
 
