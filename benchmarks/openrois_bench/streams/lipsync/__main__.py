@@ -7,6 +7,7 @@ do; `played` that of a viewer that does not, shows each picture when it is decod
 
 With `--scene engine` both come from a game engine on the engine link. With `--scene puppet` or `panda3d` the avatar
 speaks; `mouth` is by how much its voice is later than its mouth in the pictures, for a player that goes by the reports.
+`--lips sound` has the mouth read from the sound, as of speech that comes without mouth shapes.
 """
 
 import argparse
@@ -25,21 +26,21 @@ from openrois_streaming.session.session import StreamSession
 from openrois_bench.measuring.conditions import conditions, load
 from openrois_bench.measuring.result import write_result
 from openrois_bench.processes.partner import SWITCH_INTERVAL, Partner, partner
-from openrois_bench.streams.lipsync.scenes import SCENES, played
+from openrois_bench.streams.lipsync.scenes import LIPS, SCENES, played
 
 _PATIENCE = 15.0
 _SETTLING = 10.0
 _QUICK = 0.5
 
 
-async def measure(scene: str, minutes: float) -> list[dict[str, Any]]:
+async def measure(scene: str, lips: str, minutes: float) -> list[dict[str, Any]]:
     """The figures after each minute, from the beginning on."""
     clock = SystemClock()
     heard: asyncio.Queue[Downward] = asyncio.Queue()
     ids = itertools.count()
     readings = []
     async with (
-        played(scene, clock) as sources,
+        played(scene, lips, clock) as sources,
         partner("openrois_bench.streams.lipsync.viewer") as viewer,
         asyncio.TaskGroup() as tasks,
         StreamSession(
@@ -93,12 +94,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="where the last reading goes")
     parser.add_argument("--scene", choices=SCENES, default=SCENES[0])
+    parser.add_argument("--lips", choices=LIPS, default=LIPS[0])
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--quick", action="store_true", help="half a minute, to see that all works")
     options = parser.parse_args()
     before = load()
     sys.setswitchinterval(SWITCH_INTERVAL)
-    readings = uvloop.run(measure(options.scene, _QUICK if options.quick else options.minutes))
+    readings = uvloop.run(measure(options.scene, options.lips, _QUICK if options.quick else options.minutes))
     write_result(options.json, "openrois_bench.streams.lipsync", conditions(before), summary=readings[-1])
 
 

@@ -20,6 +20,9 @@ SPEAKING = ("puppet", "panda3d")
 """The engines whose mouth is measured."""
 SCENES = ("synthetic", "engine", *SPEAKING)
 
+LIPS = ("told", "sound")
+"""Where the shapes of the mouth come from: told with the sound, or read from it."""
+
 _SYLLABLES = ("pa", "ma", "ba", "papa", "mama", "baba")
 _SEED = 1
 
@@ -32,9 +35,15 @@ class Played:
     audio: MediaSource[RawAudio]
 
 
+class _Shapeless(Synthesizer):
+    """A synthesizer whose mouth shapes are not used."""
+
+    tells_visemes = False
+
+
 @asynccontextmanager
-async def played(name: str, clock: MediaClock) -> AsyncIterator[Played]:
-    """One of `SCENES` for as long as the context lasts."""
+async def played(name: str, lips: str, clock: MediaClock) -> AsyncIterator[Played]:
+    """One of `SCENES` for as long as the context lasts, with one of `LIPS` where the avatar speaks."""
     if name == "synthetic":
         yield Played(ColourBars(1280, 720, clock=clock), Tone(clock=clock))
         return
@@ -45,7 +54,7 @@ async def played(name: str, clock: MediaClock) -> AsyncIterator[Played]:
         if name not in SPEAKING:
             yield Played(engine.video, sound)
             return
-        async with Synthesizer(clock) as synthesizer:
+        async with (Synthesizer if lips == "told" else _Shapeless)(clock) as synthesizer:
             voice = Voice(synthesizer, sound, Body(engine.send))
             speaking = asyncio.create_task(_speak(voice))
             yield Played(engine.video, sound)
