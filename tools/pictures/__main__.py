@@ -5,7 +5,7 @@ import asyncio
 import sys
 from typing import Final
 
-from playwright.async_api import Browser, Page
+from playwright.async_api import Browser, Page, expect
 
 from tools.pictures.moving import filming
 from tools.pictures.record import FOLDER, PICTURES, recorded, stale, write_record
@@ -15,6 +15,10 @@ __all__ = ["main"]
 
 TAKEN: Final = ("demo.png", "map.png", "inspector.png", "demo.webp")
 """Those that are taken here; `tools.pictures.architecture` and `openrois_bench.charts` draw the others."""
+
+
+_IN_VIEW: Final = 19
+"""Components at the end of the inspector's tree that are seen there, and are asked how they fare."""
 
 
 async def take() -> None:
@@ -69,7 +73,10 @@ async def _inspector(running: Browser, url: str) -> None:
     async with visit(running, url) as page:
         await page.goto(f"{url}#inspector/lamp_1/lamp")
         await page.locator(".panel [data-kind=command][data-name=switch]").wait_for()
-        await page.wait_for_timeout(500)
+        dots = page.get_by_role("tree").locator(".dot")
+        for row in range(1, _IN_VIEW):
+            # How a component fares is shown as soon as that has been asked.
+            await expect(dots.nth(-row)).not_to_have_attribute("data-status", "", timeout=30_000)
         await page.screenshot(path=FOLDER / "inspector.png")
 
 

@@ -88,6 +88,8 @@ export class TreeView {
     this.#components = new Map(componentsOf(engines).map((each) => [each.ref, each]));
     this.#selected = selected;
     this.#render();
+    // What has been in view before its profile was there can be asked now.
+    this.#tellVisible();
   }
 
   /** Shows the marks of one row anew. */
@@ -207,6 +209,10 @@ export class TreeView {
       if (isIntersecting) this.#inSight.add(id);
       else this.#inSight.delete(id);
     }
+    this.#tellVisible();
+  }
+
+  #tellVisible(): void {
     const seen = new Map<string, string>();
     for (const ref of this.#inSight) {
       const component = this.#components.get(ref);
