@@ -1,0 +1,79 @@
+"""Tells a host what has changed: the event log, and the tools where bodies came or went."""
+
+import asyncio
+from collections import deque
+from typing import Any, Final
+
+from mcp.server.context import ServerRequestContext
+from mcp.server.session import ServerSession
+from mcp.server.subscriptions import InMemorySubscriptionBus, ListenHandler, ResourceUpdated, ToolsListChanged
+from mcp_types import SubscriptionsListenRequestParams, SubscriptionsListenResult
+
+from openrois_agents.tools.documents import BODIES, EVENTS
+from openrois_agents.tools.session import Session
+
+__all__ = ["Announcements"]
+
+MAX_LISTENERS: Final = 4
+"""Connections of one caller that are told of changes; the newest ones."""
+
+_PAUSE: Final = 0.2
+"""Seconds between two announcements of the same."""
+
+
+class Announcements:
+    """Tells the host of one caller of changes, in both generations of the protocol.
+
+    Args:
+        session: of the caller.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._bus = InMemorySubscriptionBus()
+        self._listen = ListenHandler(self._bus, max_subscriptions=MAX_LISTENERS)
+        self._changed: set[str] = set()
+        self._news = asyncio.Event()
+        self._connections: deque[ServerSession] = deque(maxlen=MAX_LISTENERS)
+        self._subscribed: dict[str, deque[ServerSession]] = {}
+        session.log.added.add(lambda _event: self._note(EVENTS))
+        session.profile_changed.add(lambda: self._note(BODIES))
+        session.start(self._announce())
+
+    async def listen(
+        self, context: ServerRequestContext[Any, Any], params: SubscriptionsListenRequestParams
+    ) -> SubscriptionsListenResult:
+        """Serve one stream of changes to a host of the newer generation."""
+        return await self._listen(context, params)
+
+    def add_connection(self, connection: ServerSession) -> None:
+        """Tell a host of the older generation when the tools have changed."""
+        if len(self._connections) < MAX_LISTENERS and connection not in self._connections:
+            self._connections.append(connection)
+
+    def subscribe(self, connection: ServerSession, address: str) -> None:
+        """Tell a host of the older generation when a document has changed."""
+        if address in (BODIES, EVENTS):
+            self._subscribed.setdefault(address, deque(maxlen=MAX_LISTENERS)).append(connection)
+
+    def unsubscribe(self, address: str) -> None:
+        """Tell hosts of the older generation of a document no more."""
+        self._subscribed.pop(address, None)
+
+    def _note(self, address: str) -> None:
+        self._changed.add(address)
+        self._news.set()
+
+    async def _announce(self) -> None:
+        while True:
+            await self._news.wait()
+            self._news.clear()
+            changed, self._changed = self._changed, set()
+            for address in sorted(changed):
+                await self._bus.publish(ResourceUpdated(uri=address))
+                for connection in tuple(self._subscribed.get(address, ())):
+                    await connection.send_resource_updated(address)
+            if BODIES in changed:
+                await self._bus.publish(ToolsListChanged())
+                for connection in tuple(self._connections):
+                    await connection.send_tool_list_changed()
+            await asyncio.sleep(_PAUSE)
