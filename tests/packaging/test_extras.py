@@ -21,6 +21,8 @@ BROUGHT = {
     "ifaddr": "aioice",
     "mcp_types": "mcp",
     "pylibsrtp": "aiortc",
+    "starlette": "mcp",
+    "uvicorn": "mcp",
 }
 """Modules of distributions that come with another one, and which that is."""
 FOR_DEVELOPERS = {"dev", "docs"}

@@ -4,10 +4,12 @@ import asyncio
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Literal
 
 from mcp.client.client import Client as Host
 from mcp_types import CallToolResult, TextResourceContents
+from openrois_agents.mcp.handlers import Handlers
 from openrois_agents.mcp.server import build_server
 from openrois_agents.tools.session import Session
 from openrois_agents.tools.settings import ToolSettings
@@ -104,9 +106,13 @@ async def table(
     async with (
         memory_gateway(*actor.parts) as gateway,
         session_at(gateway.client, settings) as session,
-        Host(build_server(Finder(session)), mode=mode) as host,
+        Host(build_server(partial(_same, Handlers(Finder(session)))), mode=mode) as host,
     ):
         yield Table(host, session, actor, gateway)
+
+
+def _same(handlers: Handlers) -> Handlers:
+    return handlers
 
 
 def names(texts: Sequence[Any]) -> list[str]:

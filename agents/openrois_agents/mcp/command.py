@@ -2,15 +2,24 @@
 
 import argparse
 import asyncio
-from collections.abc import Sequence
-from typing import Final
+import gc
+import signal
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING, Final
 
-from openrois.cli.command_line import CommandLine
+from openrois.auth.loopback import is_loopback
+from openrois.cli.command_line import CommandLine, port_number
 from openrois.extras import needing_extra
+from openrois.observability.logs import set_up_logging
 from openrois.transport.address import gateway_url
 from openrois.transport.credential_options import add_credential_options, credentials
 from openrois_agents.tools.abilities import ACTING
 from openrois_agents.tools.settings import IDLE, MOVEMENTS, ToolSettings
+
+if TYPE_CHECKING:
+    from openrois.client import Client
 
 __all__ = ["main"]
 
@@ -28,15 +37,64 @@ def main(arguments: Sequence[str]) -> int:
         url = gateway_url(chosen.gateway)
     except ValueError as error:
         parser.error(f"--gateway: {error}")
-    settings = ToolSettings(chosen.idle, frozenset(chosen.tools), chosen.movements)
+    if not chosen.http and (chosen.allow_host or chosen.allow_origin):
+        parser.error("--allow-host and --allow-origin are for --http")
+    if chosen.http and chosen.token_file:
+        parser.error("--token-file is not for --http: each caller shows a token of its own")
+    tools = ToolSettings(chosen.idle, frozenset(chosen.tools), chosen.movements)
     with needing_extra("mcp"):
         import mcp_types as _  # noqa: F401 - says at once what is missing
-    _log_to_stderr(chosen.verbose)
-    shown = credentials(chosen)
-    from openrois.client import Client
+    # Standard output carries the protocol.
+    set_up_logging(verbose=chosen.verbose)
+    return _serve_http(chosen, url, tools) if chosen.http else _serve_stdio(chosen, url, tools)
+
+
+def _serve_stdio(chosen: argparse.Namespace, url: str, tools: ToolSettings) -> int:
+    # Nearly all that is made while modules are loaded stays: to look for garbage meanwhile takes a tenth of the time.
+    gc.disable()
     from openrois_agents.mcp.stdio_server import serve_stdio
 
-    asyncio.run(serve_stdio(lambda: Client(url, token=shown.token, ca_file=shown.ca_file), settings))
+    gc.freeze()
+    gc.enable()
+    shown = credentials(chosen)
+
+    def make_client() -> "Client":
+        from openrois.client import Client
+
+        return Client(url, token=shown.token, ca_file=shown.ca_file)
+
+    asyncio.run(serve_stdio(make_client, tools))
+    return 0
+
+
+def _serve_http(chosen: argparse.Namespace, url: str, tools: ToolSettings) -> int:
+    from openrois.client import Client
+    from openrois_agents.mcp.guard import host_rules
+    from openrois_agents.mcp.http_server import PATH, HttpServer, listen
+
+    host, port = chosen.http
+    ca_file = credentials(chosen).ca_file
+    try:
+        listening = listen(host, port)
+    except OSError as error:
+        print(f"openrois mcp: cannot listen at {host}:{port}: {error.strerror or error}", file=sys.stderr)
+        return 1
+    rules = host_rules(host, chosen.allow_host, chosen.allow_origin)
+    if not is_loopback(host):
+        print("openrois mcp: tokens go over HTTP unencrypted: put a proxy with TLS before it", file=sys.stderr)
+    print(f"listening http://{_address(host)}:{listening.getsockname()[1]}{PATH}", flush=True)
+
+    def make_client(token: Callable[[], str] | None) -> Client:
+        return Client(url, token=token, ca_file=ca_file)
+
+    async def serve() -> None:
+        server = HttpServer(rules, make_client, tools)
+        with suppress(NotImplementedError):
+            for name in (signal.SIGINT, signal.SIGTERM):
+                asyncio.get_running_loop().add_signal_handler(name, server.end_serving)
+        await server.serve(listening)
+
+    asyncio.run(serve())
     return 0
 
 
@@ -49,6 +107,18 @@ def _parser() -> CommandLine:
     )
     parser.add_argument("--gateway", default="ws://127.0.0.1:8765/", metavar="URL", help="the gateway (%(default)s)")
     add_credential_options(parser)
+    parser.add_argument(
+        "--http",
+        type=_place,
+        metavar="[HOST:]PORT",
+        help="serve callers over HTTP there (127.0.0.1 unless HOST is given), not over standard input and output",
+    )
+    parser.add_argument(
+        "--allow-host", action="append", default=[], metavar="NAME", help="a name by which callers call the server"
+    )
+    parser.add_argument(
+        "--allow-origin", action="append", default=[], metavar="ORIGIN", help="a page that may use the server"
+    )
     parser.add_argument(
         "--tools",
         type=_tools,
@@ -97,8 +167,11 @@ def _seconds(text: str) -> float:
     return seconds
 
 
-def _log_to_stderr(verbose: bool) -> None:
-    """Log to standard error: standard output carries the protocol."""
-    from openrois.observability.logs import set_up_logging
+def _place(text: str) -> tuple[str, int]:
+    """Read `PORT` or `HOST:PORT`."""
+    host, _, port = text.rpartition(":")
+    return host.strip("[]") or "127.0.0.1", port_number(port)
 
-    set_up_logging(verbose=verbose)
+
+def _address(host: str) -> str:
+    return f"[{host}]" if ":" in host else host

@@ -1,12 +1,13 @@
 """The arguments of each tool, checked before anything is asked of a body. Pure."""
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from openrois.errors import BadParameter
 
 __all__ = [
+    "KINDS",
     "Arguments",
     "AskVisitor",
     "Call",
@@ -169,6 +170,10 @@ class Call(Arguments):
         if (self.name is None) == (self.kind in ("query", "command")):
             raise ValueError("query and command need a name, and nothing else takes one")
         return self
+
+
+KINDS: Final = tuple(Arguments.__subclasses__())
+"""The arguments of all tools."""
 
 
 def read_arguments(tool: str, kind: type[Arguments], given: Any) -> Arguments:

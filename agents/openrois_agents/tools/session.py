@@ -59,6 +59,7 @@ class Session:
         self.clock = clock
         self._tasks = TaskScope()
         self.watching = Watching(self.log, self.profile_changed.notify_all)
+        self.link.connected.add(self.watching.follow_notices)
         self._vocabulary = VocabularyReader(clock)
         self._changing = asyncio.Lock()
         self._held: HeldBody | None = None
@@ -68,7 +69,6 @@ class Session:
         self._called = asyncio.Event()
 
     async def __aenter__(self) -> Self:
-        self.link.connected.add(self.watching.follow_notices)
         return self
 
     async def __aexit__(
