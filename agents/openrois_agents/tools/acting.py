@@ -3,6 +3,7 @@
 from openrois.client import BadParameter
 from openrois_agents.tools.answer import Answer
 from openrois_agents.tools.arguments import Gesture, GoTo, LookAt, Say
+from openrois_agents.tools.held_body import HeldBody
 from openrois_agents.tools.running import Progress
 from openrois_agents.tools.session import Session
 from openrois_agents.tools.vocabulary import gestures_of, places_of
@@ -27,7 +28,7 @@ async def gesture(session: Session, given: Gesture, progress: Progress) -> Answe
     """Make a gesture; return at its end."""
     held = session.require_body()
     held.permits.require("gesture")
-    gestures = await gestures_of(held.client, await session.body_info(held.engine_id))
+    gestures = await gestures_of(held.client, held.info)
     if given.name not in gestures:
         raise BadParameter(f"{held.engine_id} has no gesture {given.name!r}: it has {', '.join(gestures) or 'none'}")
     parameters = {"reaction_ref": gestures[given.name]}
@@ -47,7 +48,7 @@ async def go_to(session: Session, given: GoTo, progress: Progress) -> Answer:
     """Go to a place; return on arrival."""
     held = session.require_body()
     held.permits.require("go_to")
-    target = await _target(session, given)
+    target = await _target(held, given)
     await held.runner.run(
         held.acting("go_to"),
         "start",
@@ -59,14 +60,12 @@ async def go_to(session: Session, given: GoTo, progress: Progress) -> Answer:
     return Answer(f"{held.engine_id} is there.", {"body": held.engine_id, "target": target})
 
 
-async def _target(session: Session, given: GoTo) -> str:
+async def _target(held: HeldBody, given: GoTo) -> str:
     """Return where to go, as Navigation takes it."""
-    held = session.require_body()
     if given.place is None:
         return ",".join(f"{each:g}" for each in (given.x, given.y, given.facing) if each is not None)
-    info = await session.body_info(held.engine_id)
-    places = await places_of(held.client, info)
+    places = await places_of(held.client, held.info)
     if given.place not in places:
         there = f"it knows {', '.join(places)}" if places else "it knows none by name: give x and y"
-        raise BadParameter(f"{info.engine_id} knows no place {given.place!r}: {there}")
+        raise BadParameter(f"{held.engine_id} knows no place {given.place!r}: {there}")
     return given.place

@@ -39,7 +39,7 @@ async def _act(session: Session, client: Client, given: Call, progress: Progress
     if profile.function is ComponentFunction.ACTUATION:
         component = await held.bind(given.component)
         held.permits.count_movement()
-    elif given.component not in {each.component_ref for each in (await session.body_info(held.engine_id)).components}:
+    elif given.component not in {each.component_ref for each in held.info.components}:
         raise Unsupported(f"{given.component} is no component of {held.engine_id}, which this task holds")
     if given.name is None:
         if unknown := sorted(name for name in given.arguments if profile.parameter(name) is None):

@@ -2,7 +2,7 @@
 
 from contextlib import AsyncExitStack
 
-from openrois.client import Body, Client, ComponentProxy, OutOfResources, Unsupported
+from openrois.client import Body, BodyInfo, Client, ComponentProxy, OutOfResources, Unsupported
 from openrois.types.references import engine_of
 from openrois_agents.tools.abilities import ABILITIES
 from openrois_agents.tools.permits import Permits
@@ -17,14 +17,24 @@ class HeldBody:
     Args:
         client: has bound them.
         body: what is bound.
+        info: all that the body had when it was reserved.
         permits: what the task may do.
         runner: runs its commands.
         stack: gives it back.
     """
 
-    def __init__(self, client: Client, body: Body, permits: Permits, runner: Runner, stack: AsyncExitStack) -> None:
+    def __init__(
+        self,
+        client: Client,
+        body: Body,
+        info: BodyInfo,
+        permits: Permits,
+        runner: Runner,
+        stack: AsyncExitStack,
+    ) -> None:
         self.client = client
         self.body = body
+        self.info = info
         self.permits = permits
         self.runner = runner
         self._stack = stack

@@ -1,23 +1,46 @@
 """A picture for a language model: of a body's camera, a second old at most, of a bounded size."""
 
 import asyncio
+import time
+from dataclasses import dataclass
 from typing import Any, Final
 
 from openrois.client import ComponentFailed, OutOfResources
 from openrois.extras import needing_extra
 from openrois_agents.tools.gateway_link import GatewayLink
 
-__all__ = ["MAX_BYTES", "take_picture"]
+__all__ = ["MAX_AGE", "MAX_BYTES", "Picture", "take_picture"]
 
 MAX_BYTES: Final = 256_000
 """Bytes of a picture as JPEG."""
 
+MAX_AGE: Final = 1.0
+"""Seconds since a picture was captured, where the body tells by which clock."""
+
 _QUALITIES: Final = (85, 70, 50, 30)
 _TIMEOUT: Final = 15.0
+_CLOCK: Final = 3.0
+"""Seconds for which the body's clock is waited for: its first report comes within one, usually."""
 
 
-async def take_picture(link: GatewayLink, camera: str, width: int) -> tuple[bytes, int, int]:
-    """Return a picture as a JPEG file, and its width and height.
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A picture.
+
+    Attributes:
+        file: as JPEG.
+        width, height: in pixels.
+        age: seconds since it was captured, without the way of a packet; None where the body does not tell its clock.
+    """
+
+    file: bytes
+    width: int
+    height: int
+    age: float | None
+
+
+async def take_picture(link: GatewayLink, camera: str, width: int) -> Picture:
+    """Return a picture.
 
     Args:
         link: to the gateway.
@@ -29,11 +52,20 @@ async def take_picture(link: GatewayLink, camera: str, width: int) -> tuple[byte
         RoISError: the engine refuses, or no picture comes.
     """
     media = await link.media()
-    try:
-        pixels = await media.snapshot(camera, "bgr24", timeout=_TIMEOUT)
-    except TimeoutError as error:
-        raise ComponentFailed(str(error)) from None
-    return await asyncio.to_thread(_encoded, pixels, width)
+    without_clock_from = time.monotonic() + _CLOCK
+    async with media.frames(camera, "bgr24", timeout=_TIMEOUT) as frames:
+        try:
+            async with asyncio.timeout(_TIMEOUT):
+                async for frame in frames:
+                    age = time.monotonic() - frame.local_time
+                    is_known = frame.captured_at is not None
+                    if age <= MAX_AGE and (is_known or time.monotonic() >= without_clock_from):
+                        file, *size = await asyncio.to_thread(_encoded, frame.data, width)
+                        return Picture(file, *size, age if is_known else None)
+        except TimeoutError:
+            pass
+        why = frames.problem or f"its pictures are older than {MAX_AGE:g} s, or none come"
+    raise ComponentFailed(f"{camera} gave no picture within {_TIMEOUT:g} s: {why}")
 
 
 def _encoded(pixels: Any, longest: int) -> tuple[bytes, int, int]:

@@ -33,9 +33,10 @@ async def look(session: Session, given: Look, progress: Progress) -> Answer:
     if camera not in cameras:
         raise BadParameter(f"{info.engine_id} has no camera {camera!r}: it has {', '.join(cameras)}")
     await progress(0.0, f"waiting for a picture of {camera}")
-    picture, width, height = await take_picture(session.link, camera, given.width)
-    data = {"camera": camera, "width": width, "height": height}
-    return Answer(f"{camera}, {width}x{height}. {PICTURE_WARNING}", data, picture)
+    picture = await take_picture(session.link, camera, given.width)
+    age = "of an unknown age" if picture.age is None else f"{picture.age:.1f} s old"
+    data = {"camera": camera, "width": picture.width, "height": picture.height, "age_seconds": picture.age}
+    return Answer(f"{camera}, {picture.width}x{picture.height}, {age}. {PICTURE_WARNING}", data, picture.file)
 
 
 async def where_is(session: Session, given: Where, _progress: Progress) -> Answer:
@@ -61,7 +62,7 @@ async def listen(session: Session, given: Listen, progress: Progress) -> Answer:
 async def ask_visitor(session: Session, given: AskVisitor, progress: Progress) -> Answer:
     """Ask a question, and return what a visitor says behind it."""
     held = session.require_body()
-    event = await _hear(session, await session.body_info(held.engine_id))
+    event = await _hear(session, held.info)
     await acting.say(session, Say(text=given.question), progress)
     return await _heard(session, event, session.log.last, given.seconds, progress)
 

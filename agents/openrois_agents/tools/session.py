@@ -62,6 +62,7 @@ class Session:
         self.link.connected.add(self.watching.follow_notices)
         self._vocabulary = VocabularyReader(clock)
         self._changing = asyncio.Lock()
+        self._reserving: asyncio.Task[Any] | None = None
         self._held: HeldBody | None = None
         self._why_not_held = ""
         self._calls = 0
@@ -75,6 +76,8 @@ class Session:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Stop what runs, give the body back and take leave of the gateway."""
+        if self._reserving is not None:
+            self._reserving.cancel()
         await self.give_back("the session is over")
         await self.watching.close()
         await self._tasks.__aexit__(kind, error, trace)
@@ -141,28 +144,33 @@ class Session:
                     raise OutOfResources(f"this task holds {self._held.engine_id} already: give_back comes first")
                 await self._give_back(f"{self._held.engine_id} was lost")
             wanted = self._wanted(tools)
-            client = await self.link.client()
             if body is not None:
                 await self.body_info(body)
-            urns = [ability.urn for tool, ability in ABILITIES.items() if tool in wanted]
-            # What is usual a body should have; of what a task names it needs everything.
-            needed = len(urns) if tools is not None else 1
-            async with AsyncExitStack() as stack:
-                reserved = await stack.enter_async_context(
-                    client.body(
-                        *urns[:needed],
-                        optional=urns[needed:],
-                        condition="" if body is None else f"component_ref LIKE '{_pattern(body)}/%'",
-                        wait=wait,
-                    )
-                )
-                permits = Permits(wanted, self.settings.movements, self.clock)
-                runner = Runner(self._tasks, self.clock)
-                held = HeldBody(client, reserved, permits, runner, stack.pop_all())
+            self._reserving = asyncio.current_task()
+            try:
+                held = await self._reserve(body, wanted, all_of_them=tools is not None, wait=wait)
+            finally:
+                self._reserving = None
             self._held, self._why_not_held = held, ""
             self.log.add("body_reserved", held.engine_id, {"tools": held.tools})
             self._tasks.start(self._watch_idle(held))
             return held
+
+    async def _reserve(self, body: str | None, tools: frozenset[str], *, all_of_them: bool, wait: float) -> HeldBody:
+        """Reserve a body with components for all tools, or for the first one and those that it has and are free."""
+        client = await self.link.client()
+        urns = [ability.urn for tool, ability in ABILITIES.items() if tool in tools]
+        needed = len(urns) if all_of_them else 1
+        condition = "" if body is None else f"component_ref LIKE '{_pattern(body)}/%'"
+        reserving = client.body(*urns[:needed], optional=urns[needed:], condition=condition, wait=wait)
+        async with AsyncExitStack() as stack:
+            reserved = await stack.enter_async_context(reserving)
+            info = next((each for each in await client.bodies() if each.engine_id == reserved.engine_id), None)
+            if info is None:
+                raise OutOfResources(f"{reserved.engine_id} has left: use_body reserves another one")
+            permits = Permits(tools, self.settings.movements, self.clock)
+            runner = Runner(self._tasks, self.clock)
+            return HeldBody(client, reserved, info, permits, runner, stack.pop_all())
 
     def _wanted(self, tools: Sequence[str] | None) -> frozenset[str]:
         """Return the tools of a task.
@@ -222,7 +230,10 @@ class Session:
             BadParameter: there is no such body, or there are several and none is named.
             Unsupported: there is none at all.
         """
-        wanted = body or (self._held.engine_id if self._held is not None else None)
+        held = self._held
+        if held is not None and held.body.error is None and body in (None, held.engine_id):
+            return held.info
+        wanted = body or (held.engine_id if held is not None else None)
         bodies = await (await self.link.client()).bodies()
         if not bodies:
             raise Unsupported("there is no body behind the gateway")

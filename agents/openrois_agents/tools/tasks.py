@@ -1,6 +1,6 @@
 """Tools that begin and end a task with a body, and stop it."""
 
-from typing import Any
+from typing import Any, Final
 
 from openrois.client import BodyInfo
 from openrois_agents.tools.abilities import ABILITIES
@@ -11,13 +11,18 @@ from openrois_agents.tools.session import Session
 
 __all__ = ["bodies", "describe", "give_back", "stop", "use_body"]
 
+MAX_LISTED: Final = 50
+"""Bodies in one list; those that are free stand first."""
+
 
 async def bodies(session: Session, _given: Nothing, _progress: Progress) -> Answer:
     """List the bodies."""
     found = await (await session.link.client()).bodies()
     held = session.held.engine_id if session.held is not None else ""
-    data = [describe(each, held) for each in found]
+    data = [describe(each, held) for each in sorted(found, key=lambda each: not each.free)[:MAX_LISTED]]
     lines = [f"{each['body']}: {each['state']}; {', '.join(each['tools']) or 'nothing that acts'}" for each in data]
+    if len(found) > MAX_LISTED:
+        lines.append(f"and {len(found) - MAX_LISTED} more, which can be named")
     return Answer("\n".join(lines) or "There is no body behind the gateway.", {"bodies": data})
 
 
