@@ -20,7 +20,7 @@ from openrois_agents.tools.settings import ToolSettings
 
 from openrois.adapter.running import serve
 from openrois.client import Client
-from openrois.gateway.server import run_gateway
+from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from tests.support.actors import Actor
 from tests.support.mcp_hosts import PATIENCE, Generation
@@ -39,12 +39,14 @@ class Site:
 
     Attributes:
         url: where applications connect.
+        reload: lets the gateway read its files again.
         actor: the body.
         tools: where `openrois mcp` serves it over HTTP; empty unless it does.
     """
 
-    def __init__(self, url: str, actor: Actor) -> None:
-        self.url = url
+    def __init__(self, gateway: Gateway, actor: Actor) -> None:
+        self.url = gateway.url.replace("http", "ws", 1)
+        self.reload = gateway.reload
         self.actor = actor
         self.tools = ""
 
@@ -78,21 +80,20 @@ async def site(
     token_file.write_text(issue(time.time(), sub="robot", roles=["adapter"], scope=["robot/*"]))
     async with AsyncExitStack() as stack:
         gateway = await stack.enter_async_context(run_gateway(GatewaySettings(port=0, **settings)))
-        url = gateway.url.replace("http", "ws", 1)
+        opened = Site(gateway, actor)
         there = asyncio.Event()
         gateway.engine.on_change(there.set)
         await stack.enter_async_context(
-            serve(*actor.parts, engine_id="robot", gateway=f"{url}adapter", token_file=token_file)
+            serve(*actor.parts, engine_id="robot", gateway=f"{opened.url}adapter", token_file=token_file)
         )
         async with asyncio.timeout(PATIENCE):
             await there.wait()
-        opened = Site(url, actor)
         if http is not None:
             listening = listen("127.0.0.1", 0)
             opened.tools = f"http://127.0.0.1:{listening.getsockname()[1]}{PATH}"
 
             def make_client(token: Any) -> Client:
-                return Client(url, token=token)
+                return Client(opened.url, token=token)
 
             rules = host_rules("127.0.0.1", (), ("https://app.example.org",))
             server = HttpServer(rules, make_client, http)

@@ -19,7 +19,7 @@ Progress = Callable[[float, str], Awaitable[None]]
 MAX_RUN: Final = 600.0
 """Seconds that a command of a tool may take; then it is stopped."""
 
-REPORT: Final = 1.0
+_REPORT: Final = 1.0
 """Seconds between two reports that a command runs."""
 
 _STOP: Final = 5.0
@@ -120,9 +120,9 @@ class Runner:
                     raise TimedOut(f"{running!r} took longer than {seconds:g} s and was stopped")
                 with suppress(TimeoutError):
                     # A host that does not read holds nothing up.
-                    async with asyncio.timeout(REPORT):
+                    async with asyncio.timeout(_REPORT):
                         await progress(passed, latest[-1])
-                await asyncio.wait({ended}, timeout=min(REPORT, seconds - passed))
+                await asyncio.wait({ended}, timeout=min(_REPORT, seconds - passed))
 
 
 def _has_ended(begun: list[Command[Any]], error: BaseException) -> bool:

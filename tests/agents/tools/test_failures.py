@@ -40,5 +40,5 @@ def test_a_bug_is_logged_and_not_told(caplog: pytest.LogCaptureFixture) -> None:
     assert "the tool say failed" in caplog.text
 
 
-def test_a_long_reason_is_cut() -> None:
+def test_a_long_reason_for_an_agent_is_cut() -> None:
     assert len(failure("say", BadParameter("x" * 5_000))[1]) <= 1_100

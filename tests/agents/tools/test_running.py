@@ -88,7 +88,7 @@ async def test_a_call_that_waits_for_its_turn_and_is_cancelled_stops_nothing() -
 
 
 async def test_a_host_that_reads_no_progress_holds_nothing_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("openrois_agents.tools.running.REPORT", 0.01)
+    monkeypatch.setattr("openrois_agents.tools.running._REPORT", 0.01)
 
     async def never(_seconds: float, _message: str) -> None:
         await asyncio.Event().wait()
@@ -98,7 +98,7 @@ async def test_a_host_that_reads_no_progress_holds_nothing_up(monkeypatch: pytes
 
 
 async def test_news_of_the_component_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("openrois_agents.tools.running.REPORT", 0.05)
+    monkeypatch.setattr("openrois_agents.tools.running._REPORT", 0.05)
     actor, told, reported = Actor(at_once=False), list[str](), asyncio.Event()
     progressed = asyncio.Event()
 
