@@ -10,6 +10,9 @@ __all__ = ["expiry_of", "rights_of"]
 _TIMES: Final = frozenset({"exp", "iat", "nbf", "jti"})
 """Claims by which two tokens of the same principal with the same rights differ."""
 
+_NEVER: Final = 1e12
+"""A time that no token can mean."""
+
 
 def rights_of(token: str) -> str:
     """Return a text that is the same for all tokens of one subject with the same rights; empty where none can be read.
@@ -25,8 +28,9 @@ def rights_of(token: str) -> str:
 def expiry_of(token: str) -> float | None:
     """Return the time, in seconds of the epoch, at which a token ends; None where it does not say."""
     expires = _claims(token).get("exp")
-    is_time = isinstance(expires, int | float) and not isinstance(expires, bool) and 0 <= expires < float("inf")
-    return float(expires) if is_time else None
+    if not isinstance(expires, int | float) or isinstance(expires, bool) or not 0 <= expires < _NEVER:
+        return None
+    return float(expires)
 
 
 def _claims(token: str) -> dict[str, Any]:

@@ -60,8 +60,8 @@ async def take_picture(link: GatewayLink, camera: str, width: int) -> Picture:
                     age = time.monotonic() - frame.local_time
                     is_known = frame.captured_at is not None
                     if age <= MAX_AGE and (is_known or time.monotonic() >= without_clock_from):
-                        file, *size = await asyncio.to_thread(_encoded, frame.data, width)
-                        return Picture(file, *size, age if is_known else None)
+                        encoded = await asyncio.to_thread(_encoded, frame.data, width)
+                        return Picture(*encoded, age if is_known else None)
         except TimeoutError:
             pass
         why = frames.problem or f"its pictures are older than {MAX_AGE:g} s, or none come"
