@@ -1,6 +1,7 @@
 """Tools that let a body speak and move."""
 
 from openrois.client import BadParameter
+from openrois.types.profiles import component_urn
 from openrois_agents.tools.answer import Answer
 from openrois_agents.tools.arguments import Gesture, GoTo, LookAt, Say
 from openrois_agents.tools.held_body import HeldBody
@@ -15,12 +16,16 @@ _DIRECTIONS = {"ahead": (0.0, 0.0), "left": (1.0, 0.0), "right": (-1.0, 0.0), "u
 
 _MILLISECONDS = 1000
 
+_SPEECH_PROGRESS = component_urn("SpeechProgress", "OpenRoIS")
+
 
 async def say(session: Session, given: Say, progress: Progress) -> Answer:
     """Say a text; return when it was heard."""
     held = session.require_body()
     parameters = {"speech_text": given.text, "language": given.language, "volume": given.volume}
-    await held.runner.run(held.acting("say"), "start", progress, parameters=parameters)
+    words = [(held.client.component(ref), "word_spoken") for ref in held.info.refs(_SPEECH_PROGRESS)]
+    news = next(iter(words), None)
+    await held.runner.run(held.acting("say"), "start", progress, parameters=parameters, news=news)
     return Answer(f"{held.engine_id} said it.", {"body": held.engine_id})
 
 
@@ -49,13 +54,14 @@ async def go_to(session: Session, given: GoTo, progress: Progress) -> Answer:
     held = session.require_body()
     held.permits.require("go_to")
     target = await _target(held, given)
+    navigation = held.acting("go_to")
     await held.runner.run(
-        held.acting("go_to"),
+        navigation,
         "start",
         progress,
         parameters={"target_positions": (target,), "time_limit": round(given.seconds * _MILLISECONDS)},
         seconds=given.seconds + 1,
-        news="reached_target",
+        news=(navigation, "reached_target"),
     )
     return Answer(f"{held.engine_id} is there.", {"body": held.engine_id, "target": target})
 

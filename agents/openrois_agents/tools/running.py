@@ -1,6 +1,7 @@
 """Runs a command for one call of a tool: reports that it runs, and stops it when the call ends before it does."""
 
 import asyncio
+import json
 import logging
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, suppress
@@ -8,13 +9,17 @@ from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
 from openrois.client import Command, ComponentProxy, ConnectionLost, RoISError, RpcError, Step, TimedOut
+from openrois_agents.tools.untrusted import plain_text
 
-__all__ = ["Progress", "Runner"]
+__all__ = ["News", "Progress", "Runner"]
 
 _log = logging.getLogger(__name__)
 
 Progress = Callable[[float, str], Awaitable[None]]
 """Reports how many seconds a call has taken so far, and what it does."""
+
+News = tuple[ComponentProxy, str]
+"""A component, and an event of it that is reported while a command runs."""
 
 MAX_RUN: Final = 600.0
 """Seconds that a command of a tool may take; then it is stopped."""
@@ -26,6 +31,9 @@ _STOP: Final = 5.0
 """Seconds for which a `stop` is tried again when there is no connection."""
 
 _RETRY: Final = 0.2
+
+_NEWS: Final = 200
+"""Characters of an event that is reported."""
 
 
 class Runner:
@@ -52,7 +60,7 @@ class Runner:
         parameters: dict[str, Any] | None = None,
         arguments: dict[str, Any] | None = None,
         seconds: float = MAX_RUN,
-        news: str = "",
+        news: News | None = None,
     ) -> dict[str, Any]:
         """Set parameters and run a command to its end; return its results.
 
@@ -65,7 +73,7 @@ class Runner:
             parameters: set before it begins.
             arguments: of the command.
             seconds: that it may take.
-            news: an event of the component that is reported while it runs.
+            news: a component with an event that is reported while it runs.
 
         Raises:
             RoISError: it was refused, or it failed.
@@ -80,7 +88,7 @@ class Runner:
             async with self._stopping(component) as begun:
                 running = await component.command(command, **(arguments or {})).execute()
                 begun.append(running)
-                await self._follow(component, running, progress, seconds, news)
+                await self._follow(component.component_ref, running, progress, seconds, news)
                 return await running
 
     @asynccontextmanager
@@ -105,15 +113,20 @@ class Runner:
             await asyncio.wait(stops)
 
     async def _follow(
-        self, component: ComponentProxy, running: Command[Any], progress: Progress, seconds: float, news: str
+        self,
+        component_ref: str,
+        running: Command[Any],
+        progress: Progress,
+        seconds: float,
+        news: News | None,
     ) -> None:
         """Report until the command has ended."""
         began = self._clock()
-        latest = [f"{running.command_type} of {component.component_ref} runs"]
+        latest = [f"{running.command_type} of {component_ref} runs"]
         async with TaskScope() as tasks:
             ended = tasks.start(running.wait())
-            if news:
-                tasks.start(_read_news(component, news, latest))
+            if news is not None:
+                tasks.start(_read_news(*news, latest))
             while not ended.done():
                 passed = self._clock() - began
                 if passed >= seconds:
@@ -153,5 +166,5 @@ async def _read_news(component: ComponentProxy, event: str, latest: list[str]) -
     with suppress(RoISError, RpcError, ConnectionLost, TimeoutError):
         async with component.event(event) as occurrences:
             async for data in occurrences:
-                told = ", ".join(f"{name} {value}" for name, value in data.items())
-                latest[:] = [f"{event} of {component.component_ref}: {told}"]
+                told = json.dumps(plain_text(data), ensure_ascii=False)
+                latest[:] = [f"{event} of {component.component_ref}: {told[:_NEWS]}"]

@@ -28,6 +28,7 @@ async def test_the_older_generation_is_notified() -> None:
         handlers = Handlers(Finder(session))
         async with Host(build_server(lambda: handlers), mode="legacy", message_handler=note) as host:
             await host.list_tools()
+            await host.list_tools()
             await host.subscribe_resource("openrois://events")
             await host.call_tool("use_body", {})
             async with asyncio.timeout(PATIENCE):

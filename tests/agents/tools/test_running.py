@@ -105,11 +105,13 @@ async def test_news_of_the_component_are_reported(monkeypatch: pytest.MonkeyPatc
     async def note(_seconds: float, message: str) -> None:
         told.append(message)
         progressed.set()
-        if message.startswith("reached_target of robot/navigation: target kitchen"):
+        if message.startswith('reached_target of robot/navigation: {"target": "kitchen"'):
             reported.set()
 
     async with walking(actor) as (runner, legs):
-        run = asyncio.ensure_future(runner.run(legs, "start", note, parameters=PARAMETERS, news="reached_target"))
+        run = asyncio.ensure_future(
+            runner.run(legs, "start", note, parameters=PARAMETERS, news=(legs, "reached_target"))
+        )
         await actor.walking.begun.wait()
         legs_here = actor.parts[2]
         async with asyncio.timeout(30):
