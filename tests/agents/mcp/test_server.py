@@ -6,8 +6,6 @@ from typing import Any
 
 import pytest
 
-pytest.importorskip("mcp")  # the folder is left out where the library is not installed
-
 from openrois_agents.tools.abilities import ACTING
 from openrois_agents.tools.settings import ToolSettings
 from openrois_agents.tools.toolbox import TOOLS
