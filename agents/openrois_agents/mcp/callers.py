@@ -2,6 +2,7 @@
 
 import asyncio
 import hashlib
+import logging
 import time
 from collections import OrderedDict
 from collections.abc import Callable
@@ -16,6 +17,8 @@ from openrois_agents.tools.session import Session
 from openrois_agents.tools.settings import ToolSettings
 
 __all__ = ["Caller", "Callers", "MakeClient"]
+
+_log = logging.getLogger(__name__)
 
 MAX_CALLERS: Final = 64
 """Callers at a time; one that is idle and holds no body makes room for the next."""
@@ -96,7 +99,10 @@ class Callers:
     ) -> None:
         """End every session, which gives every body back."""
         callers, self._callers = self._callers, {}
-        await asyncio.gather(*(caller.session.__aexit__(None, None, None) for caller in callers.values()))
+        leaving = (caller.session.__aexit__(None, None, None) for caller in callers.values())
+        for failure in await asyncio.gather(*leaving, return_exceptions=True):
+            if isinstance(failure, Exception):
+                _log.error("a session did not end well", exc_info=failure)
 
     def __len__(self) -> int:
         return len(self._callers)

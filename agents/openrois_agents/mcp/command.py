@@ -57,6 +57,8 @@ def _serve_stdio(chosen: argparse.Namespace, url: str, tools: ToolSettings) -> i
     gc.freeze()
     gc.enable()
     shown = credentials(chosen)
+    if sys.stdin.isatty():
+        print("openrois mcp: a host writes to standard input, a person hardly does; Ctrl-C ends it", file=sys.stderr)
 
     def make_client() -> "Client":
         from openrois.client import Client

@@ -98,13 +98,16 @@ class Session:
         return 0.0 if self._calls else self.clock() - self._last_call
 
     @asynccontextmanager
-    async def call(self) -> AsyncIterator[None]:
+    async def call(self, *, passes: bool = False) -> AsyncIterator[None]:
         """Count a call while the block runs: the session is not idle meanwhile.
+
+        Args:
+            passes: run it, however many there are.
 
         Raises:
             OutOfResources: too many run already.
         """
-        if self._calls >= MAX_CALLS:
+        if self._calls >= MAX_CALLS and not passes:
             raise OutOfResources(f"{MAX_CALLS} calls run already: wait for one of them, or cancel it")
         self._calls += 1
         try:

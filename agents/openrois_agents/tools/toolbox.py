@@ -41,6 +41,7 @@ class Tool:
         work: does it.
         reads_only: whether it changes nothing around the body.
         choices: the names of `Vocabulary` by the argument that takes one of them.
+        ends_what_runs: whether it is called however many calls run.
     """
 
     description: str
@@ -48,6 +49,7 @@ class Tool:
     work: Callable[[Session, Any, Progress], Awaitable[Answer]]
     reads_only: bool = False
     choices: Mapping[str, str] = field(default_factory=dict)
+    ends_what_runs: bool = False
 
 
 _BODY: Final = MappingProxyType({"body": "bodies"})
@@ -86,8 +88,12 @@ TOOLS: Final[Mapping[str, Tool]] = MappingProxyType(
             True,
             MappingProxyType({"body": "bodies", "events": "events"}),
         ),
-        "stop": Tool("Stop everything that a body does, at once.", Stop, tasks.stop, choices=_BODY),
-        "give_back": Tool("End the task: stop what runs, and release the body.", Nothing, tasks.give_back),
+        "stop": Tool(
+            "Stop everything that a body does, at once.", Stop, tasks.stop, choices=_BODY, ends_what_runs=True
+        ),
+        "give_back": Tool(
+            "End the task: stop what runs, and release the body.", Nothing, tasks.give_back, ends_what_runs=True
+        ),
         "call": Tool(
             "Send any other message to a component: see its profile, the resource openrois://profile/{body}.",
             Call,
@@ -127,5 +133,5 @@ async def call_tool(session: Session, name: str, arguments: Any, progress: Progr
     """
     tool = TOOLS[name]
     given = read_arguments(name, tool.arguments, arguments)
-    async with session.call():
+    async with session.call(passes=tool.ends_what_runs):
         return await tool.work(session, given, progress)

@@ -39,6 +39,8 @@ async def test_of_a_caller_only_so_many_calls_run_at_a_time(monkeypatch: pytest.
         assert await at_table.refused("bodies") == (
             "OutOfResources: 1 calls run already: wait for one of them, or cancel it"
         )
+        assert await at_table.said("stop") == "robot has stopped."
+        assert await at_table.said("give_back") == "No body was held."
         waiting.cancel()
 
 

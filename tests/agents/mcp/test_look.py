@@ -61,13 +61,13 @@ async def test_a_picture_is_new_and_as_small_as_asked_for() -> None:
 
 
 async def test_an_old_picture_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(picture, "_TIMEOUT", 3.0)
     async with seeing() as (host, robot):
+        monkeypatch.setattr(picture, "_TIMEOUT", 5.0)
         robot.picture.delay = 1.2
         seen = await host.call_tool("look", {})
         assert seen.is_error
         assert text_of(seen) == (
-            f"ComponentFailed: {CAMERA} gave no picture within 3 s: its pictures are older than 1 s, or none come"
+            f"ComponentFailed: {CAMERA} gave no picture within 5 s: its pictures are older than 1 s, or none come"
         )
 
 
