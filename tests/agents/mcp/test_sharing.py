@@ -1,5 +1,6 @@
 """An agent shares its body with persons: they take a part, give it back, and stop it, and the agent is told."""
 
+import asyncio
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,9 @@ from openrois_agents.mcp.only_caller import OnlyCaller
 from openrois_agents.tools.settings import ToolSettings
 from openrois_agents.tools.toolbox import call_tool
 
-from openrois.client import Client, OutOfResources
+from openrois.client import Aborted, Client, ConnectionLost, OutOfResources
+from openrois.testing import FaultRelay
+from tests.support.actors import Actor
 from tests.support.mcp_site import agent_token, site
 
 
@@ -59,3 +62,23 @@ async def test_a_body_that_is_lost_is_told_and_another_one_can_be_used(tmp_path:
                 await call_tool(session, "say", {"text": "x"}, _quietly)
         assert (await call_tool(session, "use_body", {"wait": 30.0}, _quietly)).data["body"] == "robot"
         await agent.leave()
+
+
+async def test_a_task_goes_on_when_the_connection_was_lost_and_what_moved_has_stopped(tmp_path: Path) -> None:
+    actor = Actor(at_once=False)
+    async with site(tmp_path, actor=actor) as opened, FaultRelay(opened.url) as relay:
+        token = agent_token("mind", rank="agent")
+        agent = OnlyCaller(lambda: Client(relay.url.replace("http", "ws", 1), token=token), ToolSettings())
+        session = await agent.find_session(None)
+        await call_tool(session, "use_body", {"tools": ["go_to", "say"]}, _quietly)
+        going = asyncio.ensure_future(call_tool(session, "go_to", {"place": "plant"}, _quietly))
+        await actor.walking.begun.wait()
+        relay.cut()
+        await actor.walking.stopped.wait()
+        with pytest.raises((Aborted, ConnectionLost)):
+            await going
+        await session.log.wait(0, ("connection_restored",), 30)
+        actor.speaking.may_end.set()
+        assert (await call_tool(session, "say", {"text": "I am back."}, _quietly)).data == {"body": "robot"}
+        await agent.leave()
+        assert await opened.is_free(agent_token("bob"))
