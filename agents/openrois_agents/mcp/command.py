@@ -15,8 +15,7 @@ from openrois.extras import needing_extra
 from openrois.observability.logs import set_up_logging
 from openrois.transport.address import gateway_url
 from openrois.transport.credential_options import add_credential_options, credentials
-from openrois_agents.tools.abilities import ACTING
-from openrois_agents.tools.settings import IDLE, MOVEMENTS, ToolSettings
+from openrois_agents.tools.settings import ACTING, IDLE, MOVEMENTS, ToolSettings
 
 if TYPE_CHECKING:
     from openrois.client import Client

@@ -8,10 +8,7 @@ from typing import Final
 from openrois.catalog.actuation import NAVIGATION, REACTION, SPEECH_SYNTHESIS
 from openrois.types.profiles import component_urn
 
-__all__ = ["ABILITIES", "ACTING", "CALL", "Ability"]
-
-CALL: Final = "call"
-"""The tool for what has no tool of its own. As it may move anything, a task has to name it."""
+__all__ = ["ABILITIES", "Ability"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +34,4 @@ ABILITIES: Final[Mapping[str, Ability]] = MappingProxyType(
         "go_to": Ability(NAVIGATION.urn, moves=True, is_usual=False),
     }
 )
-"""By the name of the tool."""
-
-ACTING: Final = (*ABILITIES, CALL)
-"""Every tool that acts on a body: what a task may name, and what the command line may withhold from all tasks."""
+"""By the name of the tool; `call` needs none in advance."""

@@ -4,11 +4,11 @@ from typing import Any
 
 from openrois.client import BadParameter, Client, Unsupported
 from openrois.types.codes import ComponentFunction
-from openrois_agents.tools.abilities import CALL
 from openrois_agents.tools.answer import Answer
 from openrois_agents.tools.arguments import Call
 from openrois_agents.tools.running import Progress
 from openrois_agents.tools.session import Session
+from openrois_agents.tools.settings import CALL
 from openrois_agents.tools.untrusted import marked, plain_text
 
 __all__ = ["call"]

@@ -7,6 +7,7 @@ from openrois.types.references import engine_of
 from openrois_agents.tools.abilities import ABILITIES
 from openrois_agents.tools.permits import Permits
 from openrois_agents.tools.running import Runner
+from openrois_agents.tools.settings import CALL
 
 __all__ = ["HeldBody"]
 
@@ -49,7 +50,7 @@ class HeldBody:
     def tools(self) -> list[str]:
         """The tools that the task may use, and the body has a component for."""
         has = (tool for tool, ability in ABILITIES.items() if self.body.get(ability.urn) is not None)
-        return sorted(self.permits.tools & {*has, "call"})
+        return sorted(self.permits.tools & {*has, CALL})
 
     def require_held(self) -> None:
         """Do nothing while the body is held.

@@ -3,9 +3,13 @@
 from dataclasses import dataclass
 from typing import Final
 
-from openrois_agents.tools.abilities import ACTING
+__all__ = ["ACTING", "CALL", "ToolSettings"]
 
-__all__ = ["ToolSettings"]
+CALL: Final = "call"
+"""The tool for what has no tool of its own. As it may move anything, a task has to name it."""
+
+ACTING: Final = ("say", "gesture", "look_at", "go_to", CALL)
+"""Every tool that acts on a body: what a task may name, and what the command line may withhold from all tasks."""
 
 IDLE: Final = 300.0
 """Seconds without a call after which a body is given back, unless the tools are set otherwise."""

@@ -54,7 +54,7 @@ def test_without_the_extra_it_says_what_installs_it(monkeypatch: pytest.MonkeyPa
 LOADED = """
 import sys
 import openrois_agents.mcp.command, openrois_agents.mcp.stdio_server
-heavy = {"openrois.client", "openrois_agents.tools.session", "openrois_media", "numpy", "cv2"}
+heavy = {"openrois.catalog", "openrois.client", "openrois_agents.tools.session", "openrois_media", "numpy", "cv2"}
 print(*sorted(heavy & set(sys.modules)))
 """
 

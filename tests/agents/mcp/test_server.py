@@ -5,8 +5,7 @@ from collections.abc import Callable, Coroutine
 from typing import Any
 
 import pytest
-from openrois_agents.tools.abilities import ACTING
-from openrois_agents.tools.settings import ToolSettings
+from openrois_agents.tools.settings import ACTING, ToolSettings
 from openrois_agents.tools.toolbox import TOOLS
 
 from tests.support.actors import Actor
