@@ -39,12 +39,12 @@ class Finder:
 
 @dataclass
 class Table:
-    """A host, its session, and the body."""
+    """A host, its session, the body, and its gateway where that is in memory."""
 
     host: Host
     session: Session
     actor: Actor
-    gateway: MemoryGateway
+    gateway: MemoryGateway | None = None
     progress: list[str] = field(default_factory=list)
     reported: asyncio.Event = field(default_factory=asyncio.Event)
 

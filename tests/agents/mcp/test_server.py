@@ -101,6 +101,7 @@ async def test_a_host_that_is_gone_frees_its_body_and_stops_what_it_began(mode: 
         await at_table.session.__aexit__(None, None, None)
         assert actor.speaking.stopped.is_set()
         assert text_of(await saying).startswith("Aborted: ")
+        assert at_table.gateway is not None
         async with at_table.gateway.client() as other:
             (info,) = await other.bodies()
             assert info.free
@@ -119,6 +120,7 @@ async def test_progress_is_told_while_a_command_runs(at_table: Table) -> None:
 @seated
 async def test_two_agents_never_share_a_part(at_table: Table) -> None:
     await at_table.said("use_body", tools=["say", "gesture"])
+    assert at_table.gateway is not None
     async with session_at(at_table.gateway.client) as other:
         with pytest.raises(Exception, match="robot/reaction is bound by another application"):
             await other.use_body(None, ["gesture"], 0)
