@@ -20,11 +20,17 @@ async def test_a_caller_holds_a_body_for_a_task_of_several_requests(tmp_path: Pa
         token = agent_token("ann")
         async with hosted_at(opened.tools, token, mode) as host:
             assert not (await host.call_tool("use_body", {})).is_error
+        told: list[str | None] = []
+
+        async def note(progress: float, total: float | None, message: str | None) -> None:
+            told.append(message)
+
         async with hosted_at(opened.tools, token, mode) as host:
-            said = await host.call_tool("say", {"text": "Good day!"})
+            said = await host.call_tool("say", {"text": "Good day!"}, progress_callback=note)
             assert not said.is_error, text_of(said)
             await host.call_tool("give_back", {})
         assert opened.actor.speaking.did == ["Good day!"]
+        assert told == ["start of robot/speech_synthesizer runs"]
         assert await opened.is_free(token)
 
 
@@ -120,9 +126,13 @@ async def test_a_caller_that_does_not_come_back_frees_its_body(tmp_path: Path) -
         await opened.until_free(agent_token("bob"))
 
 
-async def test_a_request_that_is_cut_off_stops_what_it_began(tmp_path: Path) -> None:
+@pytest.mark.parametrize("mode", GENERATIONS)
+async def test_a_request_that_is_cut_off_stops_what_it_began(tmp_path: Path, mode: Generation) -> None:
     actor = Actor(at_once=False)
-    async with site(tmp_path, actor=actor, http=TOOLS) as opened, hosted_at(opened.tools, agent_token("ann")) as host:
+    async with (
+        site(tmp_path, actor=actor, http=TOOLS) as opened,
+        hosted_at(opened.tools, agent_token("ann"), mode) as host,
+    ):
         await host.call_tool("use_body", {"tools": ["go_to"]})
         going = asyncio.ensure_future(host.call_tool("go_to", {"place": "plant"}))
         await actor.walking.begun.wait()
