@@ -63,11 +63,11 @@ class Session:
         self._vocabulary = VocabularyReader(clock)
         self._changing = asyncio.Lock()
         self._reserving: asyncio.Task[Any] | None = None
+        self._releasing: asyncio.Task[None] | None = None
         self._held: HeldBody | None = None
         self._why_not_held = ""
         self._calls = 0
         self._last_call = clock()
-        self._called = asyncio.Event()
 
     async def __aenter__(self) -> Self:
         return self
@@ -79,6 +79,8 @@ class Session:
         if self._reserving is not None:
             self._reserving.cancel()
         await self.give_back("the session is over")
+        if self._releasing is not None:
+            await asyncio.wait({self._releasing})
         await self.watching.close()
         await self._tasks.__aexit__(kind, error, trace)
         await self.link.__aexit__(kind, error, trace)
@@ -204,9 +206,17 @@ class Session:
             return ""
         self._held, self._why_not_held = None, f"{held.engine_id} was given back, as {reason}"
         self.log.add("body_given_back", held.engine_id, {"reason": reason})
-        await self.watching.stop()
-        await held.give_back()
+        # A call that is cancelled meanwhile leaves nothing bound.
+        self._releasing = self._tasks.start(self._release(held))
+        await asyncio.wait({self._releasing})
         return held.engine_id
+
+    async def _release(self, held: HeldBody) -> None:
+        """Stop what runs, release the body, and watch no events any more."""
+        try:
+            await held.give_back()
+        finally:
+            await self.watching.stop()
 
     async def _watch_idle(self, held: HeldBody) -> None:
         """Give a body back when no call came for as long as a task may be idle."""

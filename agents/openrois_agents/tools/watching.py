@@ -1,5 +1,6 @@
 """Fills the event log: with events that the caller waits for, and with what happens to its body."""
 
+import asyncio
 import logging
 from collections.abc import Callable
 from typing import Any, Final
@@ -84,12 +85,7 @@ class Watching:
 
     async def stop(self) -> None:
         """Watch no event any more."""
-        watched = list(self._watched.values())
-        for subscription in watched:
-            try:
-                await subscription.close()
-            except (ConnectionLost, RoISError, RpcError, TimeoutError) as error:
-                _log.info("an event may still be subscribed: %s", error)
+        await asyncio.gather(*map(_close, tuple(self._watched.values())))
 
     async def close(self) -> None:
         """Watch nothing any more."""
@@ -128,3 +124,11 @@ class Watching:
                 self._on_profile_changed()
             case ProfileChanged():
                 self._on_profile_changed()
+
+
+async def _close(subscription: Subscription[dict[str, Any]]) -> None:
+    """End a subscription; where the gateway does not answer, it ends with the connection."""
+    try:
+        await subscription.close()
+    except (ConnectionLost, RoISError, RpcError, TimeoutError) as error:
+        _log.info("an event may still be subscribed: %s", error)
