@@ -1,4 +1,4 @@
-"""Tells a host what has changed: the event log, and the tools where bodies came or went."""
+"""Tells a host what has changed: the event log, and tools and profiles where bodies came or went."""
 
 import asyncio
 from collections.abc import Awaitable
@@ -7,7 +7,13 @@ from typing import Any, Final
 
 from mcp.server.context import ServerRequestContext
 from mcp.server.session import ServerSession
-from mcp.server.subscriptions import InMemorySubscriptionBus, ListenHandler, ResourceUpdated, ToolsListChanged
+from mcp.server.subscriptions import (
+    InMemorySubscriptionBus,
+    ListenHandler,
+    ResourcesListChanged,
+    ResourceUpdated,
+    ToolsListChanged,
+)
 from mcp.shared.exceptions import MCPError
 from mcp_types import SubscriptionsListenRequestParams, SubscriptionsListenResult
 
@@ -70,7 +76,7 @@ class Announcements:
         return await self._listen(context, params)
 
     def add_connection(self, connection: ServerSession) -> None:
-        """Tell a host of the older generation when the tools have changed."""
+        """Tell a host of the older generation when the lists have changed."""
         self._connections.add(connection)
 
     def subscribe(self, connection: ServerSession, address: str) -> None:
@@ -97,8 +103,10 @@ class Announcements:
                     await _told(connection.send_resource_updated(address))
             if BODIES in changed:
                 await self._bus.publish(ToolsListChanged())
+                await self._bus.publish(ResourcesListChanged())
                 for connection in self._connections.newest():
                     await _told(connection.send_tool_list_changed())
+                    await _told(connection.send_resource_list_changed())
             await asyncio.sleep(_PAUSE)
 
 

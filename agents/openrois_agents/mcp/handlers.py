@@ -31,7 +31,7 @@ from mcp_types import (
 from openrois.client import ConnectionFailed, ConnectionLost, RoISError, RpcError
 from openrois_agents.mcp.announcements import Announcements
 from openrois_agents.mcp.results import answered, failed
-from openrois_agents.tools.documents import BODIES, EVENTS, PROFILE, read_document
+from openrois_agents.tools.documents import BODIES, EVENTS, PROFILE, profile_address, read_document
 from openrois_agents.tools.failures import failure
 from openrois_agents.tools.session import Session
 from openrois_agents.tools.toolbox import TOOLS, call_tool, input_schema
@@ -41,6 +41,7 @@ __all__ = ["Handlers", "SessionFinder"]
 
 _JSON: Final = "application/json"
 _TEXT: Final = "text/plain"
+_PROFILE: Final = "All messages of a body's components"
 
 Context = ServerRequestContext[Any, Any]
 
@@ -70,14 +71,7 @@ class Handlers:
 
     async def list_tools(self, context: Context, _params: PaginatedRequestParams | None) -> ListToolsResult:
         """List the tools, with the names that can be chosen where the gateway tells them."""
-        vocabulary = Vocabulary()
-        try:
-            session = await self._finder.find_session(context.request)
-            self._announcing(session).add_connection(context.session)
-            vocabulary = await session.vocabulary()
-        except (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError):
-            # A host lists the tools once: what is wrong each call of a tool says.
-            pass
+        vocabulary = await self._vocabulary(context)
         return ListToolsResult(
             tools=[
                 Tool(
@@ -100,12 +94,18 @@ class Handlers:
         except Exception as error:
             return failed(*failure(params.name, error))
 
-    async def list_resources(self, _context: Context, _params: PaginatedRequestParams | None) -> ListResourcesResult:
-        """List the documents."""
+    async def list_resources(self, context: Context, _params: PaginatedRequestParams | None) -> ListResourcesResult:
+        """List the documents, with the profile of each body where the gateway tells them."""
+        bodies = (await self._vocabulary(context)).bodies
+        profiles = [
+            Resource(uri=profile_address(body), name=f"profile of {body}", description=_PROFILE, mime_type=_JSON)
+            for body in bodies
+        ]
         return ListResourcesResult(
             resources=[
                 Resource(uri=BODIES, name="bodies", description="The bodies, and what acts on them", mime_type=_JSON),
                 Resource(uri=EVENTS, name="events", description="What happened: the last events", mime_type=_TEXT),
+                *profiles,
             ]
         )
 
@@ -113,9 +113,7 @@ class Handlers:
         self, _context: Context, _params: PaginatedRequestParams | None
     ) -> ListResourceTemplatesResult:
         """List the addresses of profiles."""
-        profile = ResourceTemplate(
-            uri_template=PROFILE, name="profile", description="All messages of a body's components", mime_type=_JSON
-        )
+        profile = ResourceTemplate(uri_template=PROFILE, name="profile", description=_PROFILE, mime_type=_JSON)
         return ListResourceTemplatesResult(resource_templates=[profile])
 
     async def read_resource(self, context: Context, params: ReadResourceRequestParams) -> ReadResourceResult:
@@ -144,6 +142,18 @@ class Handlers:
         """Serve a stream of changes to a host of the newer generation."""
         session = await self._found(context)
         return await self._announcing(session).listen(context, params)
+
+    async def _vocabulary(self, context: Context) -> Vocabulary:
+        """Return the names that can be chosen; none where the gateway does not tell, as each call of a tool says then.
+
+        From then on the host is told when they change.
+        """
+        try:
+            session = await self._finder.find_session(context.request)
+            self._announcing(session).add_connection(context.session)
+            return await session.vocabulary()
+        except (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError):
+            return Vocabulary()
 
     async def _found(self, context: Context) -> Session:
         """Return the caller's session.

@@ -71,7 +71,7 @@ async def serve_stdio(make_client: Callable[[], "Client"], settings: ToolSetting
 
 async def _serve(loader: _Loader) -> None:
     server = build_server(loader.load)
-    options = server.create_initialization_options(NotificationOptions(tools_changed=True))
+    options = server.create_initialization_options(NotificationOptions(tools_changed=True, resources_changed=True))
     async with stdio_server() as (reading, writing):
         await server.run(reading, writing, options)
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 from mcp.client.client import Client as Host
-from mcp.client.subscriptions import ResourceUpdated, ToolsListChanged
+from mcp.client.subscriptions import ResourcesListChanged, ResourceUpdated, ToolsListChanged
 from openrois_agents.mcp.handlers import Handlers
 from openrois_agents.mcp.server import build_server
 
@@ -36,6 +36,7 @@ async def test_the_older_generation_is_notified() -> None:
             session.profile_changed.notify_all()
             async with asyncio.timeout(PATIENCE):
                 assert await told.get() == "notifications/tools/list_changed"
+                assert await told.get() == "notifications/resources/list_changed"
             await host.unsubscribe_resource("openrois://events")
             session.log.add("heard", "robot/hearing", {})
             session.profile_changed.notify_all()
@@ -49,10 +50,13 @@ async def test_the_newer_generation_listens() -> None:
         handlers = Handlers(Finder(session))
         async with (
             Host(build_server(lambda: handlers)) as host,
-            host.listen(tools_list_changed=True, resource_subscriptions=["openrois://events"]) as changes,
+            host.listen(
+                tools_list_changed=True, resources_list_changed=True, resource_subscriptions=["openrois://events"]
+            ) as changes,
             asyncio.timeout(PATIENCE),
         ):
             await host.call_tool("use_body", {})
             assert await anext(changes) == ResourceUpdated(uri="openrois://events")
             session.profile_changed.notify_all()
             assert await anext(changes) == ToolsListChanged()
+            assert await anext(changes) == ResourcesListChanged()

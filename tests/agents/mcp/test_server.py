@@ -214,7 +214,7 @@ async def test_where_a_body_is_and_what_it_knows(at_table: Table) -> None:
 
 @seated
 async def test_documents_are_listed(at_table: Table) -> None:
-    assert names((await at_table.host.list_resources()).resources) == ["bodies", "events"]
+    assert names((await at_table.host.list_resources()).resources) == [*("bodies", "events", "profile of robot")]
     assert names((await at_table.host.list_resource_templates()).resource_templates) == ["profile"]
     bodies = await at_table.document("openrois://bodies")
     assert '"robot"' in bodies
