@@ -27,6 +27,7 @@ from mcp_types import (
     ToolAnnotations,
     UnsubscribeRequestParams,
 )
+from mcp_types.version import HANDSHAKE_PROTOCOL_VERSIONS
 
 from openrois.client import ConnectionFailed, ConnectionLost, RoISError, RpcError
 from openrois_agents.mcp.announcements import Announcements
@@ -83,6 +84,10 @@ class Handlers:
                 for name, tool in TOOLS.items()
             ]
         )
+
+    def find_schema(self, name: str) -> dict[str, Any] | None:
+        """Return the schema of a tool's arguments without names that change: the library looks for headers in it."""
+        return input_schema(TOOLS[name], Vocabulary()) if name in TOOLS else None
 
     async def call_tool(self, context: Context, params: CallToolRequestParams) -> CallToolResult:
         """Call a tool; what it fails with is a result that says so."""
@@ -146,11 +151,12 @@ class Handlers:
     async def _vocabulary(self, context: Context) -> Vocabulary:
         """Return the names that can be chosen; none where the gateway does not tell, as each call of a tool says then.
 
-        From then on the host is told when they change.
+        A host of the older generation is told from then on when they change; one of the newer asks for that.
         """
         try:
             session = await self._finder.find_session(context.request)
-            self._announcing(session).add_connection(context.session)
+            if context.protocol_version in HANDSHAKE_PROTOCOL_VERSIONS:
+                self._announcing(session).add_connection(context.session)
             return await session.vocabulary()
         except (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError):
             return Vocabulary()

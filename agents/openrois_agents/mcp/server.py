@@ -32,6 +32,7 @@ def build_server(load: Callable[[], "Handlers"]) -> Server[Any]:
         version=__version__,
         title="OpenRoIS: bodies for agents",
         instructions=INSTRUCTIONS,
+        get_tool_input_schema=lambda name: load().find_schema(name),
         on_list_tools=later("list_tools"),
         on_call_tool=later("call_tool"),
         on_list_resources=later("list_resources"),
