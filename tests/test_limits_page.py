@@ -65,7 +65,7 @@ class Row(NamedTuple):
 
 
 def constants() -> dict[str, float]:
-    """Return every public number of the control plane, of signaling, of agents and of what bounds media, by its name."""
+    """Return every public number of the control plane, signaling, agents and of what bounds media, by its name."""
     found: dict[str, float] = {}
     folders = (ROOT / "openrois", ROOT / "signaling" / "openrois_signaling", ROOT / "agents" / "openrois_agents")
     for folder in folders:
