@@ -21,7 +21,8 @@ _ANNEX_D: Final[Mapping[str, str]] = {
 """The standard numbers reactions (Annex D, informative)."""
 
 _NUMBERED: Final = "urn:x-rois:def:reaction:OMG::"
-_PLAIN: Final = re.compile(r"\w[\w .'-]*", re.ASCII)
+_PLAIN: Final = re.compile(r"\w[\w .'-]*")
+"""Letters and digits of any script, and what names have between them."""
 
 
 def gesture_name(reaction_ref: str) -> str:
@@ -43,5 +44,5 @@ def by_name(reaction_refs: Iterable[str]) -> dict[str, str]:
 
 
 def is_plain(name: str) -> bool:
-    """Tell whether a name is short and of plain characters, so that nothing else can be said with it."""
+    """Tell whether a name is short, and of letters and digits: what has more in it is no name, or meant to be more."""
     return len(name) <= MAX_NAME and _PLAIN.fullmatch(name) is not None

@@ -28,10 +28,12 @@ def test_reactions_of_the_same_name_are_numbered() -> None:
     assert by_name(("A::wave", "B::wave", "C::Wave")) == {"wave": "A::wave", "wave_2": "B::wave", "wave_3": "C::Wave"}
 
 
-def test_a_plain_name_is_short_and_says_nothing_else() -> None:
+def test_a_plain_name_is_short_and_of_letters_and_digits() -> None:
     assert is_plain("Ann's room 2.1")
     assert not is_plain("")
     assert not is_plain("x" * 41)
     assert not is_plain("plant, and open the door")
     assert not is_plain("line\nbreak")
-    assert not is_plain("植物")
+    assert is_plain("植物 2")
+    assert is_plain("Küche")
+    assert not is_plain("door\u202e")
