@@ -18,6 +18,7 @@ EXTRAS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
         "gateway": _GATEWAY,
         "cluster": (*_GATEWAY, "asyncpg", "nats"),
+        "mcp": ("mcp", "mcp_types", "starlette", "uvicorn"),
         "streaming": _STREAMING,
         "body": _BODY,
         "avatar": _AVATAR,

@@ -13,7 +13,7 @@ from tests.support.packages import ROOT, modules, packages
 IMPURE = frozenset(
     {
         *("asyncio", "socket", "threading", "subprocess", "time"),
-        *("aiohttp", "websockets", "aiortc", "aioice", "av", "nats"),
+        *("aiohttp", "websockets", "aiortc", "aioice", "av", "nats", "mcp"),
     }
 )
 """What a pure module does not import, directly or by another module."""
@@ -103,6 +103,8 @@ TESTS = (
         f"tests/avatar/facades/test_{part}.py"
         for part in ("messages", "sections", "streamers", "session", "session_negotiation")
     ),
+    "tests/agents/tools",
+    *(f"tests/agents/mcp/test_{part}.py" for part in ("guard", "token_claims")),
     *(f"tests/robots/simulated/{part}" for part in ("test_battery.py", "test_driving.py", "world", "drawing")),
     *(f"tests/robots/ros2/test_{part}.py" for part in ("definitions", "matching", "names")),
     *(f"tests/robots/ros2/robot/test_{part}.py" for part in ("poses", "strokes")),

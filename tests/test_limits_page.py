@@ -65,9 +65,10 @@ class Row(NamedTuple):
 
 
 def constants() -> dict[str, float]:
-    """Return every public number of the control plane, of signaling and of what bounds media, by its dotted name."""
+    """Return every public number of the control plane, signaling, agents and of what bounds media, by its name."""
     found: dict[str, float] = {}
-    for folder in (ROOT / "openrois", ROOT / "signaling" / "openrois_signaling"):
+    folders = (ROOT / "openrois", ROOT / "signaling" / "openrois_signaling", ROOT / "agents" / "openrois_agents")
+    for folder in folders:
         for path in sorted(folder.rglob("*.py")):
             parts = path.relative_to(folder.parent).with_suffix("").parts
             if parts[1] not in ELSEWHERE:

@@ -18,6 +18,7 @@ _OURS: Final = (
     "openrois_body",
     "openrois_avatar",
     "openrois_robots",
+    "openrois_agents",
     "openrois_demo",
 )
 """Packages whose information is logged."""

@@ -20,6 +20,7 @@ from aioice import stun
 
 INSTRUMENTED = (
     "openrois",
+    "openrois_agents",
     "openrois_avatar",
     "openrois_body.services",
     "openrois_body.speech.pcm",
@@ -46,6 +47,11 @@ with atheris.instrument_imports(include=INSTRUMENTED):
         RtcpRtpfbPacket,
         pack_remb_fci,
     )
+    from openrois_agents.mcp.guard import Refused, bearer_of, host_rules
+    from openrois_agents.mcp.token_claims import expiry_of, rights_of
+    from openrois_agents.tools.arguments import KINDS, read_arguments
+    from openrois_agents.tools.names import by_name
+    from openrois_agents.tools.untrusted import marked
     from openrois_avatar.link.messages import Hello, LinkError, Pause, React, VideoShape, Welcome
     from openrois_avatar.link.protocol import Audio, Message, Parser, Sender, encode
     from openrois_body.services.events import EventReader, MalformedEvents
@@ -201,6 +207,30 @@ def events(data: bytes) -> None:
                 found += reader.add(data[first : first + size])
             read.append(found)
     assert len(read) < 2 or read[0] == read[1]
+
+
+def agent(data: bytes) -> None:
+    """What reaches the tools of agents: a request's headers, a token, arguments, and what a visitor says."""
+    text = data.decode("utf-8", "replace")
+    rules, (name, _, value) = host_rules("127.0.0.1", (), ()), text.partition(":")
+    headers = [(b"host", b"127.0.0.1:80"), (name.lower().encode(), value.encode()[:9000])]
+    with suppress(Refused):
+        rules.check(headers)
+        assert name.lower() not in ("host", "origin")
+        assert bearer_of(headers).isprintable()
+    expires = expiry_of(text)
+    assert expires is None or expires >= 0
+    assert rights_of(text) == "" or "sub" in json.loads(rights_of(text))
+    with suppress(ValueError, RecursionError):
+        given = json.loads(text)
+        for kind in KINDS:
+            with suppress(BadParameter):
+                read_arguments("tool", kind, given)
+        assert "\n" not in marked(given)
+    said = marked({"heard": text})
+    assert said.isprintable()
+    assert len(said) < 6 * 2_000 + 200
+    assert all(len(each) <= 48 and each.isascii() for each in by_name(text.splitlines()))
 
 
 DIRECTIONS: tuple[Answered, ...] = ("recvonly", "sendonly", "sendrecv", "inactive")
@@ -369,6 +399,20 @@ FRAMES = (
     pack_frame(Kind.CREDIT, 4, bytes(8)),
 )
 TARGETS = {
+    "agent": Target(
+        agent,
+        (
+            "Authorization: Bearer e30.eyJzdWIiOiJhbm4iLCJleHAiOjE3fQ.x",
+            "Origin: https://app.example.org",
+            "e30.eyJzdWIiOiJhbm4iLCJleHAiOjE3fQ.x",
+            '{"text":"Good day!","language":"en","volume":50}',
+            '{"tools":["say","go_to"],"wait":5}',
+            '{"component":"robot/door","kind":"command","name":"open","arguments":{"times":2}}',
+            '{"place":"plant","x":1,"y":-0.5,"facing":1.5,"seconds":1e999}',
+            "urn:x-rois:def:reaction:OMG::1\nurn:x-rois:def:reaction:OpenRoIS::kachaka/sound%2F1",
+        ),
+        ('"text"', '"tools"', '"place"', '"kind"', '"seconds"', '"events"', "null", "NaN", "true", "Bearer ", "host:"),
+    ),
     "protocol": Target(
         protocol,
         (

@@ -13,6 +13,7 @@ TIMES = int(os.environ.get("OPENROIS_FUZZ_TIMES", "1"))
 """How many times as long they search; ten times takes minutes, and is for changes of a parser."""
 
 CASES = {
+    "agent": 10_000,
     "protocol": 25_000,
     "nats": 25_000,
     "condition": 25_000,

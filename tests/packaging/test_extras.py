@@ -15,7 +15,15 @@ from tests.support.kachaka_api import needs_kachaka
 from tests.support.packages import NOT_SHIPPED, ROOT, packages
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-BROUGHT = {"cryptography": "pyjwt", "grpc": "kachaka-api", "ifaddr": "aioice", "pylibsrtp": "aiortc"}
+BROUGHT = {
+    "cryptography": "pyjwt",
+    "grpc": "kachaka-api",
+    "ifaddr": "aioice",
+    "mcp_types": "mcp",
+    "pylibsrtp": "aiortc",
+    "starlette": "mcp",
+    "uvicorn": "mcp",
+}
 """Modules of distributions that come with another one, and which that is."""
 FOR_DEVELOPERS = {"dev", "docs"}
 """Extras for a clone, which the product does not look for."""

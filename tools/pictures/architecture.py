@@ -66,6 +66,7 @@ PROCESSES: Final = (
         28, 24, 232, 390, "Service application", ("the web demo, its inspector,", "your page, your program"),
         (
             Part(128, 108, ("RoIS client (Python or", "TypeScript): components,", "commands, events"), ("openrois",)),
+            Part(250, 66, ("tools for agents:", "openrois mcp"), ("openrois_agents",)),
             Part(330, 68, ("media receiver, in a", "browser: picture, sound")),
         ),
     ),

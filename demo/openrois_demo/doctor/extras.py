@@ -11,6 +11,7 @@ __all__ = ["PURPOSES", "extras"]
 PURPOSES: Final = {
     "gateway": "no gateway and no tokens",
     "cluster": "no gateway that is one of several",
+    "mcp": "no bodies as tools for agents",
     "streaming": "no streams",
     "body": "no senses, voice or motion",
     "avatar": "no avatar",

@@ -1,0 +1,49 @@
+"""The tool for everything that has none of its own: a message of a component, by its profile."""
+
+from typing import Any
+
+from openrois.client import BadParameter, Client, Unsupported
+from openrois.types.codes import ComponentFunction
+from openrois_agents.tools.answer import Answer
+from openrois_agents.tools.arguments import Call
+from openrois_agents.tools.running import Progress
+from openrois_agents.tools.session import Session
+from openrois_agents.tools.settings import CALL
+from openrois_agents.tools.untrusted import marked, plain_text
+
+__all__ = ["call"]
+
+
+async def call(session: Session, given: Call, progress: Progress) -> Answer:
+    """Send a message to a component, and return its results."""
+    client = await session.link.client()
+    if given.kind in ("query", "get_parameters"):
+        component = client.component(given.component)
+        results = await (component.query(given.name) if given.name else component.get_parameter())
+    else:
+        results = await _act(session, client, given, progress)
+    data = {"component": given.component, "results": plain_text(results)}
+    return Answer(marked(data), data)
+
+
+async def _act(session: Session, client: Client, given: Call, progress: Progress) -> dict[str, Any]:
+    """Run a command of the body that is held, or set parameters there.
+
+    Raises:
+        Unsupported: the task may not, or the component is of another body.
+    """
+    held = session.require_body()
+    held.permits.require(CALL)
+    component = client.component(given.component)
+    profile = await component.profile()
+    if profile.function is ComponentFunction.ACTUATION:
+        component = await held.bind(given.component)
+        held.permits.count_movement()
+    elif given.component not in {each.component_ref for each in held.info.components}:
+        raise Unsupported(f"{given.component} is no component of {held.engine_id}, which this task holds")
+    if given.name is None:
+        if unknown := sorted(name for name in given.arguments if profile.parameter(name) is None):
+            raise BadParameter(f"{given.component} has no parameter {', '.join(unknown)}")
+        await component.set_parameter(**given.arguments)
+        return {}
+    return await held.runner.run(component, given.name, progress, arguments=given.arguments)
