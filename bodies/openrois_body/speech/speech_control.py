@@ -190,7 +190,7 @@ class _Stream:
             begin.text, on_played=self._played, on_progress=self._progressed
         )
 
-    def leave(self) -> None:
+    def forget_application(self) -> None:
         """Tell the application no more of it: its channels are lost."""
         self._tell = lambda _told: None
         self._ended = lambda _number: None
@@ -283,7 +283,7 @@ class _ClientSpeech:
         self._cut_all(reason)
         # What comes over other channels begins anew, as that of a program that was started again.
         for stream in self._streams.values():
-            stream.leave()
+            stream.forget_application()
         self._streams.clear()
         self._newest = -1
         self._cleared.clear()
