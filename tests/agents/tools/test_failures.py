@@ -35,7 +35,7 @@ def test_a_reason_is_told(error: Exception, said: str, caplog: pytest.LogCapture
 
 def test_a_bug_is_logged_and_not_told(caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.ERROR):
-        kind, sentence = failure("say", ZeroDivisionError("/home/ann/secret"))
+        kind, sentence = failure("say", ZeroDivisionError("/srv/secret"))
     assert (kind, "secret" in sentence) == ("Error", False)
     assert "the tool say failed" in caplog.text
 
