@@ -6,8 +6,8 @@ PAGE_SOURCES := $(shell find web_demo/sdk web_demo/app -type f) web_demo/build.m
 NODE_MODULES := web_demo/node_modules/.stamp
 SHORT := $(if $(LONG),, and not long) and not robots
 UNIT := not media and not browser and not engine$(SHORT)
-# Many tests wait for processes: of three workers on two cores all work is done in three quarters of the time of two.
-WORKERS := $(shell expr $$(getconf _NPROCESSORS_ONLN) \* 3 / 2)
+# Many tests wait for processes: two workers for each core keep them busy.
+WORKERS := $(shell expr $$(getconf _NPROCESSORS_ONLN) \* 2)
 UNIT_TESTS = -n $(WORKERS) --dist worksteal $(if $(LONG),-p tests.branches) -m "$(UNIT)"
 MEDIA_TESTS = -n 3 --dist loadfile -m "(media or engine) and not browser$(SHORT)" $(call marked,media\|engine)
 BROWSER_TESTS = -n 2 --dist loadfile -m "browser$(SHORT)" $(call marked,browser)

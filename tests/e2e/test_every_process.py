@@ -112,7 +112,8 @@ async def watched(browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPa
                 yield (one := Watched(demo, visit))
                 await one.live()
             assert "Traceback" not in demo.log(), demo.log()
-            assert len(left_over(Path(folder))) == 1
+            # The sockets of the engine, and the tokens for programs.
+            assert len(left_over(Path(folder))) == 2
             assert demo.interrupt() == 0
         assert left_over(Path(folder)) == []
 

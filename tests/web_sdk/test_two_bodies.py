@@ -19,7 +19,7 @@ from tests.support.invariants import Book
 from tests.support.spectator import Spectator
 from tests.support.visitors import running, served
 
-pytestmark = [pytest.mark.media, pytest.mark.engine, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.media, pytest.mark.engine, pytest.mark.long, pytest.mark.timeout(300)]
 
 ROOT: Final = Path(__file__).parents[2]
 EXAMPLES: Final = ROOT / "docs/examples"
