@@ -109,12 +109,7 @@ BODIES = {
 }
 
 
-@pytest.fixture(
-    params=[
-        pytest.param(body, id=name, marks=[pytest.mark.extra(name="ros2")] if name == "ROS 2" else [])
-        for name, body in BODIES.items()
-    ]
-)
+@pytest.fixture(params=[pytest.param(body, id=name) for name, body in BODIES.items()])
 def body(request: pytest.FixtureRequest) -> Body:
     found: Body = request.param
     return found
