@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 from openrois_media.streaming_interface import Published, StreamingInterface
 from openrois_streaming.network.session_limits import ANSWER_TIME, KEPT_FOR_OPERATORS, SESSIONS_LIMIT
-from openrois_streaming.peer import peer as peer_module
 from websockets.asyncio.client import ClientConnection
 
 from openrois.adapter.dialer import serve_parent
@@ -51,8 +50,7 @@ async def avatar(gateway: Gateway, token: str = "") -> AsyncIterator[Avatar]:
 
 @pytest.fixture(autouse=True)
 def _without_network(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
-    WirelessConnection.made = []
+    WirelessConnection.stand_in(monkeypatch)
 
 
 async def code(connection: ClientConnection) -> str:

@@ -11,7 +11,6 @@ from openrois_signaling.messages import IceServer
 from openrois_streaming.adaptation.rung import ladder
 from openrois_streaming.adaptation.viewer import VIDEO_SHARE, Caps
 from openrois_streaming.network.session_limits import SESSIONS_LIMIT
-from openrois_streaming.peer import peer as peer_module
 
 from openrois.contract import Client
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
@@ -105,8 +104,7 @@ class Caller:
 
 @pytest.fixture
 async def stage(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Stage]:
-    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
-    WirelessConnection.made = []
+    WirelessConnection.stand_in(monkeypatch)
     stage = Stage()
     async with stage.streams.sessions:
         yield stage
@@ -179,8 +177,7 @@ async def test_an_application_is_sent_no_more_than_it_wants(stage: Stage, alice:
 async def test_an_application_is_sent_no_more_than_it_may_have_whatever_it_wants(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
-    WirelessConnection.made = []
+    WirelessConnection.stand_in(monkeypatch)
     caps = {"alice": Caps(max_bitrate=80_000, fps=10), "bob": Caps()}
     stage = Stage(lambda client: caps[client.client_id])
     stage.publisher.rung = ladder(320, 180, 30)[0]

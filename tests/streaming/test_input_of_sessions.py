@@ -5,7 +5,6 @@ from collections.abc import AsyncIterator
 import pytest
 from openrois_streaming.input.reader import Label
 from openrois_streaming.liveness import SILENCE
-from openrois_streaming.peer import peer as peer_module
 
 from tests.support.streaming import settle
 from tests.support.viewing import Application, FakeChannels, FedPublisher, WirelessConnection
@@ -42,8 +41,7 @@ class Player(Application):
 
 @pytest.fixture
 async def player(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Player]:
-    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
-    WirelessConnection.made = []
+    WirelessConnection.stand_in(monkeypatch)
     made = Player()
     async with made.session:
         yield made

@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator, Callable, Hashable, Iterator, Sequenc
 from contextlib import asynccontextmanager, contextmanager
 from typing import Any
 
+import pytest
 from aiortc import RTCPeerConnection
 from openrois_signaling.messages import Answer, Bye, Candidate, Downward, IceServer, Offer, StreamSection
 from openrois_streaming.adaptation.rung import Rung
@@ -17,6 +18,7 @@ from openrois_streaming.input.reader import Label
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.network.turns import Ingress
+from openrois_streaming.peer import peer as peer_module
 from openrois_streaming.peer.input_channels import InputSink, MakeChannels, OnMessage
 from openrois_streaming.peer.sdp import Answered
 from openrois_streaming.peer.section import Section
@@ -188,6 +190,12 @@ class WirelessConnection:
     """Stands in for `BundledConnection`: real sections, no network. What the other end does is done by the test."""
 
     made: "list[WirelessConnection]"
+
+    @classmethod
+    def stand_in(cls, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Let peers have such connections for the rest of a test; `made` lists them, and is empty now."""
+        monkeypatch.setattr(peer_module, "BundledConnection", cls)
+        cls.made = []
 
     def __init__(
         self,

@@ -13,7 +13,6 @@ from openrois_body.teleoperation.pilot import Pilot
 from openrois_body.teleoperation.steering import Steering
 from openrois_media.streaming_interface import Published, StreamingInterface
 from openrois_streaming.network.session_limits import SessionLimits
-from openrois_streaming.peer import peer as peer_module
 from openrois_streaming.peer.data_channel import AnnouncedChannel
 from openrois_streaming.state import Party
 
@@ -66,8 +65,7 @@ class Stage:
 
 @pytest.fixture
 async def stage(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Stage]:
-    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
-    WirelessConnection.made = []
+    WirelessConnection.stand_in(monkeypatch)
     made = Stage()
     async with made.streams.sessions:
         yield made

@@ -7,7 +7,6 @@ from openrois_media.supervision import Supervised, seen_of
 from openrois_streaming.errors import UnknownStream
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.network.session_limits import SESSIONS_LIMIT
-from openrois_streaming.peer import peer as peer_module
 from openrois_streaming.publish.publisher import VideoPublisher
 from openrois_streaming.session.session import StreamSession
 from openrois_streaming.session.sessions import StreamSessions
@@ -21,8 +20,7 @@ from tests.support.viewing import Application, FedPublisher, WirelessConnection
 
 @pytest.fixture
 async def sessions(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[StreamSessions]:
-    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
-    WirelessConnection.made = []
+    WirelessConnection.stand_in(monkeypatch)
     async with StreamSessions(lambda client_id: Application().session) as sessions:
         yield sessions
 

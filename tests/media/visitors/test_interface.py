@@ -15,7 +15,6 @@ from openrois_media.streaming_interface import Published, StreamingInterface
 from openrois_media.visitors.figures import VisitorFigures
 from openrois_media.visitors.registry import MAX_VISITORS, VisitorRegistry
 from openrois_media.visitors.relay import MAX_RELAYED_CAMERAS, MAX_RELAYED_MICROPHONES
-from openrois_streaming.peer import peer as peer_module
 
 from openrois.contract import Client
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
@@ -76,8 +75,7 @@ class Application(Caller):
 
 @pytest.fixture
 async def stage(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Stage]:
-    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
-    WirelessConnection.made = []
+    WirelessConnection.stand_in(monkeypatch)
     stage = Stage()
     async with stage.streams.sessions:
         yield stage

@@ -3,7 +3,6 @@
 from collections.abc import AsyncIterator
 
 import pytest
-from openrois_streaming.peer import peer as peer_module
 
 from tests.support.peer_owner import Owner
 from tests.support.viewing import WirelessConnection
@@ -11,8 +10,7 @@ from tests.support.viewing import WirelessConnection
 
 @pytest.fixture
 async def owner(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Owner]:
-    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
-    WirelessConnection.made = []
+    WirelessConnection.stand_in(monkeypatch)
     owner = Owner()
     yield owner
     owner.peer.end_connection("the test is over")

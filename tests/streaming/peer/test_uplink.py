@@ -6,7 +6,6 @@ from dataclasses import replace
 import pytest
 from openrois_signaling.messages import Direction, MediaKind
 from openrois_streaming.liveness import STALL, Verdict
-from openrois_streaming.peer import peer as peer_module
 from openrois_streaming.peer.peers import REPLACE_TIMEOUT
 from openrois_streaming.peer.uplink import Uplink
 from openrois_streaming.source.uplink_sink import UplinkSelector
@@ -65,8 +64,7 @@ class Operator(Application):
 
 @pytest.fixture
 async def operator(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Operator]:
-    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
-    WirelessConnection.made = []
+    WirelessConnection.stand_in(monkeypatch)
     operator = Operator()
     async with operator.session:
         yield operator

@@ -4,7 +4,6 @@ import asyncio
 from collections.abc import AsyncIterator
 
 import pytest
-from openrois_streaming.peer import peer as peer_module
 
 from tests.support.theatre import Theatre
 from tests.support.viewing import WirelessConnection
@@ -12,8 +11,7 @@ from tests.support.viewing import WirelessConnection
 
 @pytest.fixture
 async def theatre(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Theatre]:
-    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
-    WirelessConnection.made = []
+    WirelessConnection.stand_in(monkeypatch)
     theatre = Theatre()
     async with theatre.session:
         yield theatre

@@ -6,7 +6,6 @@ import pytest
 from openrois_streaming.aiortc_internals.trial import UnsupportedLibrary
 from openrois_streaming.errors import TooManySessions, UnknownPeer, UnknownStream
 from openrois_streaming.network.session_limits import SessionLimits
-from openrois_streaming.peer import peer as peer_module
 from openrois_streaming.session import sessions as sessions_module
 from openrois_streaming.session.session import StreamSession
 from openrois_streaming.session.sessions import StreamSessions
@@ -18,8 +17,7 @@ from tests.support.viewing import Application, FedPublisher, WirelessConnection
 
 @pytest.fixture
 async def sessions(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[StreamSessions]:
-    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
-    WirelessConnection.made = []
+    WirelessConnection.stand_in(monkeypatch)
     async with StreamSessions(lambda client_id: Application().session, SessionLimits(2, 0)) as sessions:
         yield sessions
     assert len(sessions) == 0
@@ -107,8 +105,7 @@ class Applications:
 
 @pytest.fixture
 async def applications(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Applications]:
-    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
-    WirelessConnection.made = []
+    WirelessConnection.stand_in(monkeypatch)
     applications = Applications(SessionLimits(applications=4, kept_for_operators=2, answer_time=2.0))
     async with applications.sessions:
         yield applications
