@@ -1,26 +1,18 @@
 """Friendly names: gestures and places as words that a language model can choose from, and back. Pure."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Final
 from urllib.parse import unquote
+
+from openrois.catalog.reactions import ANNEX_D, NUMBERED
 
 __all__ = ["by_name", "gesture_name", "is_plain"]
 
 MAX_NAME: Final = 40
 """Characters of a name in a list of choices."""
 
-_ANNEX_D: Final[Mapping[str, str]] = {
-    "1": "nod",
-    "2": "tilt",
-    "3": "shake_head",
-    "9": "bow",
-    "10": "shake_hands",
-    "50": "glance_at_watch",
-}
-"""The standard numbers reactions (Annex D, informative)."""
-
-_NUMBERED: Final = "urn:x-rois:def:reaction:OMG::"
+_BY_NUMBER: Final = {str(number): name for name, number in ANNEX_D.items()}
 _PLAIN: Final = re.compile(r"\w[\w .'-]*")
 """Letters and digits of any script, and what names have between them."""
 
@@ -28,7 +20,7 @@ _PLAIN: Final = re.compile(r"\w[\w .'-]*")
 def gesture_name(reaction_ref: str) -> str:
     """Return the name of a reaction: what the standard calls it, or the end of its identifier."""
     code = reaction_ref.rpartition("::")[2] or reaction_ref
-    name = _ANNEX_D.get(code, code) if reaction_ref.startswith(_NUMBERED) else code
+    name = _BY_NUMBER.get(code, code) if reaction_ref.startswith(NUMBERED) else code
     return re.sub(r"\W+", "_", unquote(name), flags=re.ASCII).strip("_").lower()[:MAX_NAME] or "gesture"
 
 

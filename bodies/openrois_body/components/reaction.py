@@ -4,26 +4,18 @@ from collections.abc import Callable
 from typing import Any, Final, Protocol
 
 from openrois.adapter import BadParameter, ComponentStatus, command, components
+from openrois.catalog.reactions import ANNEX_D, NUMBERED
 
 __all__ = ["Player", "Reaction", "reaction_ref"]
 
 _LONGEST: Final = 30.0
 """Seconds after which a reaction counts as failed, so that an engine that never completes it blocks no other."""
 
-_ANNEX_D: Final = {
-    "nod": 1,
-    "tilt": 2,
-    "shake_head": 3,
-    "bow": 9,
-    "shake_hands": 10,
-    "glance_at_watch": 50,
-}
-
 
 def reaction_ref(name: str) -> str:
     """Return the ref of a game engine's reaction: its number in Annex D (informative), or its name for OpenRoIS."""
-    if name in _ANNEX_D:
-        return f"urn:x-rois:def:reaction:OMG::{_ANNEX_D[name]}"
+    if name in ANNEX_D:
+        return f"{NUMBERED}{ANNEX_D[name]}"
     return f"urn:x-rois:def:reaction:OpenRoIS::{name}"
 
 
