@@ -22,7 +22,10 @@ def may_be_uplink(parameters: Iterable[Parameter]) -> bool:
 
     Another reader may parse them differently: only what every reader takes for `recvonly` is received.
     """
-    members = _transport_members(parameters)
+    return _may_be_sent(_transport_members(parameters))
+
+
+def _may_be_sent(members: dict[str, Any] | None) -> bool:
     return members is None or members.get("direction", _RECEIVED) != _RECEIVED
 
 
@@ -58,8 +61,9 @@ def require_right(app: ApplicationSession, component_ref: str, parameters: tuple
         BadParameter: the application is a visitor, and states no consent.
         OutOfResources: the application has to bind an actuation component first.
     """
-    members = _transport_members(parameters) or {}
-    if may_be_uplink(parameters):
+    read = _transport_members(parameters)
+    members = read or {}
+    if _may_be_sent(read):
         return _right_to_send(app, component_ref, states_consent=isinstance(members.get("consent"), list))
     if "visitor_ref" not in members or app.trusted:
         return StreamRight()

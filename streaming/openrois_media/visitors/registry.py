@@ -14,7 +14,7 @@ from openrois.errors import OutOfResources, Unsupported
 from openrois.types.codes import Purpose
 from openrois.types.references import new_id
 from openrois_media.visitors.consent import UNSTATED
-from openrois_media.visitors.visitor import ConsentedSink, Visitor
+from openrois_media.visitors.visitor import DEVICES, ConsentedSink, Visitor
 
 __all__ = ["MAX_VISITORS", "VisitorRegistry", "VisitorUplink"]
 
@@ -22,8 +22,6 @@ MAX_VISITORS: Final = 8
 """Applications that send to one body at a time."""
 
 _KEPT: Final = frozenset({Purpose.RECOGNITION, Purpose.RECORDING})
-
-_DEVICES: Final[dict[MediaKind, str]] = {"video": "camera", "audio": "microphone"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,7 +113,7 @@ class VisitorRegistry:
             return ConsentedSink(visitor, uplink, Purpose.LIVE)
         if visitor.sends(kind):
             raise OutOfResources(
-                f"this application sends a {_DEVICES[kind]} to {self._engine_id} already: disconnect that stream first"
+                f"this application sends a {DEVICES[kind]} to {self._engine_id} already: disconnect that stream first"
             )
         return ConsentedSink(visitor, visitor.inlet(kind), None)
 

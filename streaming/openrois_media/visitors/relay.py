@@ -16,7 +16,7 @@ from openrois_streaming.publish.publisher import AudioPublisher, Publishing, Vid
 from openrois.contract import Client
 from openrois.errors import BadParameter, OutOfResources, Unsupported
 from openrois.types.codes import Purpose
-from openrois_media.visitors.visitor import Visitor
+from openrois_media.visitors.visitor import DEVICES, Visitor
 
 __all__ = ["MAX_RELAYED_CAMERAS", "MAX_RELAYED_MICROPHONES", "Relays"]
 
@@ -27,7 +27,6 @@ MAX_RELAYED_MICROPHONES: Final = 16
 """Microphones likewise: those of eight visitors for two sets of purposes."""
 
 _MOST: Final[dict[MediaKind, int]] = {"video": MAX_RELAYED_CAMERAS, "audio": MAX_RELAYED_MICROPHONES}
-_DEVICES: Final[dict[MediaKind, str]] = {"video": "camera", "audio": "microphone"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,14 +64,14 @@ class Relays:
         if not purposes:
             raise BadParameter("a listener states what it uses media for: set purposes in transport_parameters")
         if not visitor.sends(kind):
-            raise Unsupported(f"{visitor.visitor_ref} sends no {_DEVICES[kind]}")
+            raise Unsupported(f"{visitor.visitor_ref} sends no {DEVICES[kind]}")
         if refused := sorted(purposes - visitor.consent.purposes):
             raise Unsupported(f"{visitor.visitor_ref} does not consent to {', '.join(refused)}")
         relay = _Relay(visitor, kind, purposes)
         used = {each for _, each in self._streams.values()}
         if sum(each.kind == kind for each in used - {relay}) >= _MOST[kind]:
             raise OutOfResources(
-                f"{_MOST[kind]} {_DEVICES[kind]}s of visitors are relayed, which is the limit: disconnect another one"
+                f"{_MOST[kind]} {DEVICES[kind]}s of visitors are relayed, which is the limit: disconnect another one"
             )
         return self._publishers.get(relay) or self._make(relay)
 
@@ -105,7 +104,7 @@ class Relays:
 
     def _make(self, relay: _Relay) -> Publishing:
         source = relay.visitor.source(relay.kind, relay.purposes)
-        name = f"{_DEVICES[relay.kind]} of a visitor for {', '.join(sorted(relay.purposes))}"
+        name = f"{DEVICES[relay.kind]} of a visitor for {', '.join(sorted(relay.purposes))}"
         if relay.kind == "audio":
             return AudioPublisher(source, clock=self._clock, name=name)
         return VideoPublisher(source, clock=self._clock, encoders=EncoderLimit(1), name=name)

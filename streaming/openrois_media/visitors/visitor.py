@@ -17,7 +17,10 @@ from openrois.types.codes import Purpose
 from openrois_media.uplinks import AudioUplink, VideoUplink
 from openrois_media.visitors.consent import Consent
 
-__all__ = ["ConsentedSink", "ConsentedSource", "Visitor"]
+__all__ = ["DEVICES", "ConsentedSink", "ConsentedSource", "Visitor"]
+
+DEVICES: Final[dict[MediaKind, str]] = {"video": "camera", "audio": "microphone"}
+"""What a visitor sends each kind of media with."""
 
 _WAITING: Final[dict[MediaKind, int]] = {"video": 1, "audio": 20}
 """Pictures and blocks of sound that may wait for a reader; the oldest makes room."""
