@@ -25,7 +25,6 @@ from tests.support.proxies import proxy, shipped_proxy
 
 pytestmark = [
     pytest.mark.browser,
-    pytest.mark.extra(name="cluster"),
     pytest.mark.asyncio(loop_scope="session"),
     pytest.mark.usefixtures("haproxy"),
 ]
