@@ -50,7 +50,7 @@ TESTS = (
     ),
     *(str(path.relative_to(ROOT)) for path in sorted((ROOT / "tests/openrois").glob("test_*.py"))),
     *(f"tests/streaming/test_{part}.py" for part in ("state", "liveness")),
-    *(f"tests/streaming/source/test_{part}.py" for part in ("loudness", "supervision")),
+    *(f"tests/streaming/source/test_{part}.py" for part in ("downsample", "loudness", "supervision")),
     *(f"tests/streaming/publish/test_{part}.py" for part in ("encoder_health", "encoder_limit", "key_frames")),
     "tests/streaming/capture/test_given.py",
     "tests/streaming/network/test_session_limits.py",
@@ -79,7 +79,7 @@ TESTS = (
     *(
         f"tests/body/hearing/test_{part}.py"
         for part in (
-            *("bearing", "dictionary", "downsample", "jsgf"),
+            *("bearing", "dictionary", "jsgf"),
             *("noise_floor", "voice_activity", "voice_frames"),
         )
     ),

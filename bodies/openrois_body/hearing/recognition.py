@@ -12,10 +12,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from openrois_streaming.clock import MediaClock
+from openrois_streaming.source.downsample import SPEECH_RATE
 
 from openrois.aio.listeners import Listeners
 from openrois.transport.backoff import Backoff
-from openrois_body.hearing.downsample import SPEECH_RATE
 from openrois_body.hearing.recognizer import Expectation, RecognizerFailed, SpeechRecognizer, Transcriber
 from openrois_body.hearing.speech_detector import SpeechDetector
 from openrois_body.hearing.voice_activity import PREROLL

@@ -13,9 +13,9 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from openrois_streaming.source.downsample import SPEECH_RATE
 
 from openrois.extras import install_command
-from openrois_body.hearing.downsample import SPEECH_RATE
 from openrois_body.hearing.jsgf import Grammar, GrammarError, chosen_grammar
 from openrois_body.hearing.recognizer import EarsSettings, Expectation, RecognizerFailed, Transcriber
 from openrois_body.services.events import EventReader, MalformedEvents

@@ -5,10 +5,10 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from openrois_streaming.source.downsample import SPEECH_RATE, Downsampler
 from openrois_streaming.source.source import RawAudio
 
 from openrois.aio.listeners import Listeners
-from openrois_body.hearing.downsample import SPEECH_RATE, Downsampler
 from openrois_body.hearing.ear import Ear
 from openrois_body.hearing.voice_activity import PREROLL, VoiceActivity
 

@@ -11,8 +11,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from openrois_streaming.source.downsample import SPEECH_RATE
 
-from openrois_body.hearing.downsample import SPEECH_RATE
 from openrois_body.hearing.noise_floor import Loudness
 from openrois_body.hearing.voice_frames import HOP, SPAN, Moment, measure
 

@@ -4,8 +4,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from openrois_streaming.source.downsample import SPEECH_RATE
 
-from openrois_body.hearing.downsample import SPEECH_RATE
 from openrois_body.hearing.noise_floor import LOWEST
 
 __all__ = ["HOP", "SPAN", "Moment", "measure"]

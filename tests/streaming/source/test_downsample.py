@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
-from openrois_body.hearing.downsample import SPEECH_RATE, Downsampler
+from openrois_streaming.source.downsample import DOWNSAMPLED_RATES, SPEECH_RATE, Downsampler
 
 
 def tone(hertz: float, seconds: float = 0.5, amplitude: float = 10_000.0) -> NDArray[np.int16]:
@@ -28,6 +28,15 @@ def test_frequencies_of_speech_pass(hertz: float) -> None:
 @pytest.mark.parametrize("hertz", [9_000, 12_000, 15_900, 20_000])
 def test_high_frequencies_do_not_alias(hertz: float) -> None:
     assert level(Downsampler().add(tone(hertz))) < 30
+
+
+@pytest.mark.parametrize("rate", DOWNSAMPLED_RATES)
+def test_each_rate_keeps_what_it_can_carry_and_nothing_else(rate: int) -> None:
+    lower = Downsampler(rate).add(tone(rate / 6))
+    assert abs(len(lower) - 0.5 * rate) < 30
+    assert level(lower) == pytest.approx(10_000 / 2**0.5, rel=0.02)
+    if rate < 48_000:
+        assert level(Downsampler(rate).add(tone(rate * 0.6))) < 30
 
 
 def test_two_channels_are_one() -> None:
