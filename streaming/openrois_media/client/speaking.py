@@ -95,7 +95,7 @@ class SpeechSender:
     @property
     def played(self) -> float:
         """Seconds of it that have been played, as far as the body has told."""
-        return self.credit.played / self._rate
+        return self.credit.played / self._rate if self.result is None else self.result.seconds
 
     async def push(self, sound: bytes, samples: int) -> None:
         """Send a frame as soon as there is credit for its samples.
@@ -131,6 +131,9 @@ class SpeechSender:
         match told:
             case Granted():
                 self.credit.granted(told.samples, told.played)
+            case Starved():
+                # Less than a step of credit may have been played since the last one.
+                self.credit.granted(0, round(told.position * self._rate / 1000))
             case Finished() | Refused():
                 seconds = told.position / 1000 if isinstance(told, Finished) else 0.0
                 self.result = self.result or Spoken(seconds, told.reason)
@@ -186,9 +189,22 @@ class Speaking:
         self._closed = False
 
     @property
+    def utterance(self) -> int | None:
+        """Number of the present speech or, where there is none, of the last one, as `events` has it."""
+        return None if self._latest is None else self._latest.number
+
+    @property
     def played(self) -> float:
-        """Seconds that have been played of the present speech, as far as the body has told, ten times a second."""
-        return 0.0 if self._current is None else self._current.played
+        """Seconds that have been played of the present speech, as far as the body has told, ten times a second.
+
+        Where there is none, of the last one, which may still be heard.
+        """
+        return 0.0 if self._latest is None else self._latest.played
+
+    async def until_played(self, seconds: float) -> None:
+        """Wait until so much of the present speech, or of the last one, has been played, or it is over."""
+        if (sender := self._latest) is not None:
+            await sender.news.until(lambda: sender.result is not None or sender.played >= seconds)
 
     async def push(self, samples: Samples, *, text: str = "") -> None:
         """Speak on; returns when all was sent, which is when less than a second of it waits to be heard.
