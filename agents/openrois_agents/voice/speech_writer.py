@@ -21,8 +21,6 @@ __all__ = ["MAX_WRITTEN", "SpeechWriter"]
 
 MAX_WRITTEN: Final = 2.0
 """Seconds of sound that were written and wait to be sent; the body has a second more at most."""
-_MOST_UTTERANCES: Final = 8
-"""Utterances that were written and are not over."""
 _PIECE: Final = 0.1
 """Seconds of sound that are sent at once."""
 _ANSWER: Final = 2.0
@@ -41,6 +39,7 @@ class _Utterance:
         number: number of the speech that it is; None before it has begun.
         is_ended: whether all of it was written.
         was_started: whether its first sound was told of.
+        was_cleared: whether the agent has silenced it.
         cut: why no more of it is spoken; empty while it is.
         is_given_up: whether its end is not waited for.
         is_over: whether its end was told of.
@@ -50,6 +49,7 @@ class _Utterance:
     number: int | None = None
     is_ended: bool = False
     was_started: bool = False
+    was_cleared: bool = False
     cut: str = ""
     is_given_up: bool = False
     is_over: bool = False
@@ -71,12 +71,15 @@ class SpeechWriter:
 
     Attributes:
         started: told when viewers hear the first sound of an utterance.
+        broken_off: told when an utterance ends early, and not by `clear`, with why: the body was stopped, taken or
+            lost. `finished` is told right after it.
         finished: told once for each utterance, in their order, what became of it; `started` was told before if anything
             of it was heard.
     """
 
     def __init__(self, speaking: Speaking) -> None:
         self.started: Listeners[()] = Listeners()
+        self.broken_off: Listeners[str] = Listeners()
         self.finished: Listeners[Spoken] = Listeners()
         self._speaking = speaking
         self._piece = round(speaking.rate * _PIECE) * _SAMPLE
@@ -85,7 +88,6 @@ class SpeechWriter:
         """Those that are not over; the first one is spoken."""
         self._writing: _Utterance | None = None
         self._written = 0
-        self._clears = 0
         self._silencing: asyncio.Task[None] | None = None
         self._tasks = TaskScope()
         self._news = News()
@@ -136,13 +138,21 @@ class SpeechWriter:
         Raises:
             ValueError: it is not such sound.
         """
-        data, clears = _bytes(sound), self._clears
+        data = _bytes(sound)
+        if not data:
+            return
+        if self._writing is None:
+            self._writing, self._written = _Utterance(), 0
+            self._utterances.append(self._writing)
+        utterance = self._writing
         for first in range(0, len(data), self._piece):
             piece = data[first : first + self._piece]
-            await self._until_room(len(piece), clears)
-            if clears != self._clears:
+            await self._until_room(utterance, len(piece))
+            if utterance.cut:
                 return
-            self._add(piece)
+            utterance.sound += piece
+            self._written += len(piece)
+            self._news.notify()
 
     def end(self) -> None:
         """End the present utterance: all of it was written. Without one nothing happens."""
@@ -153,9 +163,9 @@ class SpeechWriter:
 
     def clear(self) -> None:
         """Silence all that was written, at once; of each utterance is told how much was heard."""
-        self._clears += 1
         self._writing = None
         for utterance in self._utterances:
+            utterance.was_cleared = utterance.was_cleared or not utterance.cut
             utterance.cut_off(_CLEARED)
         if self._utterances and (self._silencing is None or self._silencing.done()):
             self._silencing = self._tasks.start(self._silence(tuple(self._utterances)))
@@ -173,23 +183,13 @@ class SpeechWriter:
         """Wait until every utterance that was written is over."""
         await self._news.until(lambda: not self._utterances)
 
-    async def _until_room(self, size: int, clears: int) -> None:
-        await self._news.until(lambda: clears != self._clears or self._has_room(size))
+    async def _until_room(self, utterance: _Utterance, size: int) -> None:
+        await self._news.until(lambda: utterance.cut or self._has_room(utterance, size))
 
-    def _has_room(self, size: int) -> bool:
-        if self._writing is None:
-            return len(self._utterances) < _MOST_UTTERANCES
-        return bool(self._writing.cut) or sum(len(each.sound) for each in self._utterances) + size <= self._most
-
-    def _add(self, piece: bytes) -> None:
-        if self._writing is None:
-            self._writing, self._written = _Utterance(), 0
-            self._utterances.append(self._writing)
-        self._written += len(piece)
-        # Of one that was interrupted the rest comes all the same.
-        if not self._writing.cut:
-            self._writing.sound += piece
-        self._news.notify()
+    def _has_room(self, utterance: _Utterance, size: int) -> bool:
+        # Each of the others counts, however short it is, so that their number is bounded, too.
+        others = sum(max(len(each.sound), self._piece) for each in self._utterances if each is not utterance)
+        return others + len(utterance.sound) + size <= self._most
 
     def _seconds(self, size: int) -> float:
         return size / _SAMPLE / self._speaking.rate
@@ -271,6 +271,8 @@ class SpeechWriter:
         utterance.is_over = True
         if spoken.seconds:
             self._tell_started(utterance)
+        if spoken.interrupted and not utterance.was_cleared:
+            self.broken_off.notify_all(spoken.reason)
         self.finished.notify_all(spoken)
         self._news.notify()
 

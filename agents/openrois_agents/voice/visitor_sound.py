@@ -26,6 +26,9 @@ __all__ = ["MAX_UNHEARD", "VisitorBlock", "VisitorSound"]
 
 MAX_UNHEARD: Final = 50
 """Blocks of 20 ms that wait for a slow agent; the oldest makes room for the newest."""
+_SILENCE: Final = 25
+"""Blocks of silence behind a visitor's sound."""
+_BLOCKS_PER_SECOND: Final = 50
 _ASK_AGAIN: Final = 5.0
 """Seconds after which a body is asked again whom it attends to, where it tells nothing: an event may be lost."""
 _log = logging.getLogger(__name__)
@@ -36,7 +39,7 @@ class VisitorBlock:
     """A block of a visitor's sound, 20 ms long at most.
 
     Attributes:
-        visitor_ref: the visitor.
+        visitor_ref: the visitor; empty for silence.
         samples: int16 of the shape (n,).
     """
 
@@ -50,6 +53,7 @@ class VisitorSound:
     It changes to another visitor when the body does, and waits while that one does not consent, or there is none. Where
     the body attends to none it is the first that consents.
     When a visitor withdraws its consent, or is not attended to any more, what waits of its sound is dropped.
+    Half a second of silence follows, so that what listens to speech does not join the words of two visitors.
 
     Args:
         client: an open client.
@@ -87,6 +91,7 @@ class VisitorSound:
         self._left = asyncio.Event()
         self._asks = asyncio.Event()
         self._asks.set()
+        self._silence = VisitorBlock("", np.zeros(rate // _BLOCKS_PER_SECOND, np.int16))
         self._closed = False
         self._news = News()
         self._stack = AsyncExitStack()
@@ -153,9 +158,11 @@ class VisitorSound:
 
     def _leave(self) -> None:
         """Hear the present visitor no more; what waits of it is dropped."""
-        self._blocks.clear()
         self._left.set()
         if self._heard:
+            self._blocks.clear()
+            self._blocks.extend([self._silence] * _SILENCE)
+            self._news.notify()
             self._heard = ""
             self.heard_changed.notify_all("")
 

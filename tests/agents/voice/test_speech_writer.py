@@ -32,9 +32,11 @@ class Told:
 
     def __init__(self, writer: SpeechWriter) -> None:
         self.steps: list[str | Spoken] = []
+        self.broken_off: list[str] = []
         self._news = News()
         writer.started.add(self._start)
         writer.finished.add(self._finish)
+        writer.broken_off.add(self.broken_off.append)
 
     @property
     def ends(self) -> list[Spoken]:
@@ -116,6 +118,7 @@ async def test_an_interruption_is_told_with_what_was_heard_and_the_next_utteranc
         first = told.ends[0]
         assert first.interrupted
         assert 0.5 <= first.seconds < 6.0
+        assert told.broken_off == []
         assert told.steps == ["started", first, "started", Spoken(0.2)]
 
 
@@ -135,19 +138,22 @@ async def test_what_was_not_begun_is_told_of_as_interrupted_without_having_start
         await writer.until_heard(1.0)
 
 
-async def test_utterances_that_wait_are_bounded_too(url: str) -> None:
+async def test_the_number_of_utterances_that_wait_is_bounded_too(url: str) -> None:
     async with speaking(url) as (_, _, writer, told):
-        for _ in range(8):
-            await writer.write(sound(0.1))
-            writer.end()
-        ninth = asyncio.create_task(writer.write(sound(0.1)))
-        await told.until(lambda: told.steps)
-        assert not ninth.done()
+
+        async def write_all() -> None:
+            for _ in range(25):
+                await writer.write(sound(0.01))
+                writer.end()
+
+        writing = asyncio.create_task(write_all())
         await told.until(lambda: told.ends)
-        await ninth
-        writer.end()
+        assert not writing.done()
+        writer.clear()
+        await writing
         await writer.until_over()
-        assert told.ends == [Spoken(0.1)] * 9
+        assert len(told.ends) == 25
+        assert told.steps[:2] == ["started", Spoken(0.01)]
 
 
 async def test_a_body_that_is_stopped_ends_the_utterance_while_the_agent_thinks_and_the_rest_is_dropped(
@@ -159,6 +165,7 @@ async def test_a_body_that_is_stopped_ends_the_utterance_while_the_agent_thinks_
         await client.component("avatar/speech_stream").command("stop")
         await told.until(lambda: told.ends)
         assert told.ends[0].reason.startswith("the speech was stopped")
+        assert told.broken_off == [told.ends[0].reason]
         # All of this is of the utterance that was interrupted.
         await writer.write(sound(6.0))
         await writer.until_heard(5.0)
