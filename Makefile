@@ -4,7 +4,7 @@ PINNED := PIP_CONSTRAINT=constraints.txt PIP_BUILD_CONSTRAINT=constraints.txt# f
 PAGE := web_demo/openrois_web_demo/static/index.html
 PAGE_SOURCES := $(shell find web_demo/sdk web_demo/app -type f) web_demo/build.mjs web_demo/package-lock.json
 NODE_MODULES := web_demo/node_modules/.stamp
-SHORT := $(if $(LONG),, and not long) and not robots
+SHORT := $(if $(LONG),, and not long) and not robots and not agents
 UNIT := not media and not browser and not engine$(SHORT)
 # Many tests wait for processes: two workers for each core keep them busy.
 WORKERS := $(shell expr $$(getconf _NPROCESSORS_ONLN) \* 2)
@@ -15,7 +15,7 @@ BROWSER_TESTS = -n 2 --dist loadfile -m "browser$(SHORT)" $(call marked,browser)
 stage = $(1) || $(if $(LONG),failed=1,exit 1);
 marked = $(shell grep -rl --include="test_*.py" "mark\.\($(1)\)" tests)
 export PATH := $(if $(shell command -v npm),,$(CURDIR)/.venv/bin:)$(PATH)
-.PHONY: demo test unit faults cluster robots nightly check lint fmt generate page docs pictures dist
+.PHONY: demo test unit faults cluster robots agents nightly check lint fmt generate page docs pictures dist
 demo: .venv/demo.stamp $(PAGE)
 	@.venv/bin/openrois demo $(ARGS)
 test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
@@ -34,6 +34,13 @@ robots: .venv/dev.stamp .venv-reachy/stamp
 .venv-reachy/stamp: constraints-reachy.txt
 	python3 -m venv .venv-reachy && PIP_BUILD_CONSTRAINT= .venv-reachy/bin/pip install -q --disable-pip-version-check -c $< reachy-mini && touch $@ || \
 	echo "SKIPPED the daemon of a Reachy Mini: it cannot be installed here; CONTRIBUTING.md says what it needs"
+# Frameworks of voice agents, hundreds of MB each, in environments of their own: at most 20 minutes. What cannot be installed is skipped, and said.
+FRAMEWORKS := livekit
+agents: $(FRAMEWORKS:%=.venv-%/stamp)
+	@failed=0; $(foreach each,$(FRAMEWORKS),[ ! -e .venv-$(each)/stamp ] || .venv-$(each)/bin/python -m pytest --durations=10 -rs -m agents tests/agents/$(each) $(ARGS) || failed=1;) exit $$failed
+$(FRAMEWORKS:%=.venv-%/stamp): .venv-%/stamp: constraints-%.txt pyproject.toml
+	python3 -m venv .venv-$* && PIP_BUILD_CONSTRAINT=constraints.txt .venv-$*/bin/pip install -q --disable-pip-version-check -c $< -e '.[$*,avatar,gateway]' hypothesis psutil pytest pytest-asyncio pytest-timeout && touch $@ || \
+	echo "SKIPPED the framework $*: it cannot be installed here"
 nightly:; OPENROIS_SEEDS=$${OPENROIS_SEEDS:-5} $(MAKE) test LONG=1; tests=$$?; .ci/pythons && $(PY) -m tools.pictures --check && exit $$tests
 check: lint test
 lint: .venv/dev.stamp $(NODE_MODULES)

@@ -20,6 +20,7 @@ EXTRAS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "cluster": (*_GATEWAY, "asyncpg", "nats"),
         "mcp": ("mcp", "mcp_types", "starlette", "uvicorn"),
         "streaming": _STREAMING,
+        "livekit": (*_STREAMING, "livekit"),
         "body": _BODY,
         "avatar": _AVATAR,
         "speech": (*_BODY, "aiohttp", "espeakng_loader"),

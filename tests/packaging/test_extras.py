@@ -19,6 +19,7 @@ BROUGHT = {
     "cryptography": "pyjwt",
     "grpc": "kachaka-api",
     "ifaddr": "aioice",
+    "livekit": "livekit-agents",
     "mcp_types": "mcp",
     "pylibsrtp": "aiortc",
     "starlette": "mcp",

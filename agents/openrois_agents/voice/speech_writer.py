@@ -63,7 +63,7 @@ class _Utterance:
 class SpeechWriter:
     """Speaks utterances through a body, for as long as the block runs; what is not over at its end is silenced.
 
-    An utterance begins with the first `write` and ends with `end` or `clear`. One that the body does not speak to its
+    An utterance begins with the first `write` and ends with `end_utterance` or `clear`. One that the body does not speak to its
     end is interrupted: the rest of it is dropped, and the next one is tried again.
 
     Args:
@@ -154,7 +154,7 @@ class SpeechWriter:
             self._written += len(piece)
             self._news.notify()
 
-    def end(self) -> None:
+    def end_utterance(self) -> None:
         """End the present utterance: all of it was written. Without one nothing happens."""
         if self._writing is not None:
             self._writing.is_ended = True

@@ -13,6 +13,7 @@ PURPOSES: Final = {
     "cluster": "no gateway that is one of several",
     "mcp": "no bodies as tools for agents",
     "streaming": "no streams",
+    "livekit": "no body for LiveKit Agents, which has an environment of its own",
     "body": "no senses, voice or motion",
     "avatar": "no avatar",
     "speech": "no voice",

@@ -77,10 +77,10 @@ async def test_utterances_are_heard_one_after_the_other_and_told_of_in_order(url
     async with speaking(url) as (_, _, writer, told):
         await writer.write(sound(0.35))
         assert writer.written == pytest.approx(0.35)
-        writer.end()
-        writer.end()
+        writer.end_utterance()
+        writer.end_utterance()
         await writer.write(sound(0.2).tobytes())
-        writer.end()
+        writer.end_utterance()
         await writer.until_over()
         assert told.steps == ["started", Spoken(0.35), "started", Spoken(0.2)]
         assert (writer.position, writer.written, writer.waiting) == (0.0, 0.0, 0.0)
@@ -113,7 +113,7 @@ async def test_an_interruption_is_told_with_what_was_heard_and_the_next_utteranc
         # The viewer may make up a little where a busy machine is late.
         assert told.ends[0].seconds == pytest.approx(ear.loud, abs=0.1)
         await writer.write(sound(0.2))
-        writer.end()
+        writer.end_utterance()
         await writer.until_over()
         first = told.ends[0]
         assert first.interrupted
@@ -126,7 +126,7 @@ async def test_what_was_not_begun_is_told_of_as_interrupted_without_having_start
     async with speaking(url) as (_, _, writer, told):
         for _ in range(2):
             await writer.write(sound(0.5))
-            writer.end()
+            writer.end_utterance()
         await told.until(lambda: told.steps)
         writer.clear()
         writer.clear()
@@ -144,7 +144,7 @@ async def test_the_number_of_utterances_that_wait_is_bounded_too(url: str) -> No
         async def write_all() -> None:
             for _ in range(25):
                 await writer.write(sound(0.01))
-                writer.end()
+                writer.end_utterance()
 
         writing = asyncio.create_task(write_all())
         await told.until(lambda: told.ends)
@@ -169,9 +169,9 @@ async def test_a_body_that_is_stopped_ends_the_utterance_while_the_agent_thinks_
         # All of this is of the utterance that was interrupted.
         await writer.write(sound(6.0))
         await writer.until_heard(5.0)
-        writer.end()
+        writer.end_utterance()
         await writer.write(sound(0.1))
-        writer.end()
+        writer.end_utterance()
         await writer.until_over()
         assert told.ends[1:] == [Spoken(0.1)]
 
@@ -185,10 +185,10 @@ async def test_a_lost_connection_ends_the_utterance_and_speech_without_one_is_to
         await told.until(lambda: told.ends)
         assert told.ends[0].reason == "the connection over which it was spoken was lost"
         await writing
-        writer.end()
+        writer.end_utterance()
         while told.ends[-1].interrupted:
             await writer.write(sound(0.1))
-            writer.end()
+            writer.end_utterance()
             await writer.until_over()
         assert told.ends[-1] == Spoken(0.1)
 

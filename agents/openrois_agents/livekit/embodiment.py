@@ -1,0 +1,82 @@
+"""A session of LiveKit Agents in a body."""
+
+from collections.abc import AsyncIterator, Collection
+from contextlib import AsyncExitStack, asynccontextmanager, suppress
+from typing import Any, Final
+
+from livekit.agents import AgentSession
+from livekit.agents.voice.transcription import TranscriptSynchronizer
+from openrois_media import Media
+
+from openrois.client import Client, ComponentProxy
+from openrois.types.codes import Purpose
+from openrois_agents.livekit.audio_input import VisitorAudioInput
+from openrois_agents.livekit.audio_output import BodyAudioOutput
+from openrois_agents.voice.speech_writer import SpeechWriter
+from openrois_agents.voice.visitor_sound import VisitorSound
+
+__all__ = ["embodied"]
+
+_SPOKEN_RATE: Final = 24_000
+_HEARD_RATE: Final = 16_000
+
+
+@asynccontextmanager
+async def embodied(
+    session: AgentSession[Any],
+    client: Client,
+    media: Media,
+    body: str | ComponentProxy,
+    *,
+    purposes: Collection[Purpose] = (),
+) -> AsyncIterator[None]:
+    """Let a session speak through a body, and hear its visitor, for as long as the block runs.
+
+    Start the session inside the block, without a room. The component of the body that speaks is bound meanwhile. What
+    the body breaks off, as when a person takes it, the session takes for an interruption; of a visitor that withdraws
+    its consent, or leaves, the words that were not answered yet are forgotten.
+
+    Args:
+        session: not started.
+        client: an open client.
+        media: of this client, open.
+        body: its engine id, or any component of it.
+        purposes: what the visitor's sound is used for, such as `agent`, and `transfer` where a service on another
+            machine recognises or answers; none, and the session hears nothing.
+
+    Raises:
+        Unsupported: the body speaks no sound, or tells no visitors apart.
+        OutOfResources: another application speaks through it.
+        RoISError: the engine refuses.
+        TimeoutError: it is not connected in time.
+    """
+    async with AsyncExitStack() as stack:
+        speech = await stack.enter_async_context(media.speech(body, rate=_SPOKEN_RATE))
+        writer = await stack.enter_async_context(SpeechWriter(speech))
+        writer.broken_off.add(lambda _reason: _interrupt(session))
+        output = BodyAudioOutput(writer)
+        # The history of the conversation gets what was heard of an answer, and not all that was meant.
+        synchronizer = TranscriptSynchronizer(
+            next_in_chain_audio=output, next_in_chain_text=session.output.transcription
+        )
+        stack.push_async_callback(synchronizer.aclose)
+        session.output.audio = synchronizer.audio_output
+        session.output.transcription = synchronizer.text_output
+        if purposes:
+            sound = VisitorSound(client, media, body, purposes=purposes, rate=_HEARD_RATE)
+            sound.heard_changed.add(lambda heard: None if heard else _forget_turn(session))
+            await stack.enter_async_context(sound)
+            session.input.audio = VisitorAudioInput(sound)
+        yield
+
+
+def _interrupt(session: AgentSession[Any]) -> None:
+    """End what the session says now; it is not said to its end."""
+    if (speech := session.current_speech) is not None:
+        speech.interrupt(force=True)
+
+
+def _forget_turn(session: AgentSession[Any]) -> None:
+    # A session that does not run, or has ended, has no turn.
+    with suppress(RuntimeError):
+        session.clear_user_turn()
