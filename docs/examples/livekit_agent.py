@@ -29,7 +29,7 @@ class Listening(stt.RecognizeStream):
     """Waits for sound, and then for half a second of silence."""
 
     async def _run(self) -> None:
-        heard, quiet = (), 0.0
+        heard, quiet = tuple[AudioFrame, ...](), 0.0
         async for frame in self._input_ch:
             if isinstance(frame, AudioFrame):
                 loud = np.abs(np.frombuffer(frame.data, np.int16).astype(int)).max() > 500

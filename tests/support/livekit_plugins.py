@@ -64,7 +64,8 @@ class _Recognition(stt.RecognizeStream):
 
     def _word(self, said: Any) -> str:
         pitch = np.abs(np.fft.rfft(said)).argmax() * _RATE / len(said)
-        return self._stt.words[min(self._stt.words, key=lambda each: abs(each - pitch))]
+        words: Mapping[float, str] = self._stt.words
+        return words[min(words, key=lambda each: abs(each - pitch))]
 
     def _emit(self, kind: stt.SpeechEventType, text: str = "") -> None:
         said = [stt.SpeechData(language="en", text=text)] if text else []

@@ -63,8 +63,8 @@ class _Utterance:
 class SpeechWriter:
     """Speaks utterances through a body, for as long as the block runs; what is not over at its end is silenced.
 
-    An utterance begins with the first `write` and ends with `end_utterance` or `clear`. One that the body does not speak to its
-    end is interrupted: the rest of it is dropped, and the next one is tried again.
+    An utterance begins with the first `write` and ends with `end_utterance` or `clear`. What the body does not
+    speak to its end is interrupted: the rest of it is dropped, and the next one is tried again.
 
     Args:
         speaking: the speech of the body, of which nothing else makes use.

@@ -65,6 +65,10 @@ async def until(so: Callable[[], object]) -> None:
             await asyncio.sleep(0.01)
 
 
+async def until_heard(sound: VisitorSound, visitor_ref: str) -> None:
+    await until(lambda: sound.heard == visitor_ref)
+
+
 async def refs(media: Media) -> list[str]:
     """Return the visitors, the first that came first."""
     return [each.visitor_ref for each in await media.visitors("avatar", purposes=[AGENT])]
@@ -140,7 +144,7 @@ async def test_it_follows_the_visitor_whom_the_body_attends_to(url: str) -> None
         one, other = await refs(media)
         for wanted, pitch in ((one, LOW), (other, HIGH), (one, LOW)):
             await visitors.set_parameter(attention=wanted)
-            await until(lambda wanted=wanted: sound.heard == wanted)
+            await until_heard(sound, wanted)
             assert await pitch_of(sound, wanted) == pytest.approx(pitch, abs=20)
 
 
@@ -157,7 +161,7 @@ async def test_a_visitor_that_does_not_consent_to_every_purpose_is_not_heard(url
             await anext(changes)
             assert sound.heard == ""
             await sending.consent(AGENT, Purpose.TRANSFER)
-        await until(lambda: sound.heard == sending.visitor_ref)
+        await until_heard(sound, sending.visitor_ref)
 
 
 async def test_a_body_that_tells_no_visitors_apart_and_what_is_impossible_are_named() -> None:

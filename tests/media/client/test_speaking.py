@@ -125,6 +125,27 @@ async def test_it_is_told_when_it_is_heard_runs_dry_and_ends(url: str) -> None:
         assert [step async for step in events][-1] == Finished(number + 1, 100)
 
 
+async def test_how_much_was_played_is_known_until_the_end_is_heard_and_afterwards(url: str) -> None:
+    async with program(url) as (_, media), media.speech("avatar") as speech:
+        await speech.until_played(1.0)
+        assert (speech.utterance, speech.played) == (None, 0.0)
+        await speech.push(tone(0.55))
+        # The end of what was pushed is less than a step of credit behind what was told before it.
+        await speech.until_played(0.55)
+        first = speech.utterance
+        assert first is not None
+        assert speech.played == pytest.approx(0.55)
+        await speech.push(tone(0.4))
+        ended = asyncio.create_task(speech.finish())
+        await speech.until_played(0.75)
+        assert speech.utterance == first
+        await ended
+        assert speech.played == pytest.approx(0.95)
+        await speech.until_played(2.0)
+        await speech.push(tone(0.1))
+        assert speech.utterance == first + 1
+
+
 async def test_clear_silences_it_and_says_what_was_heard(url: str) -> None:
     async with program(url) as (_, media), media.speech("avatar") as speech:
         assert await speech.clear() == await speech.finish()
