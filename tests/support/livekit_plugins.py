@@ -115,11 +115,13 @@ class Beeps(tts.TTS):
 
     Args:
         per_word: seconds of a word.
+        pitches: of texts; 300 Hz unless given.
     """
 
-    def __init__(self, per_word: float) -> None:
+    def __init__(self, per_word: float, pitches: Mapping[str, float]) -> None:
         super().__init__(capabilities=tts.TTSCapabilities(streaming=False), sample_rate=_RATE, num_channels=1)
         self.per_word = per_word
+        self.pitches = pitches
 
     def synthesize(self, text: str, *, conn_options: APIConnectOptions = DEFAULT_API_CONNECT_OPTIONS) -> "_Sound":
         return _Sound(tts=self, input_text=text, conn_options=conn_options)
@@ -128,6 +130,7 @@ class Beeps(tts.TTS):
 class _Sound(tts.ChunkedStream):
     async def _run(self, output_emitter: tts.AudioEmitter) -> None:
         output_emitter.initialize(request_id="beep", sample_rate=_RATE, num_channels=1, mime_type="audio/pcm")
-        sound = tone(len(self.input_text.split()) * self._tts.per_word, _RATE)
+        pitch = self._tts.pitches.get(self.input_text.strip(), 300)
+        sound = tone(len(self.input_text.split()) * self._tts.per_word, _RATE, pitch)
         output_emitter.push(sound.tobytes())
         output_emitter.flush()

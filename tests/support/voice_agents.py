@@ -5,6 +5,7 @@ import itertools
 from collections import deque
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +17,12 @@ from openrois_streaming.source.source import SAMPLE_RATE, RawAudio
 __all__ = ["Ear", "Mouth", "hearing", "tone"]
 
 _LOUD = 1_000
-_PAUSE = 0.15
-"""Seconds without sound that are between two tones, and not in one of them."""
-_QUIET_BLOCKS = 10
-"""Blocks without sound, 20 ms each, that no gap between two packets has."""
+_NEAR = 120
+"""Hz by which the pitch of a short block may be wrong."""
+_PAUSE = 0.5
+"""Seconds without sound that are between two tones, and not what a busy machine lost of one."""
+_QUIET_BLOCKS = 30
+"""Blocks without sound, 20 ms each, likewise."""
 
 
 def tone(seconds: float, rate: int, pitch: float = 300) -> NDArray[np.int16]:
@@ -28,38 +31,59 @@ def tone(seconds: float, rate: int, pitch: float = 300) -> NDArray[np.int16]:
     return np.asarray(wave * 16_000, np.int16)
 
 
+@dataclass
+class Heard:
+    """A tone that was heard, from its first to its last moment, as it was captured."""
+
+    pitch: float
+    began: float
+    ended: float
+
+
 class Ear:
-    """Measures the sound of a body by its capture times: what a busy machine's viewer loses or stretches counts whole.
+    """Measures the tones of a body by capture times: what a viewer loses or stretches on a busy machine counts whole.
 
     Attributes:
-        loud: seconds of sound that were received, pauses left out.
+        heard: each tone, the first one first.
         quiet: blocks without sound since the last one with it.
     """
 
     def __init__(self) -> None:
-        self.loud = 0.0
+        self.heard: list[Heard] = []
         self.quiet = -1
-        self._latest = float("-inf")
-        """When the last block with sound ended."""
         self._news = News()
+
+    @property
+    def loud(self) -> float:
+        """Seconds of all tones."""
+        return sum(each.ended - each.began for each in self.heard)
+
+    def seconds(self, pitch: float) -> float:
+        """Return the seconds of the tones of a pitch."""
+        return sum(each.ended - each.began for each in self.heard if _is_near(each.pitch, pitch))
 
     async def listen(self, media: Media, microphone: str) -> None:
         """Receive the sound until this is cancelled."""
         async with media.blocks(microphone) as blocks:
             async for block in blocks:
-                loud = np.count_nonzero(np.abs(block.samples[:, 0].astype(int)) > _LOUD)
-                # Of a tone more than half is so loud.
-                if loud > len(block.samples) / 2:
-                    self._count(block.local_time, len(block.samples) / block.sample_rate)
+                sound = block.samples[:, 0].astype(int)
+                (places,) = np.nonzero(np.abs(sound) > _LOUD)
+                if len(places) > len(sound) / 4:
+                    first, last = int(places[0]), int(places[-1]) + 1
+                    crossings = np.count_nonzero(np.diff(np.signbit(sound[first:last])))
+                    pitch = float(crossings) / 2 / (last - first) * SAMPLE_RATE
+                    self._add(pitch, block.local_time + first / SAMPLE_RATE, block.local_time + last / SAMPLE_RATE)
                 else:
-                    self.quiet = 0 if loud else self.quiet + 1
+                    self.quiet = 0 if len(places) else self.quiet + 1
                 self._news.notify()
 
-    def _count(self, began: float, seconds: float) -> None:
-        ended = began + seconds
-        self.loud += seconds if began - self._latest > _PAUSE else max(0.0, ended - self._latest)
-        self._latest = max(self._latest, ended)
+    def _add(self, pitch: float, began: float, ended: float) -> None:
         self.quiet = 0
+        latest = self.heard[-1] if self.heard else None
+        if latest is not None and _is_near(latest.pitch, pitch) and began - latest.ended < _PAUSE:
+            latest.ended = max(latest.ended, ended)
+        else:
+            self.heard.append(Heard(pitch, began, ended))
 
     async def hears(self) -> None:
         """Wait until the first block has come, loud or not."""
@@ -72,6 +96,10 @@ class Ear:
     async def until_quiet(self) -> None:
         """Wait until nothing is heard any more, of what has begun to be heard."""
         await self._news.until(lambda: self.loud and self.quiet >= _QUIET_BLOCKS)
+
+
+def _is_near(pitch: float, other: float) -> bool:
+    return abs(pitch - other) < _NEAR
 
 
 @asynccontextmanager
