@@ -32,9 +32,10 @@ async def embodied(
 ) -> AsyncIterator[None]:
     """Let a session speak through a body, and hear its visitor, for as long as the block runs.
 
-    Start the session inside the block, without a room. The component of the body that speaks is bound meanwhile. What
-    the body breaks off, as when a person takes it, the session takes for an interruption; of a visitor that withdraws
-    its consent, or leaves, the words that were not answered yet are forgotten.
+    Start the session inside the block, without a room; one that still runs at its end has neither ears nor mouth from
+    then on. The component of the body that speaks is bound meanwhile. What the body breaks off, as when a person takes
+    it, the session takes for an interruption; of a visitor that withdraws its consent, or leaves, the words that were
+    not answered yet are forgotten.
 
     Args:
         session: not started.
@@ -56,18 +57,22 @@ async def embodied(
         writer.broken_off.add(lambda _reason: _interrupt(session))
         output = BodyAudioOutput(writer)
         # The history of the conversation gets what was heard of an answer, and not all that was meant.
-        synchronizer = TranscriptSynchronizer(
-            next_in_chain_audio=output, next_in_chain_text=session.output.transcription
-        )
+        texts = session.output.transcription
+        synchronizer = TranscriptSynchronizer(next_in_chain_audio=output, next_in_chain_text=texts)
         stack.push_async_callback(synchronizer.aclose)
-        session.output.audio = synchronizer.audio_output
-        session.output.transcription = synchronizer.text_output
         if purposes:
             sound = VisitorSound(client, media, body, purposes=purposes, rate=_HEARD_RATE)
             sound.heard_changed.add(lambda heard: None if heard else _forget_turn(session))
             await stack.enter_async_context(sound)
             session.input.audio = VisitorAudioInput(sound)
-        yield
+        session.output.audio = synchronizer.audio_output
+        session.output.transcription = synchronizer.text_output
+        try:
+            yield
+        finally:
+            _interrupt(session)
+            session.input.audio = session.output.audio = None
+            session.output.transcription = texts
 
 
 def _interrupt(session: AgentSession[Any]) -> None:

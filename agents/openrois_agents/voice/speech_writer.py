@@ -88,6 +88,7 @@ class SpeechWriter:
         """Those that are not over; the first one is spoken."""
         self._writing: _Utterance | None = None
         self._written = 0
+        self._is_closed = False
         self._silencing: asyncio.Task[None] | None = None
         self._tasks = TaskScope()
         self._news = News()
@@ -101,6 +102,7 @@ class SpeechWriter:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Silence what is not over, and tell of its end."""
+        self._is_closed = True
         self.clear()
         try:
             with suppress(TimeoutError):
@@ -137,7 +139,10 @@ class SpeechWriter:
 
         Raises:
             ValueError: it is not such sound.
+            RuntimeError: the block has ended.
         """
+        if self._is_closed:
+            raise RuntimeError("write within the block of the SpeechWriter: it has ended, and speaks no more")
         data = _bytes(sound)
         if not data:
             return

@@ -311,6 +311,23 @@ async def test_what_is_captured_faster_than_it_is_heard_waits_and_is_cleared_at_
             await output.capture_frame(AudioFrame(b"ab", 48_000, 1, 1))
 
 
+async def test_a_session_that_outlives_its_body_is_interrupted_and_goes_on_without_ears_and_mouth(
+    tmp_path: Path,
+) -> None:
+    session: AgentSession[Any] = AgentSession(tts=Beeps(PER_WORD, {}), vad=None, user_away_timeout=None)
+    async with house(tmp_path) as there, asyncio.timeout(PATIENCE), Client(there.url) as client, Media(client) as media:
+        async with embodied(session, client, media, "avatar", purposes=[Purpose.AGENT]):
+            told = Told(session)
+            await session.start(Agent(instructions="Say."))
+            speech = session.say(STORY)
+            await told.until(lambda: told.steps)
+        await speech
+        assert speech.interrupted
+        assert (session.input.audio, session.output.audio, session.output.transcription) == (None, None, None)
+        assert [interrupted for _, interrupted in told.ends] == [True]
+        await session.aclose()
+
+
 async def test_what_comes_while_the_input_is_off_is_dropped(tmp_path: Path) -> None:
     async with house(tmp_path) as there, conversation(there.url) as talk:
         talk.session.input.set_audio_enabled(False)

@@ -200,6 +200,8 @@ async def test_the_end_of_the_block_silences_what_is_spoken_and_tells_of_it(url:
     assert len(told.ends) == 1
     assert told.ends[0].interrupted
     assert 0.0 < told.ends[0].seconds < 1.5
+    with pytest.raises(RuntimeError, match="within the block of the SpeechWriter: it has ended"):
+        await writer.write(sound(0.1))
 
 
 async def test_other_sound_is_refused(url: str) -> None:
