@@ -14,8 +14,8 @@ __all__ = ["Beeps", "Pitches", "Rules"]
 
 _LOUD = 1_000
 _RATE = 16_000
-_QUIET = 0.3
-"""Seconds without sound that end what is said."""
+_QUIET = 0.6
+"""Seconds without sound that end what is said, and are not what a busy machine lost of it."""
 
 
 class Pitches(stt.STT):
@@ -79,7 +79,7 @@ class Rules(llm.LLM):
         answers: to what was said last.
 
     Attributes:
-        asked: all that was said.
+        asked: the first word of all that was said.
     """
 
     def __init__(self, answers: Mapping[str, str]) -> None:
@@ -101,7 +101,8 @@ class Rules(llm.LLM):
 class _Answer(llm.LLMStream):
     async def _run(self) -> None:
         said = [each.text_content for each in self._chat_ctx.messages() if each.role == "user"]
-        asked = said[-1] if said else ""
+        # A tone with a gap is two words.
+        asked = (said[-1] or "").split(" ")[0] if said else ""
         self._llm.asked.append(asked)
         for word in self._llm.answers[asked].split(" "):
             self._event_ch.send_nowait(

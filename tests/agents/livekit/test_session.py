@@ -326,16 +326,3 @@ async def test_a_session_that_outlives_its_body_is_interrupted_and_goes_on_witho
         assert (session.input.audio, session.output.audio, session.output.transcription) == (None, None, None)
         assert [interrupted for _, interrupted in told.ends] == [True]
         await session.aclose()
-
-
-async def test_what_comes_while_the_input_is_off_is_dropped(tmp_path: Path) -> None:
-    async with house(tmp_path) as there, conversation(there.url) as talk:
-        talk.session.input.set_audio_enabled(False)
-        talk.mouth.say(HELLO, 0.6)
-        await talk.mouth.until_said()
-        talk.mouth.say(STOP, 0.1)
-        await talk.mouth.until_said()
-        talk.session.input.set_audio_enabled(True)
-        talk.mouth.say(STOP, 0.6)
-        await talk.told.until(lambda: talk.told.said)
-        assert talk.asked == ["stop"]
