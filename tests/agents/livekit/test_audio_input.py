@@ -11,7 +11,7 @@ from openrois_media import Media
 from openrois.client import Client
 from openrois.types.codes import Purpose
 
-pytestmark = pytest.mark.agents
+pytestmark = [pytest.mark.agents, pytest.mark.extra(name="livekit")]
 
 
 async def test_what_comes_while_the_input_is_off_is_dropped() -> None:
