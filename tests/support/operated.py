@@ -3,7 +3,7 @@
 import asyncio
 import threading
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +16,7 @@ from openrois_avatar.link.protocol import PixelFormat
 from openrois_avatar.scene import external_scene
 from openrois_streaming.clock import SystemClock
 
+from openrois.adapter import Component
 from openrois.adapter.dialer import serve_parent
 from openrois.gateway.server import Gateway
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
@@ -83,17 +84,19 @@ async def operated_avatar(folder: Path) -> AsyncIterator[tuple[Gateway, NotingEn
 
 @asynccontextmanager
 async def noting_avatar(
-    folder: Path, url: str, credentials: Credentials = NO_CREDENTIALS
+    folder: Path, url: str, credentials: Credentials = NO_CREDENTIALS, added: Sequence[type[Component]] = ()
 ) -> AsyncIterator[NotingEngine]:
-    """Run the avatar `avatar` alone, which dials a gateway; its engine link is in `folder`."""
+    """Run the avatar `avatar` alone, which dials a gateway, with components added; its engine link is in `folder`."""
     clock, address = SystemClock(), f"unix:{folder}/engine"
     async with (
         external_scene("avatar", address, "secret", clock) as scene,
-        serve_scene("avatar", scene, clock) as avatar,
+        serve_scene("avatar", scene, clock, added=added) as avatar,
     ):
         dialling = asyncio.ensure_future(serve_parent(avatar.host, url, credentials=credentials))
         with NotingEngine(address) as engine:
-            yield engine
-            dialling.cancel()
-            with suppress(asyncio.CancelledError):
-                await dialling
+            try:
+                yield engine
+            finally:
+                dialling.cancel()
+                with suppress(asyncio.CancelledError):
+                    await dialling

@@ -1,0 +1,294 @@
+"""The guide of `docs/examples`: a visit, and whatever may go wrong in one; a second application sees what is told."""
+
+import asyncio
+import signal
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+from aiohttp import web
+
+from openrois.client import Client, ControlRequested
+from tests.support.demo import free_port
+from tests.support.guided import AVATAR_VOICE, LEGS, ROBOT_VOICE, House, guide, guide_process, house, token
+
+FAR = -4.0, -2.5
+"""From where the robot takes some seconds to the plant."""
+
+
+@asynccontextmanager
+async def model_server(answer: str | None) -> AsyncIterator[tuple[str, list[str]]]:
+    """Run a server that gives one answer to everything, or none; return its address, and what it was asked."""
+    asked: list[str] = []
+
+    async def complete(request: web.Request) -> web.Response:
+        asked.append(await request.text())
+        if answer is None:
+            await asyncio.Event().wait()
+        return web.Response(text=answer, content_type="application/json")
+
+    app = web.Application()
+    app.router.add_post("/v1/chat/completions", complete)
+    runner = web.AppRunner(app, shutdown_timeout=0.01)
+    await runner.setup()
+    port = free_port()
+    await web.TCPSite(runner, "127.0.0.1", port).start()
+    try:
+        yield f"http://127.0.0.1:{port}/v1", asked
+    finally:
+        await runner.cleanup()
+
+
+async def begin_walk(opened: House) -> None:
+    """Come as a visitor, and be led until the robot moves."""
+    await opened.hears()
+    opened.say("take me to the plant please")
+    await opened.tells("Hello!")
+    await opened.tells("Please follow the robot to the plant.")
+    await opened.moves()
+
+
+async def test_a_visitor_is_greeted_led_and_taken_leave_of_and_nothing_stays_held(tmp_path: Path) -> None:
+    async with house(tmp_path) as opened, guide(opened, tmp_path):
+        await opened.hears()
+        opened.say("good morning")
+        await opened.tells("Hello!", by="avatar")
+        await opened.tells("I can lead you to: ")
+        opened.say("take me to the plant please")
+        await opened.tells("Please follow the robot to the plant.")
+        await opened.tells("Here we are: the plant.")
+        await opened.is_free(LEGS)
+        opened.say("goodbye")
+        await opened.tells("Goodbye!", by="avatar")
+        await opened.is_free(AVATAR_VOICE)
+
+
+async def test_stop_is_heard_on_the_way(tmp_path: Path) -> None:
+    async with house(tmp_path, *FAR) as opened, guide(opened, tmp_path):
+        await begin_walk(opened)
+        opened.say("stop")
+        await opened.tells("I stop.")
+        await opened.stands()
+        await opened.is_free(LEGS)
+
+
+async def test_stop_waits_for_no_sentence(tmp_path: Path) -> None:
+    async with house(tmp_path, *FAR) as opened, guide(opened, tmp_path):
+        await begin_walk(opened)
+        opened.synthesizer.seconds = 30.0
+        opened.say("what can you do")
+        await opened.tells("I can lead you to: ")
+        opened.say("stop")
+        await opened.stands()
+        await opened.is_free(LEGS)
+
+
+async def test_the_robot_speaks_where_another_application_has_the_avatar(tmp_path: Path) -> None:
+    async with house(tmp_path) as opened, Client(opened.url, token=token("ann", rank="person")) as ann:
+        await ann.bind(AVATAR_VOICE)
+        async with guide(opened, tmp_path):
+            await opened.hears()
+            opened.say("take me to the plant")
+            await opened.tells("Hello!", by="robot")
+            await opened.tells("Here we are: the plant.", by="robot")
+            opened.say("goodbye")
+            await opened.tells("Goodbye!", by="robot")
+            await opened.is_free(ROBOT_VOICE)
+
+
+async def test_a_visitor_is_told_that_another_application_has_the_robot(tmp_path: Path) -> None:
+    async with house(tmp_path) as opened, Client(opened.url, token=token("ann", rank="person")) as ann:
+        await ann.bind(LEGS)
+        here = opened.place
+        async with guide(opened, tmp_path):
+            await opened.hears()
+            opened.say("take me to the plant")
+            await opened.tells("The robot is not free now. Ask me again later.", by="avatar")
+            assert opened.place == here
+            await ann.release(LEGS)
+            opened.say("take me to the plant")
+            await opened.tells("Here we are: the plant.", by="avatar")
+
+
+async def test_the_avatar_goes_on_where_the_robot_is_lost_on_the_way(tmp_path: Path) -> None:
+    async with house(tmp_path, *FAR) as opened, guide(opened, tmp_path):
+        await begin_walk(opened)
+        opened.robots.cut(refuse=True)
+        await opened.tells("The robot cannot go on. Please wait there; I am here for you.", by="avatar")
+        opened.say("what now")
+        await opened.tells("I can lead you to: ", by="avatar")
+        here = opened.place
+        opened.say("goodbye")
+        await opened.tells("Goodbye!", by="avatar")
+        assert opened.place == here
+        await opened.is_free(AVATAR_VOICE)
+
+
+async def test_the_avatar_goes_on_where_the_robot_is_killed_on_the_way(tmp_path: Path) -> None:
+    async with house(tmp_path, robot_process=True) as opened, guide(opened, tmp_path):
+        await opened.hears()
+        opened.say("take me to the plant")
+        await opened.tells("Please follow the robot to the plant.", by="avatar")
+        await opened.is_busy(LEGS)
+        assert opened.robot_process is not None
+        opened.robot_process.signal(signal.SIGKILL)
+        await opened.tells("The robot cannot go on. Please wait there; I am here for you.", by="avatar")
+        opened.say("take me to the plant")
+        await opened.tells("The robot is not free now. Ask me again later.", by="avatar")
+        opened.say("goodbye")
+        await opened.tells("Goodbye!", by="avatar")
+        await opened.is_free(AVATAR_VOICE)
+
+
+async def test_the_robot_goes_on_where_the_avatar_is_lost(tmp_path: Path) -> None:
+    async with house(tmp_path) as opened, guide(opened, tmp_path):
+        await opened.hears()
+        opened.say("hello")
+        await opened.tells("I can lead you to: ", by="avatar")
+        opened.avatars.cut(refuse=True)
+        await opened.tells("I had to leave the avatar, and go on here.", by="robot")
+
+
+async def test_a_person_stops_the_robot_and_it_stays_stopped(tmp_path: Path) -> None:
+    async with (
+        house(tmp_path, *FAR) as opened,
+        Client(opened.url, token=token("ann", rank="person")) as ann,
+        guide(opened, tmp_path),
+    ):
+        await begin_walk(opened)
+        await ann.control.stop_all("robot")
+        await opened.tells("The robot cannot go on. Please wait there; I am here for you.", by="avatar")
+        await opened.stands()
+        await opened.is_free(LEGS)
+
+
+async def test_a_person_borrows_the_robot_and_the_way_goes_on_behind_that(tmp_path: Path) -> None:
+    async with (
+        house(tmp_path) as opened,
+        Client(opened.url, token=token("ann", rank="person")) as ann,
+        guide(opened, tmp_path),
+    ):
+        await begin_walk(opened)
+        await ann.control.borrow(LEGS, seconds=30)
+        await opened.tells("ann has the robot for 30 seconds. I wait until it is back.")
+        await opened.stands()
+        await ann.control.give_back(LEGS)
+        await opened.tells("We go on to the plant.")
+        await opened.tells("Here we are: the plant.")
+        await opened.is_free(LEGS)
+
+
+async def test_an_application_requests_the_robot_and_gives_it_back(tmp_path: Path) -> None:
+    # Of the same rank, it cannot borrow it.
+    async with (
+        house(tmp_path) as opened,
+        Client(opened.url, token=token("bob", rank="agent")) as bob,
+        guide(opened, tmp_path),
+    ):
+        await begin_walk(opened)
+        async with bob.notices(ControlRequested) as requests:
+            await bob.control.request(LEGS)
+            await opened.tells("bob may have the robot. I wait until it is back.")
+            await opened.stands()
+            assert (await anext(requests)).subject == "guide"
+        await bob.release(LEGS)
+        await opened.tells("We go on to the plant.")
+        await opened.tells("Here we are: the plant.")
+
+
+async def test_a_person_borrows_the_voice_in_mid_sentence_and_it_is_said_again(tmp_path: Path) -> None:
+    async with (
+        house(tmp_path) as opened,
+        Client(opened.url, token=token("ann", rank="person")) as ann,
+        guide(opened, tmp_path),
+    ):
+        await opened.hears()
+        opened.synthesizer.seconds = 5.0
+        opened.say("hello")
+        await opened.tells("Hello!", by="avatar")
+        opened.synthesizer.seconds = 0.2
+        await ann.control.borrow(AVATAR_VOICE, seconds=30)
+        await ann.control.give_back(AVATAR_VOICE)
+        await opened.tells("Hello!", by="avatar")
+        await opened.tells("I can lead you to: ", by="avatar")
+
+
+async def test_it_tells_that_its_model_is_down_and_goes_on(tmp_path: Path) -> None:
+    model = f"http://127.0.0.1:{free_port()}/v1"
+    async with house(tmp_path) as opened, guide(opened, tmp_path, model):
+        await opened.hears()
+        opened.say("how are you")
+        await opened.tells("I cannot think about that now. I can lead you to: ")
+        opened.say("take me to the plant")
+        await opened.tells("Here we are: the plant.")
+
+
+@pytest.mark.parametrize(
+    "answer", ["[]", "{}", "nonsense", '{"choices": [{"message": {"content": ""}}]}', "x" * 70_000]
+)
+async def test_it_goes_on_where_its_model_answers_nonsense(tmp_path: Path, answer: str) -> None:
+    async with model_server(answer) as (model, _), house(tmp_path) as opened, guide(opened, tmp_path, model):
+        await opened.hears()
+        opened.say("how are you")
+        await opened.tells("I cannot think about that now. I can lead you to: ")
+
+
+async def test_it_goes_on_where_its_model_stalls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    async with model_server(None) as (model, _), house(tmp_path) as opened, guide(opened, tmp_path, model):
+        monkeypatch.setattr("small_talk.TIMEOUT", 0.1)
+        await opened.hears()
+        opened.say("how are you")
+        await opened.tells("I cannot think about that now. I can lead you to: ")
+
+
+async def test_the_model_answers_who_consents(tmp_path: Path) -> None:
+    said = '{"choices": [{"message": {"content": "I am fine."}}]}'
+    async with model_server(said) as (model, asked), house(tmp_path) as opened, guide(opened, tmp_path, model):
+        await opened.hears()
+        opened.say("my secret", "avatar/visitor/1")
+        await opened.tells("I can lead you to: ")
+        assert not asked
+        opened.say("how are you")
+        await opened.tells("I am fine.")
+        assert "how are you" in asked[0]
+
+
+async def test_killed_in_mid_sentence_the_next_process_tells_it(tmp_path: Path) -> None:
+    async with house(tmp_path, *FAR) as opened:
+        async with guide_process(opened, tmp_path) as first:
+            await begin_walk(opened)
+            opened.synthesizer.seconds = 2.0
+            opened.say("what can you do")
+            await opened.tells("I can lead you to: ")
+            first.signal(signal.SIGKILL)
+            await first.ended()
+            await opened.stands()
+        await asyncio.gather(opened.is_free(LEGS), opened.is_free(AVATAR_VOICE))
+        opened.synthesizer.seconds = 0.2
+        async with guide_process(opened, tmp_path):
+            await opened.tells("I am sorry, I was interrupted.")
+            opened.say("goodbye")
+            await opened.tells("Goodbye!")
+
+
+async def test_where_the_network_is_cut_the_robot_stops_and_the_way_goes_on_when_it_is_back(tmp_path: Path) -> None:
+    async with house(tmp_path) as opened, guide(opened, tmp_path):
+        await begin_walk(opened)
+        opened.guides.cut()
+        await opened.tells("I was cut off for a moment. I am here again.")
+        await opened.tells("We go on to the plant.")
+        await opened.tells("Here we are: the plant.")
+
+
+async def test_where_the_network_is_cut_for_long_nothing_moves_or_stays_held_and_then_it_goes_on(
+    tmp_path: Path,
+) -> None:
+    async with house(tmp_path, *FAR) as opened, guide(opened, tmp_path):
+        await begin_walk(opened)
+        opened.guides.cut(refuse=True)
+        await opened.stands()
+        await asyncio.gather(opened.is_free(LEGS), opened.is_free(AVATAR_VOICE))
+        opened.guides.mend()
+        await opened.tells("I was cut off for a moment. I am here again.")
+        await opened.tells("We go on to the plant.")
