@@ -6,12 +6,13 @@ from typing import Any, Final
 from openrois.catalog.sensing import SPEECH_RECOGNITION
 from openrois.catalog.streaming import VIDEO_STREAMING
 from openrois.catalog.system_information import SYSTEM_INFORMATION
-from openrois.client import BadParameter, BodyInfo, ComponentProxy, Unsupported, where
+from openrois.client import BadParameter, BodyInfo, ComponentProxy, RoISError, RpcError, Unsupported, where
 from openrois.types.profiles import component_urn
 from openrois_agents.tools import acting
 from openrois_agents.tools.answer import Answer
 from openrois_agents.tools.arguments import AskVisitor, Listen, Look, Say, WaitForEvent, Where
 from openrois_agents.tools.event_log import LoggedEvent
+from openrois_agents.tools.failures import failure
 from openrois_agents.tools.picture import take_picture
 from openrois_agents.tools.running import Progress
 from openrois_agents.tools.session import Session
@@ -40,13 +41,18 @@ async def look(session: Session, given: Look, progress: Progress) -> Answer:
 
 
 async def where_is(session: Session, given: Where, _progress: Progress) -> Answer:
-    """Return where a body is, and the places that it knows."""
+    """Return where a body is, and the places that it knows; these also where the position is not to be had."""
     info = await session.body_info(given.body)
     client = await session.link.client()
     data: dict[str, Any] = {"body": info.engine_id}
-    for component_ref in info.refs(SYSTEM_INFORMATION)[:1]:
-        data["position"] = plain_text(await client.component(component_ref).query("robot_position"))
     data["places"] = dict(await places_of(client, info))
+    for component_ref in info.refs(SYSTEM_INFORMATION)[:1]:
+        try:
+            data["position"] = plain_text(await client.component(component_ref).query("robot_position"))
+        except (RoISError, RpcError, TimeoutError) as error:
+            if not data["places"]:
+                raise
+            _, data["no_position"] = failure("where", error)
     if "position" not in data and not data["places"]:
         raise Unsupported(f"{info.engine_id} does not know where it is")
     return Answer(marked(data), data)
