@@ -9,18 +9,13 @@ from openrois.client import ComponentFailed, OutOfResources
 from openrois.extras import needing_extra
 from openrois_agents.tools.gateway_link import GatewayLink
 
-__all__ = ["MAX_AGE", "MAX_BYTES", "Picture", "take_picture"]
+__all__ = ["MAX_BYTES", "Picture", "take_picture"]
 
 MAX_BYTES: Final = 256_000
 """Bytes of a picture as JPEG."""
 
-MAX_AGE: Final = 1.0
-"""Seconds since a picture was captured, where the body tells by which clock."""
-
 _QUALITIES: Final = (85, 70, 50, 30)
 _TIMEOUT: Final = 15.0
-_CLOCK: Final = 3.0
-"""Seconds for which the body's clock is waited for: its first report comes within one, usually."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,20 +47,12 @@ async def take_picture(link: GatewayLink, camera: str, width: int) -> Picture:
         RoISError: the engine refuses, or no picture comes.
     """
     media = await link.media()
-    without_clock_from = time.monotonic() + _CLOCK
-    async with media.frames(camera, "bgr24", timeout=_TIMEOUT) as frames:
-        try:
-            async with asyncio.timeout(_TIMEOUT):
-                async for frame in frames:
-                    age = time.monotonic() - frame.local_time
-                    is_known = frame.captured_at is not None
-                    if age <= MAX_AGE and (is_known or time.monotonic() >= without_clock_from):
-                        encoded = await asyncio.to_thread(_encoded, frame.data, width)
-                        return Picture(*encoded, age if is_known else None)
-        except TimeoutError:
-            pass
-        why = frames.problem or f"its pictures are older than {MAX_AGE:g} s, or none come"
-    raise ComponentFailed(f"{camera} gave no picture within {_TIMEOUT:g} s: {why}")
+    try:
+        frame = await media.new_frame(camera, "bgr24", timeout=_TIMEOUT)
+    except TimeoutError as error:
+        raise ComponentFailed(str(error)) from error
+    age = None if frame.captured_at is None else time.monotonic() - frame.local_time
+    return Picture(*await asyncio.to_thread(_encoded, frame.data, width), age)
 
 
 def _encoded(pixels: Any, longest: int) -> tuple[bytes, int, int]:

@@ -47,6 +47,9 @@ CONNECT_TIMEOUT: Final = 10.0
 SNAPSHOT_AGE: Final = 1.0
 """Seconds that may have passed since a snapshot was captured."""
 
+_SENDER_CLOCK: Final = 3.0
+"""Seconds for which the first report of a sender is waited for, which tells its clock; half of the time at most."""
+
 _METHODS: Final[dict[MediaKind, str]] = {"video": "frames", "audio": "blocks"}
 
 T = TypeVar("T")
@@ -124,8 +127,7 @@ class Media:
             RoISError: the engine refuses.
             TimeoutError: it is not connected in time.
         """
-        if format not in ("i420", "rgb24", "bgr24"):
-            raise ValueError(f"{format!r} is not a format of pictures: use i420, rgb24 or bgr24")
+        _require_format(format)
         async with self._reading(camera, "video", 1, lambda picture: frame_of(picture, format), timeout) as reader:
             yield reader
 
@@ -171,7 +173,8 @@ class Media:
     ) -> bytes | NDArray[np.uint8]:
         """Return one picture of a component, captured a second ago at most.
 
-        For several pictures keep `frames` open: a stream is connected for each snapshot that finds none.
+        For several pictures keep `frames` open: a stream is connected for each snapshot that finds none. Of a new
+        stream the sender's clock is known with its first report, within a second usually; that is waited for.
 
         Args:
             camera: as in `frames`.
@@ -185,19 +188,49 @@ class Media:
         """
         if format not in ("jpeg", "i420", "rgb24", "bgr24"):
             raise ValueError(f"{format!r} is not a format of snapshots: use jpeg, i420, rgb24 or bgr24")
+        picture = await self._new_picture(camera, timeout)
+        return jpeg_of(picture.raw()) if format == "jpeg" else picture.pixels(format).copy()
+
+    async def new_frame(
+        self,
+        camera: str | ComponentProxy | VisitorDevice,
+        format: FrameFormat = "rgb24",
+        *,
+        timeout: float = CONNECT_TIMEOUT,
+    ) -> Frame:
+        """Return a snapshot with its times.
+
+        Its `captured_at` is None where the sender tells no clock: then its age is an estimate.
+
+        Args:
+            camera: as in `frames`.
+            format: as in `frames`.
+            timeout: seconds that it may take in all.
+
+        Raises:
+            ValueError, RoISError, TimeoutError: as `snapshot`.
+        """
+        _require_format(format)
+        return frame_of(await self._new_picture(camera, timeout), format)
+
+    async def _new_picture(self, camera: str | ComponentProxy | VisitorDevice, timeout: float) -> DecodedPicture:
         deadline = self._clock.now() + timeout
         async with self._reading(camera, "video", 1, _as_it_is, timeout) as reader:
+            told = ""
             try:
                 async with asyncio.timeout(max(deadline - self._clock.now(), 0.0)):
                     picture: DecodedPicture = await anext(reader)
-                    while self._clock.now() - picture.captured_at > SNAPSHOT_AGE:
+                    now = self._clock.now()
+                    clock_until = now + min(_SENDER_CLOCK, (deadline - now) / 2)
+                    while not _is_new(picture, self._clock.now(), clock_until):
+                        told = f"its pictures are older than {SNAPSHOT_AGE:g} s"
                         picture = await anext(reader)
+                    return picture
             except TimeoutError:
-                told = reader.problem or f"its stream is {_said(reader.status)}"
+                told = reader.problem or told or f"its stream is {_said(reader.status)}"
                 raise TimeoutError(f"{reader.component_ref} gave no picture within {timeout:g} s: {told}") from None
             except StopAsyncIteration:
                 raise TimeoutError(f"{reader.component_ref} gave no picture: the client is closed") from None
-        return jpeg_of(picture.raw()) if format == "jpeg" else picture.pixels(format).copy()
 
     async def visitors(self, body: str | ComponentProxy, *, purposes: Collection[Purpose]) -> tuple[Visitor, ...]:
         """Return the visitors of a body, with microphone and camera of each for these purposes.
@@ -436,3 +469,15 @@ def _as_it_is(picture: Any) -> Any:
 
 def _said(status: StreamStatus | None) -> str:
     return "unknown, without the gateway" if status is None else status.value
+
+
+def _require_format(pixel_format: str) -> None:
+    """Raise `ValueError` where this is no pixel format."""
+    if pixel_format not in ("i420", "rgb24", "bgr24"):
+        raise ValueError(f"{pixel_format!r} is not a format of pictures: use i420, rgb24 or bgr24")
+
+
+def _is_new(picture: DecodedPicture, now: float, clock_until: float) -> bool:
+    """Tell whether a picture is new enough for a snapshot; until some time only one of a known age is."""
+    is_of_known_age = picture.reported_at is not None or now >= clock_until
+    return is_of_known_age and now - picture.captured_at <= SNAPSHOT_AGE

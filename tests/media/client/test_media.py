@@ -5,11 +5,13 @@ import io
 import threading
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable
+from types import SimpleNamespace
 
 import av
 import numpy as np
 import pytest
 from openrois_media import Media
+from openrois_media.client.media import _is_new
 from openrois_media.client.readers import Block, Frame
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.source import stamp
@@ -221,6 +223,30 @@ async def test_old_pictures_are_no_snapshots(robot: Body) -> None:
             (frame,) = await read(frames)
         with pytest.raises(TimeoutError, match="gave no picture within 1 s"):
             await media.snapshot(CAMERA, timeout=1)
+
+
+async def test_a_snapshot_of_a_new_stream_waits_for_the_clock_of_its_sender(robot: Body) -> None:
+    async with application(robot) as (_, media):
+        frame = await media.new_frame(CAMERA)
+        assert frame.captured_at is not None
+        assert frame.data.shape == (180, 320, 3)
+
+
+@pytest.mark.parametrize(
+    ("reported_at", "age", "clock_until", "is_new"),
+    [
+        (5.0, 0.9, 110.0, True),
+        (5.0, 1.1, 110.0, False),
+        (None, 0.0, 110.0, False),
+        (None, 0.9, 100.0, True),
+        (None, 1.1, 100.0, False),
+    ],
+)
+def test_a_snapshot_is_new_by_the_clock_of_its_sender_if_that_is_told_in_time(
+    reported_at: float | None, age: float, clock_until: float, is_new: bool
+) -> None:
+    picture = SimpleNamespace(reported_at=reported_at, captured_at=100.0 - age)
+    assert _is_new(picture, 100.0, clock_until) is is_new  # type: ignore[arg-type]
 
 
 async def test_what_is_not_there_is_refused(robot: Body) -> None:
