@@ -65,7 +65,7 @@ class SmallTalk:
             return bytes(told)
 
     async def _consents(self, visitor: str) -> bool:
-        """Tell whether a visitor's words may go to the server; of a body that tells none apart they may."""
+        """Tell whether a visitor's words may go to the server. Of a body that tells no visitors apart none may."""
         needed = {Purpose.AGENT}
         if urlsplit(self._url).hostname not in ("127.0.0.1", "::1", "localhost"):
             needed.add(Purpose.TRANSFER)
@@ -74,4 +74,4 @@ class SmallTalk:
             for ref in info.refs(VISITORS):
                 there = await self._client.component(ref).query("visitors")
                 given |= zip(there["visitor_ref"], there["consent"], strict=True)
-        return not visitor or needed <= set(given.get(visitor, "").split())
+        return needed <= set(given.get(visitor, "").split())

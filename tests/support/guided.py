@@ -16,9 +16,11 @@ from openrois_body.components.hearing import Hearing
 from openrois_body.components.speech_progress import SpeechProgress
 from openrois_body.host_body import HostBody
 from openrois_body.messages import Place
+from openrois_media import Media
 from openrois_robots.simulated.adapter import Robot, simulated_robot
 from openrois_robots.simulated.simulation import SimulationSettings
 from openrois_streaming.clock import MediaClock, SystemClock
+from openrois_streaming.synthetic import ColourBars
 
 from openrois.adapter import Component
 from openrois.adapter.running import serve
@@ -29,7 +31,7 @@ from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.testing import FaultRelay
 from openrois.transport.credentials import Credentials
-from openrois.types.codes import ComponentStatus
+from openrois.types.codes import ComponentStatus, Purpose
 from openrois.types.leases import LeaseState
 from tests.support.deployment import until
 from tests.support.ground import Child, program
@@ -39,7 +41,7 @@ from tests.support.simulated_robot import at
 from tests.support.tokens import issue, key_file
 from tests.support.voice import ScriptedSynthesizer
 
-__all__ = ["AVATAR_VOICE", "LEGS", "ROBOT_VOICE", "House", "guide", "guide_process", "house", "token"]
+__all__ = ["AVATAR_VOICE", "LEGS", "ROBOT_VOICE", "House", "guide", "guide_process", "house", "token", "visitor"]
 
 _GUIDE: Final = ROOT / "docs/examples/guide.py"
 LEGS: Final = "robot/navigation"
@@ -232,6 +234,22 @@ def _example(name: str) -> ModuleType:
     """Return an example as a module."""
     with patch.object(sys, "path", [str(_GUIDE.parent), *sys.path]):
         return importlib.import_module(name)
+
+
+@asynccontextmanager
+async def visitor(opened: House, *purposes: Purpose) -> AsyncIterator[str]:
+    """Let a visitor send a picture to the avatar, with consent to something, while the block runs; yield its ref."""
+    shown = token("visitor", roles=["visitor"])
+    async with (
+        Client(opened.url, token=shown) as client,
+        Media(client) as media,
+        media.send(camera=ColourBars(160, 120, 15, clock=SystemClock()), consent=purposes, to="avatar/video_streaming"),
+    ):
+        visitors: tuple[str, ...] = ()
+        async with asyncio.timeout(_PATIENCE):
+            while not visitors:
+                visitors = tuple((await opened.client.component("avatar/visitors").query("visitors"))["visitor_ref"])
+        yield visitors[0]
 
 
 @asynccontextmanager

@@ -2,42 +2,13 @@
 
 import asyncio
 import signal
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 from pathlib import Path
 
-import pytest
-from aiohttp import web
-
 from openrois.client import Client, ControlRequested
-from tests.support.demo import free_port
 from tests.support.guided import AVATAR_VOICE, LEGS, ROBOT_VOICE, House, guide, guide_process, house, token
 
 FAR = -4.0, -2.5
 """From where the robot takes some seconds to the plant."""
-
-
-@asynccontextmanager
-async def model_server(answer: str | None) -> AsyncIterator[tuple[str, list[str]]]:
-    """Run a server that gives one answer to everything, or none; return its address, and what it was asked."""
-    asked: list[str] = []
-
-    async def complete(request: web.Request) -> web.Response:
-        asked.append(await request.text())
-        if answer is None:
-            await asyncio.Event().wait()
-        return web.Response(text=answer, content_type="application/json")
-
-    app = web.Application()
-    app.router.add_post("/v1/chat/completions", complete)
-    runner = web.AppRunner(app, shutdown_timeout=0.01)
-    await runner.setup()
-    port = free_port()
-    await web.TCPSite(runner, "127.0.0.1", port).start()
-    try:
-        yield f"http://127.0.0.1:{port}/v1", asked
-    finally:
-        await runner.cleanup()
 
 
 async def begin_walk(opened: House) -> None:
@@ -212,46 +183,6 @@ async def test_a_person_borrows_the_voice_in_mid_sentence_and_it_is_said_again(t
         await ann.control.give_back(AVATAR_VOICE)
         await opened.tells("Hello!", by="avatar")
         await opened.tells("I can lead you to: ", by="avatar")
-
-
-async def test_it_tells_that_its_model_is_down_and_goes_on(tmp_path: Path) -> None:
-    model = f"http://127.0.0.1:{free_port()}/v1"
-    async with house(tmp_path) as opened, guide(opened, tmp_path, model):
-        await opened.hears()
-        opened.say("how are you")
-        await opened.tells("I cannot think about that now. I can lead you to: ")
-        opened.say("take me to the plant")
-        await opened.tells("Here we are: the plant.")
-
-
-@pytest.mark.parametrize(
-    "answer", ["[]", "{}", "nonsense", '{"choices": [{"message": {"content": ""}}]}', "x" * 70_000]
-)
-async def test_it_goes_on_where_its_model_answers_nonsense(tmp_path: Path, answer: str) -> None:
-    async with model_server(answer) as (model, _), house(tmp_path) as opened, guide(opened, tmp_path, model):
-        await opened.hears()
-        opened.say("how are you")
-        await opened.tells("I cannot think about that now. I can lead you to: ")
-
-
-async def test_it_goes_on_where_its_model_stalls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    async with model_server(None) as (model, _), house(tmp_path) as opened, guide(opened, tmp_path, model):
-        monkeypatch.setattr("small_talk.TIMEOUT", 0.1)
-        await opened.hears()
-        opened.say("how are you")
-        await opened.tells("I cannot think about that now. I can lead you to: ")
-
-
-async def test_the_model_answers_who_consents(tmp_path: Path) -> None:
-    said = '{"choices": [{"message": {"content": "I am fine."}}]}'
-    async with model_server(said) as (model, asked), house(tmp_path) as opened, guide(opened, tmp_path, model):
-        await opened.hears()
-        opened.say("my secret", "avatar/visitor/1")
-        await opened.tells("I can lead you to: ")
-        assert not asked
-        opened.say("how are you")
-        await opened.tells("I am fine.")
-        assert "how are you" in asked[0]
 
 
 async def test_killed_in_mid_sentence_the_next_process_tells_it(tmp_path: Path) -> None:
