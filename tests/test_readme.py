@@ -10,7 +10,7 @@ README = (ROOT / "README.md").read_text()
 PAGES = [README, *(page.read_text() for page in sorted((ROOT / "docs").rglob("*.md")))]
 
 
-APPLICATION = [ROOT / "docs/examples/guide.py", ROOT / "docs/examples/small_talk.py"]
+APPLICATION = [ROOT / "docs/examples" / name for name in ("guide.py", "small_talk.py", "steady_voice.py")]
 """An application that is too long to be shown: its page shows pieces."""
 
 

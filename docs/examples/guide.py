@@ -2,105 +2,26 @@
 
 import argparse
 import asyncio
-from contextlib import AsyncExitStack, suppress
+from contextlib import suppress
 from pathlib import Path
 
 from small_talk import NoAnswer, SmallTalk
+from steady_voice import FAILED, Voice, has_again
 
-from openrois.client import (
-    BindingLent,
-    Body,
-    BodyLost,
-    Client,
-    ComponentFailed,
-    ComponentProxy,
-    Connected,
-    ConnectionLost,
-    ControlChanged,
-    ControlRequested,
-    OutOfResources,
-    RoISError,
-)
-from openrois.client.components import Navigation, SpeechSynthesis
-from openrois.types.leases import LeaseState
+from openrois.client import BindingLent, BodyLost, Client, ComponentFailed, ComponentProxy, Connected, ControlRequested
+from openrois.client.components import Navigation
 
 HEARING = "urn:x-rois:def:component:OpenRoIS::Hearing"
 SURROUNDINGS = "urn:x-rois:def:component:OpenRoIS::Surroundings"
-FAILED = (RoISError, ConnectionLost, TimeoutError)
-"""What an operation at the gateway raises where it fails."""
 ATTEMPTS = 5
-"""How often a sentence is said, or a way is gone, that was broken off."""
-WAIT, LOAN, IDLE = 120.0, 600.0, 60.0
-"""Seconds: until a body is free, until a person has given a part back, and from the last words of a visit on."""
+"""How often a way is gone that was broken off."""
+IDLE = 60.0
+"""Seconds from the last words of a visit to its end."""
 
 
 async def find(client: Client, kind: type[ComponentProxy] | str, engine_id: str = "") -> list[str]:
     """Return the components of a type, of all bodies or of one."""
     return [ref for info in await client.bodies() for ref in info.refs(kind) if engine_id in ("", info.engine_id)]
-
-
-async def has_again(client: Client, component_ref: str, *, in_line: bool = False) -> bool:
-    """Wait while a person has borrowed a part; tell whether the guide has it then. `in_line`: or until it gets it."""
-    with suppress(*FAILED):
-        async with asyncio.timeout(LOAN), client.notices(ControlChanged) as changes:
-            # A lost connection is waited for, too.
-            lease = await client.control.status(component_ref)
-            while lease.return_position:
-                await anext(changes)
-                lease = await client.control.status(component_ref)
-            if lease.state is LeaseState.MINE:
-                return not lease.stopped_by
-            if in_line:
-                await client.control.request(component_ref, wait=True)
-                return True
-    return False
-
-
-class Voice:
-    """Speaks through whichever body is free, and through another one when that is lost."""
-
-    def __init__(self, client: Client) -> None:
-        self.body: Body | None = None
-        self._client = client
-        self._held = AsyncExitStack()
-        self._turn = asyncio.Lock()
-        self._broke_off = False
-
-    @property
-    def component_ref(self) -> str:
-        """What speaks; empty while no body is held."""
-        return "" if self.body is None else self.body[SpeechSynthesis].component_ref
-
-    @property
-    def is_lost(self) -> bool:
-        """Whether the body does not speak for the guide any more."""
-        return self.body is not None and (self._broke_off or self.body.error is not None)
-
-    async def say(self, text: str) -> None:
-        """Return when a text was heard; what was broken off is said again."""
-        async with self._turn:
-            for _ in range(ATTEMPTS):
-                if self.body is not None and self.is_lost:
-                    text = f"I had to leave the {self.body.engine_id}, and go on here. {text}"
-                    await self.rest()
-                if self.body is None:
-                    self.body = await self._held.enter_async_context(self._client.body(SpeechSynthesis, wait=WAIT))
-                speech = self.body[SpeechSynthesis]
-                try:
-                    await speech.set(speech_text=text)
-                    await speech.start()
-                except FAILED as error:
-                    print(f"{self.body.engine_id} broke off: {error}", flush=True)
-                    self._broke_off = not await has_again(self._client, speech.component_ref)
-                else:
-                    print(f"{self.body.engine_id} said: {text}", flush=True)
-                    return
-            raise OutOfResources(f"no body could say {text!r}")
-
-    async def rest(self) -> None:
-        """Give the body back."""
-        self.body, self._broke_off = None, False
-        await self._held.aclose()
 
 
 class Guide:
@@ -189,7 +110,8 @@ class Guide:
             await legs.bind()
         except FAILED as error:
             print(f"no robot: {error}", flush=True)
-            return await self._voice.say("The robot is not free now. Ask me again later.")
+            await self._voice.say("The robot is not free now. Ask me again later.")
+            return
         try:
             words = f"Please follow the robot to the {place}."
             for _ in range(ATTEMPTS):
@@ -203,7 +125,8 @@ class Guide:
                         break
                     words = f"We go on to the {place}."
                 else:
-                    return await self._voice.say(f"Here we are: the {place}.")
+                    await self._voice.say(f"Here we are: the {place}.")
+                    return
             await self._voice.say("The robot cannot go on. Please wait there; I am here for you.")
         finally:
             with suppress(*FAILED):

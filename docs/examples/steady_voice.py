@@ -1,0 +1,81 @@
+"""A voice that speaks through one body or another, and what became of a part that was lost; `guide.py` uses both."""
+
+import asyncio
+from contextlib import AsyncExitStack, suppress
+
+from openrois.client import Body, Client, ConnectionLost, ControlChanged, OutOfResources, RoISError
+from openrois.client.components import SpeechSynthesis
+from openrois.types.leases import LeaseState
+
+FAILED = (RoISError, ConnectionLost, TimeoutError)
+"""What an operation at the gateway raises where it fails."""
+ATTEMPTS = 5
+"""How often a sentence is said that was broken off."""
+WAIT = 120.0
+"""Seconds until a body is free."""
+LOAN = 600.0
+"""Seconds until a person has given a part back."""
+
+
+async def has_again(client: Client, component_ref: str, *, in_line: bool = False) -> bool:
+    """Wait while a person has borrowed a part; tell whether the guide has it then. `in_line`: or until it gets it."""
+    with suppress(*FAILED):
+        async with asyncio.timeout(LOAN), client.notices(ControlChanged) as changes:
+            # A lost connection is waited for, too.
+            lease = await client.control.status(component_ref)
+            while lease.return_position:
+                await anext(changes)
+                lease = await client.control.status(component_ref)
+            if lease.state is LeaseState.MINE:
+                return not lease.stopped_by
+            if in_line:
+                await client.control.request(component_ref, wait=True)
+                return True
+    return False
+
+
+class Voice:
+    """Speaks through whichever body is free, and through another one when that is lost."""
+
+    def __init__(self, client: Client) -> None:
+        self.body: Body | None = None
+        self._client = client
+        self._held = AsyncExitStack()
+        self._turn = asyncio.Lock()
+        self._broke_off = False
+
+    @property
+    def component_ref(self) -> str:
+        """What speaks; empty while no body is held."""
+        return "" if self.body is None else self.body[SpeechSynthesis].component_ref
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether the body does not speak for the guide any more."""
+        return self.body is not None and (self._broke_off or self.body.error is not None)
+
+    async def say(self, text: str) -> None:
+        """Return when a text was heard; what was broken off is said again."""
+        async with self._turn:
+            for _ in range(ATTEMPTS):
+                if self.body is not None and self.is_lost:
+                    text = f"I had to leave the {self.body.engine_id}, and go on here. {text}"
+                    await self.rest()
+                if self.body is None:
+                    self.body = await self._held.enter_async_context(self._client.body(SpeechSynthesis, wait=WAIT))
+                speech = self.body[SpeechSynthesis]
+                try:
+                    await speech.set(speech_text=text)
+                    await speech.start()
+                except FAILED as error:
+                    print(f"{self.body.engine_id} broke off: {error}", flush=True)
+                    self._broke_off = not await has_again(self._client, speech.component_ref)
+                else:
+                    print(f"{self.body.engine_id} said: {text}", flush=True)
+                    return
+            raise OutOfResources(f"no body could say {text!r}")
+
+    async def rest(self) -> None:
+        """Give the body back."""
+        self.body, self._broke_off = None, False
+        await self._held.aclose()
