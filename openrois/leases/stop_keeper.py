@@ -54,12 +54,14 @@ class StopKeeper:
         return waiting_reason(engine_of(component_ref), by) if by and self._ranks.is_program(principal) else ""
 
     def stop(self, engine_id: str, principal: Principal) -> bool:
-        """Latch an engine that a principal stops; tell whether it is a person, which alone does that."""
+        """Latch an engine that a principal stops; tell whether it is a person, which alone does that.
+
+        Each STOP is told, also of a person that has stopped the engine already: its body may move again meanwhile.
+        """
         if not self._ranks.is_person(principal):
             return False
-        if self._latch.by(engine_id) != principal.subject:
-            self._latch_by(engine_id, principal.subject)
-            self._tell_adapter(engine_id)
+        self._latch_by(engine_id, principal.subject)
+        self._tell_adapter(engine_id)
         return True
 
     def release(self, engine_id: str, principal: Principal) -> str:
@@ -78,9 +80,9 @@ class StopKeeper:
 
     def handle_report(self, notice: StoppedNotification) -> None:
         """Note what an engine of this tree says of itself: further below a person has stopped it, or handed it back."""
-        if notice.by and notice.by != self._latch.by(notice.engine_id):
+        if notice.by:
             self._latch_by(notice.engine_id, notice.by[:_MAX_NAME])
-        elif not notice.by and self._latch.release(notice.engine_id):
+        elif self._latch.release(notice.engine_id):
             self._tell_programs_back(notice.engine_id, notice.reason)
 
     def attach(self, engine_ids: Iterable[str], told: Mapping[str, str] | None, instance: str) -> None:

@@ -202,6 +202,8 @@ async def test_a_stop_at_the_gateway_below_holds_for_programs_of_the_one_above()
         assert await agent.code("rois.command.bind", LAMP) == "OK"
         assert await ann.code("openrois.stop_all", ROBOT) == "OK"
         assert (await agent.until("openrois.lease.stopped"))["by"] == "ann"
+        assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+        assert (await agent.until("openrois.lease.stopped"))["by"] == "ann"
         assert await run(agent, "1") == "OUT_OF_RESOURCES"
         # Handed back above, it is handed back below.
         async with application(outer, principal("operator", "*", subject="bob", rank="person")) as bob:

@@ -272,8 +272,6 @@ async def test_all_who_are_concerned_are_notified_and_who_comes_later_may_ask(ro
     assert await ann.code("openrois.stop_all", ROBOT) == "OK"
     for app in (agent, bob):
         assert await app.until("openrois.lease.stopped") == {"engine_id": "robot", "by": "ann", "reason": WAITS}
-    # The same person stops it once more, which is no news.
-    assert await ann.code("openrois.stop_all", ROBOT) == "OK"
     late = await robot.app(SCRIPT)
     assert (await late.result("openrois.lease.query", LAMP))["lease"]["stopped_by"] == "ann"
     assert await bob.code("openrois.lease.release_stop", ROBOT) == "OK"
@@ -285,6 +283,25 @@ async def test_all_who_are_concerned_are_notified_and_who_comes_later_may_ask(ro
     for app in (agent, bob, stranger):
         frames = await app.ask("openrois.hello", {"version": "1", "extensions": []})
         assert not any("openrois.lease.stopped" in frame for frame in frames)
+
+
+async def test_each_stop_of_the_same_person_is_told_and_reaches_the_body(robot: Robot) -> None:
+    ann, agent, bob = await robot.app(ANN), await robot.app(AGENT), await robot.app(BOB)
+    stops: list[None] = []
+
+    async def stop() -> None:
+        stops.append(None)
+
+    robot.lamp.stop = stop  # type: ignore[method-assign]
+    assert await agent.code("rois.command.bind", LAMP) == "OK"
+    assert (await bob.result("openrois.lease.query", LAMP))["lease"]["stopped_by"] == ""
+    for times in range(1, 4):
+        assert await ann.code("openrois.stop_all", ROBOT) == "OK"
+        assert len(stops) == times
+        for app in (agent, bob):
+            assert (await app.until("openrois.lease.stopped"))["by"] == "ann"
+    assert [holds for _, holds, _ in robot.told.holders] == [True, False, False, False]
+    assert await records(robot) == [("ann", "openrois.stop_all", "robot", "programs wait")] * 3
 
 
 async def test_without_tokens_stop_is_no_latch(robot: Robot) -> None:
