@@ -83,6 +83,7 @@ class Client(Operations):
         )
         super().__init__(connection, self._application)
         self.control = Control(connection, self._application.bindings, self.notices)
+        self._application.on_notice.add(self.control.handle_notice)
         self._bodies = Bodies(
             self,
             connection,

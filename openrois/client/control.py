@@ -37,11 +37,15 @@ from openrois.types.leases import (
     StopAllResult,
 )
 from openrois.types.messages import ComponentParams, ReturnResult
+from openrois.types.references import engine_of
 from openrois.types.stops import ReleaseStopParams, StoppedNotification
 
 __all__ = ["Control", "control_notice"]
 
 _MILLISECOND: Final = 0.001
+
+_MAX_TOLD: Final = 1024
+"""Engines that are stopped whose STOP a client remembers."""
 
 
 class Control:
@@ -57,6 +61,12 @@ class Control:
         self._connection = connection
         self._bindings = bindings
         self._listen = listen
+        self._told = _ToldStops()
+
+    def handle_notice(self, notice: Notice) -> None:
+        """Note which STOP holds, so that a hand-back names it."""
+        if isinstance(notice, ControlStopped):
+            self._told.note(notice.engine_id, notice.stop_id if notice.by else "")
 
     async def status(self, component_ref: str) -> LeaseStatus:
         """Return the lease of a component; from then on `ControlChanged` reports when that changes.
@@ -65,7 +75,9 @@ class Control:
             Unsupported: there is no such component.
         """
         result = await self._connection.ask("openrois.lease.query", _params(component_ref), LeaseResult)
-        return result.lease or LeaseStatus()
+        lease = result.lease or LeaseStatus()
+        self._told.note(engine_of(component_ref), lease.stop_id)
+        return lease
 
     async def request(self, component_ref: str, *, wait: bool = False) -> None:
         """Request a component of its holder, and return once it is bound; a free one is bound at once.
@@ -209,11 +221,34 @@ class Control:
     async def release_stop(self, engine_id: str) -> None:
         """Hand a body that a person has stopped back to programs, as a person; one that is not stopped stays so.
 
+        It ends the STOP that this client was told last (`ControlStopped`, `status`), and no later one; where it was
+        told none, whichever holds.
+
         Raises:
+            OutOfResources: it was stopped again meanwhile: look again, and hand it back anew.
             Unsupported: there is no such engine, nothing that acts there is in scope, or this application is a program.
         """
-        params = ReleaseStopParams(engine_id=engine_id)
+        params = ReleaseStopParams(engine_id=engine_id, stop_id=self._told.pop(engine_id))
         await self._connection.act("openrois.lease.release_stop", params, ReturnResult)
+
+
+class _ToldStops:
+    """The ids of the STOPs that a client was told, by engine."""
+
+    def __init__(self) -> None:
+        self._ids: dict[str, str] = {}
+
+    def note(self, engine_id: str, stop_id: str) -> None:
+        """Note the STOP that holds; empty for none. Of too many the first one is forgotten."""
+        self._ids.pop(engine_id, None)
+        if stop_id:
+            self._ids[engine_id] = stop_id
+        if len(self._ids) > _MAX_TOLD:
+            del self._ids[next(iter(self._ids))]
+
+    def pop(self, engine_id: str) -> str | None:
+        """Return the STOP that is to end, and forget it: a hand-back that is refused is asked for anew."""
+        return self._ids.pop(engine_id, None)
 
 
 def control_notice(method: str, params: dict[str, Any]) -> Notice | None:
@@ -246,7 +281,7 @@ def control_notice(method: str, params: dict[str, Any]) -> Notice | None:
             return ControlWithdrawn(withdrawn.component_ref, withdrawn.request_id)
         case StoppedNotification.method:
             stopped = read_message(StoppedNotification, params)
-            return ControlStopped(stopped.engine_id, stopped.by, stopped.reason)
+            return ControlStopped(stopped.engine_id, stopped.by, stopped.reason, stopped.stop_id)
     return None
 
 

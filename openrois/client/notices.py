@@ -203,11 +203,13 @@ class ControlStopped(Notice):
         engine_id: the body.
         by: the person that has stopped it; empty once it is handed back.
         reason: one sentence.
+        stop_id: of the STOP, or of the one that was ended; another one with each STOP.
     """
 
     engine_id: str
     by: str
     reason: str
+    stop_id: str = ""
 
 
 @dataclass(frozen=True, slots=True)

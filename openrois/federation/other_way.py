@@ -10,6 +10,6 @@ __all__ = ["OtherWay"]
 class OtherWay(Protocol):
     """A way of STOP to other gateways beside the link."""
 
-    async def ask(self, gateway_id: str, engine_id: str, subject: str, *, rank: str) -> StopAnswer:
+    async def ask(self, gateway_id: str, engine_id: str, subject: str, *, rank: str, stop_id: str) -> StopAnswer:
         """Ask the owner of an engine to stop everything on it; return what became of that, in half a second."""
         ...

@@ -18,7 +18,7 @@ from openrois.jsonrpc.session import Reply
 from openrois.types.codes import ComponentFunction, ReturnCode
 from openrois.types.leases import StopAllParams, StopAllResult
 from openrois.types.references import engine_of
-from openrois.types.stops import ReleaseStopParams
+from openrois.types.stops import ReleaseStopParams, new_stop_id
 
 __all__ = ["StopRoutes"]
 
@@ -46,6 +46,8 @@ class StopRoutes:
         return BoundMethods((_METHODS, self))
 
     async def _stop_all(self, params: dict[str, Any]) -> Any:
+        # By whichever ways it goes, and how often it comes: it is one STOP.
+        params = {"stop_id": new_stop_id(), **params}
         routes, asked = self._routes, fitting(StopAllParams, params)
         if asked is None or (asked.engine_id is not None and asked.component_ref is not None):
             return await routes.local[_STOP](params)
@@ -117,7 +119,7 @@ class StopRoutes:
         try:
             await asyncio.wait(ways, timeout=HEAD_START)
             if not _is_answered(ways[0]):
-                ways.append(asyncio.ensure_future(self._by_store(gateway_id, engine_ids)))
+                ways.append(asyncio.ensure_future(self._by_store(gateway_id, engine_ids, params["stop_id"])))
             while not any(map(_is_answered, ways)) and (open_ways := [each for each in ways if not each.done()]):
                 await asyncio.wait(open_ways, return_when=asyncio.FIRST_COMPLETED)
             answered = next(filter(_is_answered, ways), None)
@@ -138,14 +140,16 @@ class StopRoutes:
         except ValidationError:
             raise EngineUnreachable(f"gateway {gateway_id} answers STOP with what is no answer") from None
 
-    async def _by_store(self, gateway_id: str, engine_ids: Iterable[str]) -> tuple[StopAllResult, str]:
+    async def _by_store(self, gateway_id: str, engine_ids: Iterable[str], stop_id: str) -> tuple[StopAllResult, str]:
         """Stop engines by the store; that something which acts there is in scope is found out here."""
         routes = self._routes
         asked = [each for each in engine_ids if self._may_stop(each)]
         if not asked:
             raise OutOfResources("whether the application may stop them is not known here")
-        subject, rank = routes.app.principal.subject, routes.app.principal.rank
-        answers = await asyncio.gather(*(self._other_way.ask(gateway_id, each, subject, rank=rank) for each in asked))
+        who = routes.app.principal
+        answers = await asyncio.gather(
+            *(self._other_way.ask(gateway_id, each, who.subject, rank=who.rank, stop_id=stop_id) for each in asked)
+        )
         unanswered = [answer.problem for answer in answers if not answer.is_answered]
         if unanswered:
             raise EngineUnreachable("; ".join(dict.fromkeys(unanswered)))

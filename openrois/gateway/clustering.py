@@ -32,6 +32,7 @@ from openrois.resumption.holdings_writer import HoldingsWriter
 from openrois.resumption.store import ResumeStore
 from openrois.session.session import EngineHost
 from openrois.transport.stream import POLICY_VIOLATION
+from openrois.types.stops import new_stop_id
 
 __all__ = ["ClusterParts", "Clustering"]
 
@@ -49,8 +50,11 @@ _CUT: Final = 1006
 class ServedStops(OtherWay, Protocol):
     """STOP by the store, both ways."""
 
-    def serve(self, handler: Callable[[str, str, str], Awaitable[StopAnswer]]) -> Callable[[], None]:
-        """Answer with `handler`, which gets an engine, a subject and its rank; return a function that ends that."""
+    def serve(self, handler: Callable[[str, str, str, str], Awaitable[StopAnswer]]) -> Callable[[], None]:
+        """Answer with `handler`; return a function that ends that.
+
+        It gets an engine, a subject and its rank, and the id of the STOP.
+        """
         ...
 
 
@@ -158,7 +162,7 @@ class Clustering:
         """Wait, for at most a moment, until the store has all that the next owners of the engines here need."""
         await self._lines.written(SETTLING_TIME)
 
-    async def _stop_engine(self, engine_id: str, subject: str, rank: str) -> StopAnswer:
+    async def _stop_engine(self, engine_id: str, subject: str, rank: str, stop_id: str) -> StopAnswer:
         """Stop everything that acts on an engine, for a subject whose rights another gateway has checked.
 
         Raises:
@@ -168,7 +172,7 @@ class Clustering:
         if not host.engine.tree.has_engine(engine_id):
             raise Unsupported(f"there is no engine {engine_id[:200]!r}")
         principal = Principal(subject, frozenset(), (), rank=rank)
-        waiting = ", programs wait" if host.stops.stop(engine_id, principal) else ""
+        waiting = ", programs wait" if host.stops.stop(engine_id, principal, stop_id or new_stop_id()) else ""
         host.audit.acted(principal, "openrois.stop_all", engine_id, f"by another gateway{waiting}")
         reason = f"everything was stopped by {subject}"
         refs = host.engine.acting_of(engine_id)

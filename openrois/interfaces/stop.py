@@ -16,7 +16,7 @@ from openrois.types.codes import ReturnCode
 from openrois.types.leases import StopAllParams, StopAllResult
 from openrois.types.messages import ReturnResult
 from openrois.types.references import engine_of
-from openrois.types.stops import ReleaseStopParams
+from openrois.types.stops import ReleaseStopParams, new_stop_id
 
 __all__ = ["methods"]
 
@@ -25,9 +25,9 @@ _RELEASE: Final = "openrois.lease.release_stop"
 
 
 async def _stop_all(app: ApplicationSession, params: StopAllParams) -> Reply:
-    refs = _chosen(app, params)
+    refs, stop_id = _chosen(app, params), params.stop_id or new_stop_id()
     for engine_id in sorted({engine_of(ref) for ref in refs}):
-        is_latched = app.host.stops.stop(engine_id, app.principal)
+        is_latched = app.host.stops.stop(engine_id, app.principal, stop_id)
         app.host.audit.acted(app.principal, _METHOD, engine_id, "programs wait" if is_latched else "")
     reason = f"everything was stopped by {app.principal.subject}"
     failures = await stop_components(app.host.engine, app.host.pending, app.host.tasks, refs, reason)
@@ -46,7 +46,7 @@ async def _release_stop(app: ApplicationSession, params: ReleaseStopParams) -> R
     engine_id = _engine_named(app, params)
     if not app.host.ranks.may_hand_back(app.principal, app.host.stop_latch.by(engine_id)):
         raise Unsupported("only a person hands back to programs what a person has stopped")
-    by = app.host.stops.release(engine_id, app.principal)
+    by = app.host.stops.release(engine_id, app.principal, params.stop_id or "")
     app.host.audit.acted(app.principal, _RELEASE, engine_id, f"stopped by {by}" if by else "it was not stopped")
     return ReturnResult()
 

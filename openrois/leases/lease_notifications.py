@@ -110,6 +110,7 @@ class LeaseNotifications:
             "component_ref": component_ref,
             "part": name_of(part),
             "stopped_by": self._latch.by(engine_of(component_ref)),
+            "stop_id": self._latch.stop_id(engine_of(component_ref)),
         }
         # To others a component is not free of which the part is held.
         holder = self._model.holding.holder_of(part)

@@ -9,15 +9,18 @@ from openrois.auth.ranks import Ranks
 from openrois.commands.stop_latch import StopLatch
 from openrois.contract import LatchKeeper
 from openrois.engine.engine import Engine
+from openrois.errors import OutOfResources
 from openrois.leases.keeper import LeaseKeeper
 from openrois.leases.lease_notifications import Holder, session_of
 from openrois.types.references import engine_of
-from openrois.types.stops import StoppedNotification
+from openrois.types.stops import MAX_STOP_ID, Stopped, StoppedNotification
 
 __all__ = ["StopKeeper", "waiting_reason"]
 
 _MAX_NAME: Final = 128
 """Characters of a person's name that an adapter says: as many as a subject has."""
+
+_NOT_STOPPED: Final = Stopped(engine_id="", by="")
 
 
 def waiting_reason(engine_id: str, by: str) -> str:
@@ -53,44 +56,57 @@ class StopKeeper:
         by = self._latch.by(engine_of(component_ref))
         return waiting_reason(engine_of(component_ref), by) if by and self._ranks.is_program(principal) else ""
 
-    def stop(self, engine_id: str, principal: Principal) -> bool:
+    def stop(self, engine_id: str, principal: Principal, stop_id: str) -> bool:
         """Latch an engine that a principal stops; tell whether it is a person, which alone does that.
 
         Each STOP is told, also of a person that has stopped the engine already: its body may move again meanwhile.
+        Only a copy, with the id of the STOP that holds, is not.
         """
         if not self._ranks.is_person(principal):
             return False
-        self._latch_by(engine_id, principal.subject)
+        self._handle_stop(engine_id, principal.subject, stop_id)
         self._tell_adapter(engine_id)
         return True
 
-    def release(self, engine_id: str, principal: Principal) -> str:
-        """Hand an engine back to programs; return who had stopped it, empty text where it was not stopped."""
-        by = self._latch.release(engine_id)
+    def release(self, engine_id: str, principal: Principal, stop_id: str = "") -> str:
+        """Hand an engine back to programs; return who had stopped it, empty text where it was not stopped.
+
+        Args:
+            engine_id: the engine.
+            principal: the person that hands it back.
+            stop_id: of the STOP that is to end; any, where it is empty.
+
+        Raises:
+            OutOfResources: a later STOP than the named one holds.
+        """
+        by = self._latch.by(engine_id)
+        if not self._latch.may_be(engine_id, stop_id):
+            raise OutOfResources(f"{engine_id} was stopped again meanwhile, by {by}: hand it back anew")
         if by:
-            self._tell_programs_back(engine_id, f"{engine_id} was handed back to programs by {principal.subject}")
-            self._tell_adapter(engine_id)
+            ended = self._latch.stop_id(engine_id)
+            self._handle_release(engine_id, f"{engine_id} was handed back to programs by {principal.subject}")
+            self._tell_adapter(engine_id, ended)
         return by
 
     def handle_notice(self, notice: StoppedNotification) -> None:
         """Note what a parent says of an engine of this tree, and tell it on."""
         if self._engine.tree.has_engine(notice.engine_id):
             self.handle_report(notice)
-            self._tell_adapter(notice.engine_id)
+            self._tell_adapter(notice.engine_id, notice.stop_id)
 
     def handle_report(self, notice: StoppedNotification) -> None:
         """Note what an engine of this tree says of itself: further below a person has stopped it, or handed it back."""
         if notice.by:
-            self._latch_by(notice.engine_id, notice.by[:_MAX_NAME])
-        elif self._latch.release(notice.engine_id):
-            self._tell_programs_back(notice.engine_id, notice.reason)
+            self._handle_stop(notice.engine_id, notice.by[:_MAX_NAME], notice.stop_id[:MAX_STOP_ID])
+        elif self._latch.by(notice.engine_id) and self._latch.may_be(notice.engine_id, notice.stop_id):
+            self._handle_release(notice.engine_id, notice.reason)
 
-    def attach(self, engine_ids: Iterable[str], told: Mapping[str, str] | None, instance: str) -> None:
+    def attach(self, engine_ids: Iterable[str], told: Mapping[str, Stopped] | None, instance: str) -> None:
         """Note engines that have come, and by whom they are stopped, as their adapter says.
 
         Args:
             engine_ids: all engines of the adapter; those that were attached before are passed over.
-            told: the persons that have stopped some, by engine; None where the adapter keeps no latch.
+            told: what persons have stopped of them, by engine; None where the adapter keeps no latch.
             instance: of the adapter.
         """
         for engine_id in engine_ids:
@@ -98,8 +114,10 @@ class StopKeeper:
                 continue
             if told is not None:
                 self._attached.add(engine_id)
-            by = None if told is None else told.get(engine_id, "")[:_MAX_NAME]
-            if self._latch.attach(engine_id, by, instance):
+            stopped = None if told is None else told.get(engine_id, _NOT_STOPPED)
+            by = None if stopped is None else stopped.by[:_MAX_NAME]
+            stop_id = "" if stopped is None else stopped.stop_id[:MAX_STOP_ID]
+            if self._latch.attach(engine_id, by, instance, stop_id):
                 self._tell_adapter(engine_id)
             if by:
                 self._tell_programs_to_wait(engine_id)
@@ -117,22 +135,29 @@ class StopKeeper:
                 holds = not self._ranks.is_program(holder.principal)
                 self._leases.notifications.adapter(component_ref, holder, epoch, holds=holds)
 
-    def _latch_by(self, engine_id: str, subject: str) -> None:
-        self._latch.latch(engine_id, subject)
-        self._tell_programs_to_wait(engine_id)
+    def _handle_stop(self, engine_id: str, subject: str, stop_id: str) -> None:
+        if not stop_id or stop_id != self._latch.stop_id(engine_id):
+            self._latch.latch(engine_id, subject, stop_id)
+            self._tell_programs_to_wait(engine_id)
+
+    def _handle_release(self, engine_id: str, reason: str) -> None:
+        stop_id = self._latch.stop_id(engine_id)
+        self._latch.release(engine_id)
+        self._tell_programs_back(engine_id, reason, stop_id)
 
     def _tell_programs_to_wait(self, engine_id: str) -> None:
-        by = self._latch.by(engine_id)
+        by, stop_id = self._latch.by(engine_id), self._latch.stop_id(engine_id)
         for component_ref, holder, epoch in self._held_by_programs(engine_id):
             self._leases.notifications.adapter(component_ref, holder, epoch, holds=False)
-        self._notify(StoppedNotification(engine_id=engine_id, by=by, reason=waiting_reason(engine_id, by)))
+        reason = waiting_reason(engine_id, by)
+        self._notify(StoppedNotification(engine_id=engine_id, by=by, reason=reason, stop_id=stop_id))
 
-    def _tell_programs_back(self, engine_id: str, reason: str) -> None:
+    def _tell_programs_back(self, engine_id: str, reason: str, stop_id: str) -> None:
         for component_ref, holder, epoch in self._held_by_programs(engine_id):
             # Of one that is being handed over the adapter is told when that is done.
             if self._leases.is_held(component_ref, holder):
                 self._leases.notifications.adapter(component_ref, holder, epoch, holds=True)
-        self._notify(StoppedNotification(engine_id=engine_id, reason=reason))
+        self._notify(StoppedNotification(engine_id=engine_id, reason=reason, stop_id=stop_id))
 
     def _held_by_programs(self, engine_id: str) -> list[tuple[str, Holder, int]]:
         model, found = self._leases.model, []
@@ -148,7 +173,9 @@ class StopKeeper:
         self._leases.notifications.of_stop(notice, self._engine.acting_of(notice.engine_id))
         self.changes.notify_all(notice)
 
-    def _tell_adapter(self, engine_id: str) -> None:
+    def _tell_adapter(self, engine_id: str, ended: str = "") -> None:
         bus: object = self._engine.tree.bus_of(engine_id)
         if isinstance(bus, LatchKeeper):
-            bus.keep_stop(StoppedNotification(engine_id=engine_id, by=self._latch.by(engine_id)))
+            by = self._latch.by(engine_id)
+            stop_id = self._latch.stop_id(engine_id) if by else ended
+            bus.keep_stop(StoppedNotification(engine_id=engine_id, by=by, stop_id=stop_id))

@@ -18,7 +18,7 @@ from openrois.types.codes import ReturnCode
 from openrois.types.directory import DIRECTORY
 from openrois.types.leases import LEASES
 from openrois.types.messages import ProfileResult
-from openrois.types.stops import STOPPED
+from openrois.types.stops import STOPPED, Stopped
 from openrois.types.streams import EXTENSION_VERSION, EXTENSIONS
 
 __all__ = ["Identity", "RemoteOffer"]
@@ -37,12 +37,12 @@ class Identity:
     Attributes:
         instance: the random text of its process; empty where it sends none.
         epoch: the greatest epoch that it has ever seen; 0 for none.
-        stopped: the persons that have stopped its engines for programs, by engine; None where it keeps none in mind.
+        stopped: what persons have stopped of its engines for programs, by engine; None where it keeps none in mind.
     """
 
     instance: str = field(default="", repr=False)
     epoch: int = 0
-    stopped: Mapping[str, str] | None = None
+    stopped: Mapping[str, Stopped] | None = None
 
 
 class RemoteOffer:
@@ -91,7 +91,7 @@ class RemoteOffer:
         if greeting is None:
             return Identity()
         keeps_stops = STOPPED in greeting.extensions
-        stopped = {each.engine_id: each.by for each in greeting.stopped} if keeps_stops else None
+        stopped = {each.engine_id: each for each in greeting.stopped} if keeps_stops else None
         return Identity(greeting.instance, greeting.epoch, stopped)
 
     def _take_changes(self, engine_ids: Collection[str] | None) -> None:

@@ -159,13 +159,17 @@ class _ServedExtension:
             else:
                 engines = tuple(sorted(self._host.engine.extension.engines()))
                 extensions = (*EXTENSIONS, LEASES, MAY_BIND, STOPPED, VISITORS) if engines else (LEASES, STOPPED)
-            stopped = self._host.stop_latch.of(self._host.engine.tree.engine_ids)
+            latch = self._host.stop_latch
+            stopped = latch.of(self._host.engine.tree.engine_ids)
             return HelloResult(
                 extensions=extensions,
                 engines=engines,
                 instance=self._host.instance,
                 epoch=self._host.epoch_fence.greatest,
-                stopped=tuple(Stopped(engine_id=engine_id, by=by) for engine_id, by in stopped.items()),
+                stopped=tuple(
+                    Stopped(engine_id=engine_id, by=by, stop_id=latch.stop_id(engine_id))
+                    for engine_id, by in stopped.items()
+                ),
             )
 
         return {"openrois.hello": method(HelloParams, hello), **{m: self._calling(m) for m in EXTENSION_METHODS}}

@@ -7,6 +7,7 @@ from pydantic import Field
 
 from openrois.types.messages import ReturnResult
 from openrois.types.model import Model
+from openrois.types.stops import StopId
 
 __all__ = [
     "LEASES",
@@ -105,6 +106,7 @@ class LeaseStatus(Model):
         waiting: how many wait for it.
         position: of the receiver among them, from 1 on; 0 where it does not wait.
         stopped_by: the person that has stopped its engine for programs; empty where none has.
+        stop_id: of that STOP, for `openrois.lease.release_stop`.
         part: of the body, with which it changes hands; empty where it is one by itself.
         lender: the subject from which its holder has it for a time; empty where it has it in its own right.
         return_ms: until it goes back to that; 0 where it does not.
@@ -118,6 +120,7 @@ class LeaseStatus(Model):
     waiting: _Count = 0
     position: _Count = 0
     stopped_by: str = ""
+    stop_id: str = ""
     part: str = ""
     lender: str = ""
     return_ms: _Count = 0
@@ -203,10 +206,17 @@ class LeaseWithdrawnNotification(Model):
 
 
 class StopAllParams(Model):
-    """Params of `openrois.stop_all`: an engine, or the one of a component; without both all that one controls."""
+    """Params of `openrois.stop_all`: an engine, or the one of a component; without both all that one controls.
+
+    Attributes:
+        engine_id: the engine.
+        component_ref: a component of the engine, in place of its id.
+        stop_id: the same for the copies of one STOP that go several ways; the gateway makes one unless given.
+    """
 
     engine_id: str | None = None
     component_ref: str | None = None
+    stop_id: StopId | None = None
 
 
 class StopAllResult(ReturnResult):

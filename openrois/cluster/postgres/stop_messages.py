@@ -27,6 +27,7 @@ MAX_PARTS: Final = 8
 
 _MAX_SUBJECT: Final = 256
 _MAX_RANK: Final = 64
+_MAX_STOP_ID: Final = 64
 _MAX_PROBLEM: Final = 200
 _ASKED: Final = "asked "
 _TOLD: Final = "told "
@@ -70,6 +71,7 @@ class StopAsked(_Message):
     engine_id: _Name
     subject: Annotated[str, Field(max_length=_MAX_SUBJECT)]
     rank: Annotated[str, Field(max_length=_MAX_RANK)] = ""
+    stop_id: Annotated[str, Field(max_length=_MAX_STOP_ID)] = ""
 
 
 class StopTold(_Message):
@@ -111,7 +113,9 @@ class AnswerParts:
         )
 
 
-def question_text(question_id: str, asker: str, owner: str, engine_id: str, subject: str, rank: str = "") -> str:
+def question_text(
+    question_id: str, asker: str, owner: str, engine_id: str, subject: str, rank: str = "", stop_id: str = ""
+) -> str:
     """Return the text of a question.
 
     Raises:
@@ -124,6 +128,7 @@ def question_text(question_id: str, asker: str, owner: str, engine_id: str, subj
         engine_id=engine_id,
         subject=subject[:_MAX_SUBJECT],
         rank=rank[:_MAX_RANK],
+        stop_id=stop_id[:_MAX_STOP_ID],
     )
     return _ASKED + _written(asked.model_dump())
 

@@ -42,8 +42,8 @@ MAX_SERVED: Final = 64
 _TOPIC: Final = "stop"
 _NOTIFY: Final = "SELECT pg_notify('openrois', $1 || ' ' || text) FROM unnest($2::text[]) AS said (text)"
 
-StopHandler = Callable[[str, str, str], Awaitable[StopAnswer]]
-"""Stops everything on an engine, for a subject of some rank, and returns what became of it."""
+StopHandler = Callable[[str, str, str, str], Awaitable[StopAnswer]]
+"""Stops everything on an engine, for a subject of some rank, by the id of the STOP, and returns what became of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +103,14 @@ class Stops(AbstractAsyncContextManager["Stops"]):
         return leave
 
     async def ask(
-        self, gateway_id: str, engine_id: str, subject: str, timeout: float = ANSWER_TIME, *, rank: str = ""
+        self,
+        gateway_id: str,
+        engine_id: str,
+        subject: str,
+        timeout: float = ANSWER_TIME,
+        *,
+        rank: str = "",
+        stop_id: str = "",
     ) -> StopAnswer:
         """Ask the owner of an engine to stop everything on it.
 
@@ -113,6 +120,7 @@ class Stops(AbstractAsyncContextManager["Stops"]):
             subject: of the principal who wants it; the owner's audit trail names it.
             timeout: seconds until there is no answer.
             rank: of the principal; where it is a person's, programs wait from then on.
+            stop_id: of the STOP; the owner makes one unless given.
 
         Returns:
             What became of it. Without an answer `problem` says why, and it may have happened.
@@ -124,7 +132,8 @@ class Stops(AbstractAsyncContextManager["Stops"]):
         self._questions[question_id] = question
         try:
             async with asyncio.timeout(timeout):
-                await self._send([question_text(question_id, self._gateway_id, gateway_id, engine_id, subject, rank)])
+                names = (self._gateway_id, gateway_id, engine_id, subject, rank, stop_id)
+                await self._send([question_text(question_id, *names)])
                 return await question.answer
         except TimeoutError:
             return _no_answer(f"gateway {gateway_id} did not answer within {timeout:.2g} s over {self._database.name}")
@@ -171,7 +180,7 @@ class Stops(AbstractAsyncContextManager["Stops"]):
         _log.info("gateway %s asks to stop everything on %s, for %s", asked.asker, asked.engine_id, asked.subject)
         try:
             async with asyncio.timeout(STOPPING_TIME):
-                answer = await handler(asked.engine_id, asked.subject, asked.rank)
+                answer = await handler(asked.engine_id, asked.subject, asked.rank, asked.stop_id)
         except TimeoutError:
             answer = StopAnswer(problem=f"stopping takes longer than {STOPPING_TIME:.2g} s")
         except RoISError as error:

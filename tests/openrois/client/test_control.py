@@ -510,13 +510,32 @@ async def test_a_body_that_a_person_has_stopped(line: Line) -> None:
         await agent.bind(LAMP)
         await ann.control.stop_all("toys")
         waits = "toys was stopped by ann: programs wait until a person hands it back"
-        assert await heard(told) == ControlStopped("toys", "ann", waits)
+        stopped = await heard(told)
+        assert stopped == ControlStopped("toys", "ann", waits, stopped.stop_id)
         with pytest.raises(OutOfResources, match=waits):
             await agent.component(LAMP).command("switch", times=1)
         assert (await agent.control.status(LAMP)).stopped_by == "ann"
         with pytest.raises(Unsupported, match="only a person hands back"):
             await agent.control.release_stop("toys")
         await ann.control.release_stop("toys")
-        assert await heard(told) == ControlStopped("toys", "", "toys was handed back to programs by ann")
+        assert await heard(told) == ControlStopped(
+            "toys", "", "toys was handed back to programs by ann", stopped.stop_id
+        )
         await agent.component(LAMP).command("switch", times=1)
     assert line.lamp.total == 1
+
+
+async def test_a_client_hands_back_the_stop_that_it_was_told(line: Line) -> None:
+    async with client_of(line, "ann", "person") as ann, client_of(line, "bob", "person") as bob:
+        await ann.control.stop_all("toys")
+        assert (await ann.control.status(LAMP)).stopped_by == "ann"
+        told = ann.notices(ControlStopped)
+        # Told by hand, without the gateway: bob's STOP has not come to ann yet.
+        line.host.stop_latch.latch("toys", "bob", "newer")
+        with pytest.raises(OutOfResources, match="toys was stopped again meanwhile, by bob: hand it back anew"):
+            await ann.control.release_stop("toys")
+        assert line.host.stop_latch.by("toys") == "bob"
+        await bob.control.stop_all("toys")
+        assert (await heard(told)).by == "bob"
+        await ann.control.release_stop("toys")
+        assert line.host.stop_latch.by("toys") == ""

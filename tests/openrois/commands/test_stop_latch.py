@@ -76,6 +76,26 @@ def test_of_too_many_that_are_away_the_first_is_forgotten() -> None:
     assert len(latch) == MAX_AWAY
 
 
+@pytest.mark.parametrize(
+    ("stop_id", "named", "may_be"),
+    [("1", "1", True), ("1", "2", False), ("1", "", True), ("", "2", True), ("", "", True)],
+)
+def test_which_stop_may_be_the_one_of_an_id(stop_id: str, named: str, may_be: bool) -> None:
+    latch = StopLatch()
+    latch.latch("robot", "ann", stop_id)
+    assert (latch.stop_id("robot"), latch.may_be("robot", named)) == (stop_id, may_be)
+    # What is not stopped has no id.
+    latch.release("robot")
+    assert (latch.stop_id("robot"), latch.may_be("robot", named)) == ("", True)
+
+
+def test_the_id_of_a_stop_comes_back_with_the_adapter() -> None:
+    latch = stopped()
+    latch.detach("robot", "i")
+    latch.attach("robot", "bob", "i", "7")
+    assert (latch.by("robot"), latch.stop_id("robot")) == ("bob", "7")
+
+
 class Latches(RuleBasedStateMachine):
     """Two gateways, and one adapter that keeps the latch, is restarted, and is at one gateway at a time or at none.
 

@@ -1,5 +1,6 @@
 """STOP by a person, and the hand-back, from any gateway of a cluster; the latch goes with the body."""
 
+import asyncio
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -71,7 +72,8 @@ async def switch(app: Application, command_id: str) -> tuple[str, str]:
 async def test_a_person_stops_and_hands_back_at_any_gateway(guarded: Guarded, by: str, where: str) -> None:
     ann, bob, agent = await person(guarded, by), await person(guarded, where, "bob"), await program(guarded, where)
     assert await ann.code("openrois.stop_all", **ROBOT) == "OK"
-    assert await agent.next("openrois.lease.stopped") == {"engine_id": "robot", "by": "ann", "reason": WAITS}
+    told = await agent.next("openrois.lease.stopped")
+    assert told == {"engine_id": "robot", "by": "ann", "reason": WAITS, "stop_id": told["stop_id"]}
     for number in range(100):
         assert await switch(agent, f"try {number}") == REFUSED
     assert (await bob.ask("openrois.lease.query", **LAMP))["lease"]["stopped_by"] == "ann"
@@ -144,3 +146,22 @@ async def test_a_hand_back_that_the_link_does_not_carry_says_so(
         await seen_by(ann, "robot")
         assert await ann.code("openrois.lease.release_stop", **ROBOT) == "OK"
         assert await switch(agent, "1") == ("OK", "")
+
+
+async def test_a_hand_back_that_the_link_delays_ends_no_later_stop(
+    own_nats: NatsServer, postgres_server: Server, tmp_path: Path
+) -> None:
+    async with guarded_by(own_nats, postgres_server, tmp_path) as guarded:
+        ann, bob, agent = await person(guarded, "b"), await person(guarded, "a", "bob"), await program(guarded, "a")
+        assert await ann.code("openrois.stop_all", **ROBOT) == "OK"
+        stop_id = (await agent.next("openrois.lease.stopped"))["stop_id"]
+        own_nats.freeze()
+        try:
+            late = asyncio.ensure_future(ann.why("openrois.lease.release_stop", **ROBOT, stop_id=stop_id))
+            assert await bob.code("openrois.stop_all", **ROBOT) == "OK"
+        finally:
+            own_nats.thaw()
+        code, why = await late
+        # Where the machine took so long that the link was given up, it is not there at all.
+        assert code == "ERROR" or why == "robot was stopped again meanwhile, by bob: hand it back anew"
+        assert await switch(agent, "1") == ("OUT_OF_RESOURCES", REFUSED[1].replace("ann", "bob"))

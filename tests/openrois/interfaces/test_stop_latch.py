@@ -271,11 +271,15 @@ async def test_all_who_are_concerned_are_notified_and_who_comes_later_may_ask(ro
     assert (await bob.result("openrois.lease.query", LAMP))["lease"]["stopped_by"] == ""
     assert await ann.code("openrois.stop_all", ROBOT) == "OK"
     for app in (agent, bob):
-        assert await app.until("openrois.lease.stopped") == {"engine_id": "robot", "by": "ann", "reason": WAITS}
+        told = await app.until("openrois.lease.stopped")
+        assert told == {"engine_id": "robot", "by": "ann", "reason": WAITS, "stop_id": told["stop_id"]}
+        assert told["stop_id"]
     late = await robot.app(SCRIPT)
-    assert (await late.result("openrois.lease.query", LAMP))["lease"]["stopped_by"] == "ann"
+    lease = (await late.result("openrois.lease.query", LAMP))["lease"]
+    assert (lease["stopped_by"], lease["stop_id"]) == ("ann", told["stop_id"])
     assert await bob.code("openrois.lease.release_stop", ROBOT) == "OK"
-    back = {"engine_id": "robot", "by": "", "reason": "robot was handed back to programs by bob"}
+    why_back = "robot was handed back to programs by bob"
+    back = {"engine_id": "robot", "by": "", "reason": why_back, "stop_id": told["stop_id"]}
     for app in (agent, bob, late):
         assert await app.until("openrois.lease.stopped") == back
     # It was handed back already, which changes nothing.
@@ -302,6 +306,33 @@ async def test_each_stop_of_the_same_person_is_told_and_reaches_the_body(robot: 
             assert (await app.until("openrois.lease.stopped"))["by"] == "ann"
     assert [holds for _, holds, _ in robot.told.holders] == [True, False, False, False]
     assert await records(robot) == [("ann", "openrois.stop_all", "robot", "programs wait")] * 3
+
+
+async def test_a_hand_back_that_comes_late_ends_no_later_stop(robot: Robot) -> None:
+    ann, bob, agent = await robot.app(ANN), await robot.app(BOB), await robot.app(AGENT)
+    assert await agent.code("rois.command.bind", LAMP) == "OK"
+    stop_ids = []
+    for app in (ann, bob):
+        assert await app.code("openrois.stop_all", ROBOT) == "OK"
+        stop_ids.append((await agent.until("openrois.lease.stopped"))["stop_id"])
+    assert len(set(stop_ids)) == 2
+    late, current = ({**ROBOT, "stop_id": stop_id} for stop_id in stop_ids)
+    assert await ann.code("openrois.lease.release_stop", late) == "OUT_OF_RESOURCES"
+    assert await why(ann) == "robot was stopped again meanwhile, by bob: hand it back anew"
+    assert await robot.run(agent) == "OUT_OF_RESOURCES"
+    assert await ann.code("openrois.lease.release_stop", current) == "OK"
+    assert await robot.run(agent) == "OK"
+    # What has ended is not stopped: that is no error.
+    assert await ann.code("openrois.lease.release_stop", late) == "OK"
+
+
+async def test_copies_of_one_stop_are_told_once(robot: Robot) -> None:
+    ann, agent = await robot.app(ANN), await robot.app(AGENT)
+    assert await agent.code("rois.command.bind", LAMP) == "OK"
+    for stop_id in ("one", "one", "two"):
+        assert await ann.code("openrois.stop_all", {**ROBOT, "stop_id": stop_id}) == "OK"
+    assert [(await agent.until("openrois.lease.stopped"))["stop_id"] for _ in range(2)] == ["one", "two"]
+    assert await ann.code("openrois.stop_all", {**ROBOT, "stop_id": "x" * 65}) == -32602
 
 
 async def test_without_tokens_stop_is_no_latch(robot: Robot) -> None:

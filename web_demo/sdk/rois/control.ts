@@ -32,14 +32,25 @@ export class Control {
   readonly #stops: Stops;
   /** Checks of waiting requests: each finds out whether it still waits. */
   readonly #checks = new Set<() => void>();
+  /** The ids of the STOPs that this client was told, by engine. */
+  readonly #told = new Map<string, string>();
 
   constructor(client: Link, bindings: Bindings, stops: Stops) {
     this.#client = client;
     this.#bindings = bindings;
     this.#stops = stops;
-    this.on("openrois.lease.stopped", ({ engine_id: engineId, by = "" }) => {
+    this.on("openrois.lease.stopped", ({ engine_id: engineId, by = "", stop_id: stopId = "" }) => {
+      this.#noteStop(engineId, by === "" ? "" : stopId);
       if (by !== "") stops.handleStopped(engineId);
     });
+    client.on("state", ({ name }) => {
+      if (name !== "connected") this.#told.clear();
+    });
+  }
+
+  #noteStop(engineId: string, stopId: string): void {
+    if (stopId === "") this.#told.delete(engineId);
+    else this.#told.set(engineId, stopId);
   }
 
   /** Listens to one kind of notification of leases and returns the function that ends it. */
@@ -54,7 +65,10 @@ export class Control {
 
   /** Returns the lease of a component; from then on `openrois.lease.changed` reports its changes. */
   async status(componentRef: string): Promise<LeaseStatus | null> {
-    return (await this.#client.call("openrois.lease.query", { component_ref: componentRef })).lease ?? null;
+    const { lease = null } = await this.#client.call("openrois.lease.query", { component_ref: componentRef });
+    const [engineId = ""] = componentRef.split("/");
+    this.#noteStop(engineId, lease?.stop_id ?? "");
+    return lease;
   }
 
   /**
@@ -219,10 +233,15 @@ export class Control {
 
   /**
    * Hands a body that a person has stopped back to programs, as a person; one that is not stopped stays so.
+   * It ends the STOP that this client was told last, and no later one; where it was told none, whichever holds.
    *
-   * @throws RoISError (UNSUPPORTED: this application is a program, or nothing that acts there is in scope)
+   * @throws RoISError (OUT_OF_RESOURCES: it was stopped again meanwhile: look again, and hand it back anew; UNSUPPORTED: this application is a program, or nothing that acts there is in scope)
    */
   async releaseStop(engineId: string): Promise<void> {
-    await this.#client.call("openrois.lease.release_stop", { engine_id: engineId });
+    const stopId = this.#told.get(engineId);
+    // One that is refused is asked for anew.
+    this.#told.delete(engineId);
+    const params = { engine_id: engineId, ...(stopId !== undefined && { stop_id: stopId }) };
+    await this.#client.call("openrois.lease.release_stop", params);
   }
 }

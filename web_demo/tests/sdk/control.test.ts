@@ -435,6 +435,22 @@ describe("control", () => {
     expect(gateway.called("openrois.stop_all")).toEqual([{ engine_id: "r" }, {}]);
   });
 
+  it("names the STOP that it was told last when it hands a body back", async () => {
+    gateway.on("openrois.lease.release_stop", () => ({}));
+    gateway.on("openrois.lease.query", () => ({ lease: { stopped_by: "ann", stop_id: "1" } }));
+    await client.control.status(ARM);
+    await client.control.releaseStop("r");
+    // One that was refused is asked for anew, whichever STOP holds.
+    await client.control.releaseStop("r");
+    gateway.notify("openrois.lease.stopped", { engine_id: "r", by: "bob", reason: "", stop_id: "2" });
+    await client.control.releaseStop("r");
+    expect(gateway.called("openrois.lease.release_stop")).toEqual([
+      { engine_id: "r", stop_id: "1" },
+      { engine_id: "r" },
+      { engine_id: "r", stop_id: "2" },
+    ]);
+  });
+
   it("hands back what a person has stopped", async () => {
     const told: unknown[] = [];
     client.control.on("openrois.lease.stopped", (stopped) => told.push(stopped));

@@ -37,6 +37,8 @@ def test_a_question_is_read_as_it_was_written() -> None:
     assert read_message(question_text(ID, "front", "owner", "robot", "ann")) == ASKED
     ranked = read_message(question_text(ID, "front", "owner", "robot", "ann", "person"))
     assert ranked == ASKED.model_copy(update={"rank": "person"})
+    numbered = read_message(question_text(ID, "front", "owner", "robot", "ann", stop_id="7"))
+    assert numbered == ASKED.model_copy(update={"stop_id": "7"})
 
 
 def test_a_long_subject_is_cut_and_the_question_fits() -> None:

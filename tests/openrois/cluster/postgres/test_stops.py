@@ -21,7 +21,7 @@ LATE = 0.05
 """Seconds that are waited for an answer that does not come."""
 
 
-async def stop(engine_id: str, subject: str, _rank: str) -> StopAnswer:
+async def stop(engine_id: str, subject: str, _rank: str, _stop_id: str) -> StopAnswer:
     return StopAnswer(stopped=(f"{engine_id}/lamp",), failed=(f"{engine_id}/arm",), problem=f"for {subject}")
 
 
@@ -75,7 +75,7 @@ async def test_the_owner_answers_what_has_stopped_and_what_has_not(gateways: Gat
 async def test_an_answer_that_one_notification_does_not_carry_comes_whole(gateways: Gateways) -> None:
     refs = tuple(f"robot/{'ü' * 100}{number}" for number in range(150))
 
-    async def stop_all(_engine_id: str, _subject: str, _rank: str) -> StopAnswer:
+    async def stop_all(_engine_id: str, _subject: str, _rank: str, _stop_id: str) -> StopAnswer:
         return StopAnswer(stopped=refs)
 
     gateways.owner.serve(stop_all)
@@ -98,10 +98,10 @@ async def test_an_answer_that_comes_late_is_no_answer_to_the_next_question(gatew
     may_answer = asyncio.Event()
     has_answered = asyncio.Event()
 
-    async def stop_late(engine_id: str, subject: str, rank: str) -> StopAnswer:
+    async def stop_late(engine_id: str, subject: str, rank: str, stop_id: str) -> StopAnswer:
         await may_answer.wait()
         has_answered.set()
-        return await stop(engine_id, subject, rank)
+        return await stop(engine_id, subject, rank, stop_id)
 
     gateways.owner.serve(stop_late)
     assert not (await gateways.front.ask("owner", "robot", "ann", LATE)).is_answered
@@ -140,7 +140,7 @@ async def test_garbage_on_the_channel_changes_nothing(gateways: Gateways) -> Non
     ],
 )
 async def test_an_owner_that_fails_says_so(gateways: Gateways, error: Exception, problem: str) -> None:
-    async def fail(_engine_id: str, _subject: str, _rank: str) -> StopAnswer:
+    async def fail(_engine_id: str, _subject: str, _rank: str, _stop_id: str) -> StopAnswer:
         raise error
 
     gateways.owner.serve(fail)
@@ -148,7 +148,7 @@ async def test_an_owner_that_fails_says_so(gateways: Gateways, error: Exception,
 
 
 async def test_an_owner_that_takes_too_long_says_so(gateways: Gateways, monkeypatch: pytest.MonkeyPatch) -> None:
-    async def hang(_engine_id: str, _subject: str, _rank: str) -> StopAnswer:
+    async def hang(_engine_id: str, _subject: str, _rank: str, _stop_id: str) -> StopAnswer:
         await asyncio.Event().wait()
         raise AssertionError
 
@@ -164,10 +164,10 @@ async def test_a_gateway_waits_for_so_many_answers_and_an_owner_works_at_so_many
     may_stop = asyncio.Event()
     is_asked = asyncio.Semaphore(0)
 
-    async def stop_later(engine_id: str, subject: str, rank: str) -> StopAnswer:
+    async def stop_later(engine_id: str, subject: str, rank: str, stop_id: str) -> StopAnswer:
         is_asked.release()
         await may_stop.wait()
-        return await stop(engine_id, subject, rank)
+        return await stop(engine_id, subject, rank, stop_id)
 
     gateways.owner.serve(stop_later)
     monkeypatch.setattr(module, "MAX_SERVED", 2)

@@ -114,6 +114,7 @@ const isSubscribeResult: Check = object({
 const isStopped: Check = object({
   engine_id: text,
   by: text,
+  stop_id: optional(text),
 });
 
 const isHelloResult: Check = object({
@@ -195,6 +196,7 @@ const isLeaseStatus: Check = object({
   waiting: optional(integer),
   position: optional(integer),
   stopped_by: optional(text),
+  stop_id: optional(text),
   part: optional(text),
   lender: optional(text),
   return_ms: optional(integer),
@@ -308,6 +310,7 @@ const isLeaseChangedNotification: Check = object({
   waiting: optional(integer),
   position: optional(integer),
   stopped_by: optional(text),
+  stop_id: optional(text),
   part: optional(text),
   lender: optional(text),
   return_ms: optional(integer),
@@ -337,6 +340,7 @@ const isStoppedNotification: Check = object({
   engine_id: text,
   by: optional(text),
   reason: optional(text),
+  stop_id: optional(text),
 });
 
 const isMediaKind: Check = oneOf(MediaKind);

@@ -346,6 +346,7 @@ export interface LeaseChangedNotification {
   readonly waiting?: number;
   readonly position?: number;
   readonly stopped_by?: string;
+  readonly stop_id?: string;
   readonly part?: string;
   readonly lender?: string;
   readonly return_ms?: number;
@@ -410,6 +411,7 @@ export interface LeaseStatus {
   readonly waiting?: number;
   readonly position?: number;
   readonly stopped_by?: string;
+  readonly stop_id?: string;
   readonly part?: string;
   readonly lender?: string;
   readonly return_ms?: number;
@@ -516,6 +518,7 @@ export interface ReferenceResult {
 export interface ReleaseStopParams {
   readonly engine_id?: string | null;
   readonly component_ref?: string | null;
+  readonly stop_id?: string | null;
 }
 
 /**
@@ -636,6 +639,7 @@ export interface SetParameterResult {
 export interface StopAllParams {
   readonly engine_id?: string | null;
   readonly component_ref?: string | null;
+  readonly stop_id?: string | null;
 }
 
 /** Result of `openrois.stop_all`: which components have stopped, and which have not confirmed it in time. */
@@ -645,10 +649,11 @@ export interface StopAllResult {
   readonly failed?: readonly string[];
 }
 
-/** An engine, and the person that has stopped it for programs. */
+/** An engine, the person that has stopped it for programs, and the id of that STOP. */
 export interface Stopped {
   readonly engine_id: string;
   readonly by: string;
+  readonly stop_id?: string;
 }
 
 /** Params of the notification `openrois.lease.stopped`, to applications and to the adapter of the engine. */
@@ -656,6 +661,7 @@ export interface StoppedNotification {
   readonly engine_id: string;
   readonly by?: string;
   readonly reason?: string;
+  readonly stop_id?: string;
 }
 
 /** Params of every method that acts on a connected stream. */

@@ -41,6 +41,11 @@ namespace OpenRoIS
             _restorer = new Restorer(Bindings, Subscriptions, options);
         }
 
+        internal ClientNotices Notices
+        {
+            get { return _notices; }
+        }
+
         internal Strand Strand { get; private set; }
 
         internal Connection Connection { get; private set; }

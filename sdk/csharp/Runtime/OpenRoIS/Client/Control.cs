@@ -139,19 +139,29 @@ namespace OpenRoIS
             });
         }
 
-        /// <summary>Hands a body that a person has stopped back to programs, as a person.</summary>
+        /// <summary>
+        /// Hands a body that a person has stopped back to programs, as a person. It ends the STOP that this client was told
+        /// last, and no later one; where it was told none, whichever holds.
+        /// </summary>
+        /// <exception cref="OutOfResourcesException">it was stopped again meanwhile: hand it back anew</exception>
         /// <exception cref="UnsupportedException">this application is a program, or nothing there is in scope</exception>
         public Task ReleaseStopAsync(string engineId, CancellationToken token = default(CancellationToken))
         {
-            var given = new ReleaseStopParams { EngineId = engineId };
-            return _application.Strand.Run(() => Connection.ActAsync(Methods.LeaseReleaseStop, given, token));
+            return _application.Strand.Run(() =>
+            {
+                string stopId = _application.Notices.TakeStop(engineId);
+                var given = new ReleaseStopParams { EngineId = engineId, StopId = stopId };
+                return Connection.ActAsync(Methods.LeaseReleaseStop, given, token);
+            });
         }
 
         private async Task<LeaseStatus> LeaseOf(string componentRef, CancellationToken token)
         {
             var given = new LeaseParams { ComponentRef = componentRef };
             LeaseResult result = await Connection.AskAsync(Methods.LeaseQuery, given, token);
-            return result.Lease ?? new LeaseStatus();
+            LeaseStatus lease = result.Lease ?? new LeaseStatus();
+            _application.Notices.NoteStop(componentRef.Split('/')[0], lease.StopId);
+            return lease;
         }
 
         private async Task Request(string componentRef, bool wait, CancellationToken token)

@@ -1,5 +1,6 @@
 // Copyright the OpenRoIS authors. Apache-2.0.
 using System;
+using System.Collections.Generic;
 using System.Threading;
 using Newtonsoft.Json.Linq;
 
@@ -143,6 +144,7 @@ namespace OpenRoIS
         private const int Buffer = 256;
 
         private readonly Callbacks<Action> _callbacks;
+        private readonly Dictionary<string, string> _stops = new Dictionary<string, string>();
 
         internal ClientNotices(SynchronizationContext context, Action<Exception> failed)
         {
@@ -269,12 +271,36 @@ namespace OpenRoIS
             }
             else if (method == Notifications.LeaseStopped.Name)
             {
-                Offer<StoppedNotification>(given, told => ControlStopped?.Invoke(told));
+                StoppedNotification stopped = RpcCall.ReadNotification<StoppedNotification>(given);
+                if (stopped != null)
+                {
+                    NoteStop(stopped.EngineId, stopped.By == "" ? "" : stopped.StopId);
+                    _callbacks.Offer(() => ControlStopped?.Invoke(stopped));
+                }
             }
             else if (method == Notifications.EventsDropped.Name)
             {
                 Offer<EventsDroppedNotification>(given, told => EventsDropped?.Invoke(told.Count));
             }
+        }
+
+        /// <summary>Notes which STOP of an engine holds, so that a hand-back names it; empty for none.</summary>
+        internal void NoteStop(string engineId, string stopId)
+        {
+            _stops.Remove(engineId);
+            if (!string.IsNullOrEmpty(stopId))
+            {
+                _stops[engineId] = stopId;
+            }
+        }
+
+        /// <summary>Returns the STOP that is to end, and forgets it; null where none was told.</summary>
+        internal string TakeStop(string engineId)
+        {
+            string stopId;
+            _stops.TryGetValue(engineId, out stopId);
+            _stops.Remove(engineId);
+            return stopId;
         }
 
         private void Offer<T>(JObject given, Action<T> tell)

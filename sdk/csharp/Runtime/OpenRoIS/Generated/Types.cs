@@ -671,6 +671,9 @@ namespace OpenRoIS
         [JsonProperty("stopped_by")]
         public string StoppedBy { get; set; } = "";
 
+        [JsonProperty("stop_id")]
+        public string StopId { get; set; } = "";
+
         [JsonProperty("part")]
         public string Part { get; set; } = "";
 
@@ -806,6 +809,9 @@ namespace OpenRoIS
 
         [JsonProperty("stopped_by")]
         public string StoppedBy { get; set; } = "";
+
+        [JsonProperty("stop_id")]
+        public string StopId { get; set; } = "";
 
         [JsonProperty("part")]
         public string Part { get; set; } = "";
@@ -1015,6 +1021,9 @@ namespace OpenRoIS
 
         [JsonProperty("component_ref", NullValueHandling = NullValueHandling.Ignore)]
         public string ComponentRef { get; set; }
+
+        [JsonProperty("stop_id", NullValueHandling = NullValueHandling.Ignore)]
+        public string StopId { get; set; }
     }
 
     /// <summary>
@@ -1249,6 +1258,9 @@ namespace OpenRoIS
 
         [JsonProperty("component_ref", NullValueHandling = NullValueHandling.Ignore)]
         public string ComponentRef { get; set; }
+
+        [JsonProperty("stop_id", NullValueHandling = NullValueHandling.Ignore)]
+        public string StopId { get; set; }
     }
 
     /// <summary>
@@ -1267,7 +1279,7 @@ namespace OpenRoIS
         public List<string> Failed { get; set; } = new List<string>();
     }
 
-    /// <summary>An engine, and the person that has stopped it for programs.</summary>
+    /// <summary>An engine, the person that has stopped it for programs, and the id of that STOP.</summary>
     public sealed class Stopped
     {
         [JsonProperty("engine_id", Required = Required.Always)]
@@ -1275,6 +1287,9 @@ namespace OpenRoIS
 
         [JsonProperty("by", Required = Required.Always)]
         public string By { get; set; }
+
+        [JsonProperty("stop_id")]
+        public string StopId { get; set; } = "";
     }
 
     /// <summary>
@@ -1291,6 +1306,9 @@ namespace OpenRoIS
 
         [JsonProperty("reason")]
         public string Reason { get; set; } = "";
+
+        [JsonProperty("stop_id")]
+        public string StopId { get; set; } = "";
     }
 
     /// <summary>Params of every method that acts on a connected stream.</summary>
