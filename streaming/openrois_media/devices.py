@@ -13,7 +13,7 @@ from openrois_streaming.source.source import RawAudio, RawVideo
 from openrois.aio.listeners import Listeners
 from openrois.types.codes import Purpose
 from openrois_media.uplinks import AudioUplink, VideoUplink
-from openrois_media.visitors.registry import VisitorRegistry
+from openrois_media.visitors.registry import KEPT, VisitorRegistry
 from openrois_media.visitors.visitor import Visitor
 
 __all__ = ["LEVEL_INTERVAL", "Camera", "Microphone"]
@@ -108,7 +108,11 @@ class Camera:
 
     def __init__(self, visitors: VisitorRegistry | None = None) -> None:
         self.inlet = VideoUplink("camera")
+        self.keeping_ended: Listeners[str] = Listeners()
+        """Listeners to the visitor_ref of each visitor of whom nothing may be kept any more."""
         self._visitors = visitors
+        if visitors is not None:
+            visitors.withdrawn.add(self._on_withdrawn)
 
     @property
     def is_connected(self) -> bool:
@@ -126,6 +130,14 @@ class Camera:
     def may_keep(self, sender: str) -> bool:
         """Tell whether what is recognised of this visitor may be kept; of the body's own camera it may."""
         return self._visitors is None or self._visitors.may_keep(sender)
+
+    def keeps_by_consent(self, sender: str) -> bool:
+        """Tell whether what is kept of this visitor rests on a consent that it has stated, and ends with that."""
+        return self._visitors is not None and self._visitors.states_consent(sender)
+
+    def _on_withdrawn(self, visitor: Visitor, withdrawn: frozenset[Purpose]) -> None:
+        if withdrawn & KEPT:
+            self.keeping_ended.notify_all(visitor.visitor_ref)
 
     async def picture(self, timeout: float = 2.0) -> RawVideo:
         """Return the next picture that may be seen live.

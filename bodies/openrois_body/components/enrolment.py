@@ -19,12 +19,15 @@ LOOKS: Final = 12
 """Samples of a face that are kept of one person."""
 PATIENCE: Final = 15.0
 """Seconds within which they have to be taken."""
+_NO_CONSENT: Final = "the visitor does not consent to be recorded, as an enrolment does: ask for that first"
 
 Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^\x00-\x1f\x7f]*$")]
 
 
 class Enrolment(Component, authority="OpenRoIS", function="function"):
     """Remembers faces with names until the adapter ends or `forget`. Ask the person for consent before.
+
+    A face of a visitor that has stated its consent is forgotten when the visitor withdraws that, or has left.
 
     Args:
         watch: analyses the camera's pictures.
@@ -44,6 +47,9 @@ class Enrolment(Component, authority="OpenRoIS", function="function"):
         self._refs = refs
         self._patience = patience
         self._enrolling = False
+        self._visitor_of: dict[str, str] = {}
+        """The visitor_ref of each person whose face rests on the consent of a visitor, by name."""
+        camera.keeping_ended.add(self._forget_visitor)
 
     def condition(self) -> ComponentStatus:
         """Return ERROR where pictures cannot be analysed, else READY, with a camera or without."""
@@ -68,7 +74,11 @@ class Enrolment(Component, authority="OpenRoIS", function="function"):
             raise OutOfResources(f"{MAX_ENROLLED} persons are enrolled, which is the limit; forget one first")
         self._enrolling = True
         try:
-            self._gallery.enrol(name, await self._looks())
+            looks = await self._looks()
+            self._gallery.enrol(name, looks.taken)
+            self._visitor_of.pop(name, None)
+            if self._camera.keeps_by_consent(looks.visitor_ref):
+                self._visitor_of[name] = looks.visitor_ref
         finally:
             self._enrolling = False
         return self._refs.known(name)
@@ -82,13 +92,19 @@ class Enrolment(Component, authority="OpenRoIS", function="function"):
         """
         if not self._gallery.remove_person(name):
             raise BadParameter(f"no person is enrolled as {name!r}; the query `enrolled` lists the names")
+        self._visitor_of.pop(name, None)
 
     @query(result="names")
     async def enrolled(self) -> tuple[str, ...]:
         """Return the names of the enrolled persons."""
         return self._gallery.names
 
-    async def _looks(self) -> list[Likeness]:
+    def _forget_visitor(self, visitor_ref: str) -> None:
+        for name in [name for name, each in self._visitor_of.items() if each == visitor_ref]:
+            del self._visitor_of[name]
+            self._gallery.remove_person(name)
+
+    async def _looks(self) -> "_Looks":
         looks = _Looks(self._camera.may_keep)
         leave = self._watch.seen.add(looks.add_seen)
         try:
@@ -99,7 +115,9 @@ class Enrolment(Component, authority="OpenRoIS", function="function"):
             raise ComponentFailed(f"no person was enrolled: {looks.trouble}") from None
         finally:
             leave()
-        return looks.taken
+        if not self._camera.may_keep(looks.visitor_ref):
+            raise ComponentFailed(f"no person was enrolled: {_NO_CONSENT}")
+        return looks
 
 
 class _Looks:
@@ -111,6 +129,8 @@ class _Looks:
 
     def __init__(self, may_keep: Callable[[str], bool]) -> None:
         self._may_keep = may_keep
+        self.visitor_ref = ""
+        """Whose camera shows it; empty for the body's own."""
         self.taken: list[Likeness] = []
         self.enough = asyncio.Event()
         self.trouble = "no face was seen"
@@ -120,8 +140,11 @@ class _Looks:
         """Add the face that one picture shows."""
         if not self._may_keep(seen.visitor_ref):
             self.taken.clear()
-            self.trouble = "the visitor does not consent to be recorded, as an enrolment does: ask for that first"
+            self.trouble = _NO_CONSENT
             return
+        if seen.visitor_ref != self.visitor_ref:
+            self.visitor_ref = seen.visitor_ref
+            self.taken.clear()
         faces = [person for person in seen.persons if person.face]
         if len(faces) != 1 or faces[0].number != self._number:
             self.taken.clear()

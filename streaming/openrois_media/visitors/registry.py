@@ -16,12 +16,13 @@ from openrois.types.references import new_id
 from openrois_media.visitors.consent import UNSTATED
 from openrois_media.visitors.visitor import DEVICES, ConsentedSink, Visitor
 
-__all__ = ["MAX_VISITORS", "VisitorRegistry", "VisitorUplink"]
+__all__ = ["KEPT", "MAX_VISITORS", "VisitorRegistry", "VisitorUplink"]
 
 MAX_VISITORS: Final = 8
 """Applications that send to one body at a time."""
 
-_KEPT: Final = frozenset({Purpose.RECOGNITION, Purpose.RECORDING})
+KEPT: Final = frozenset({Purpose.RECOGNITION, Purpose.RECORDING})
+"""What a visitor consents to of whom something that is recognised may be kept."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,7 +93,12 @@ class VisitorRegistry:
     def may_keep(self, sender: str) -> bool:
         """Tell whether what is recognised of this sender may be kept; of one that states nothing it may, as ever."""
         visitor = self._named(sender)
-        return not sender or (visitor is not None and (not visitor.states_consent or visitor.consent.holds(_KEPT)))
+        return not sender or (visitor is not None and (not visitor.states_consent or visitor.consent.holds(KEPT)))
+
+    def states_consent(self, sender: str) -> bool:
+        """Tell whether what is kept of this sender rests on a consent that it has stated, and ends with that."""
+        visitor = self._named(sender)
+        return visitor is not None and visitor.states_consent
 
     def sink(self, client: Client, uplink: UplinkSink | VisitorUplink, kind: MediaKind) -> ConsentedSink:
         """Return the sink of a stream that an application is about to send.

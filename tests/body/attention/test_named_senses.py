@@ -3,7 +3,7 @@
 import asyncio
 import itertools
 import logging
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
@@ -387,6 +387,72 @@ async def test_a_face_is_kept_of_a_visitor_who_consents_to_that(room: Room) -> N
     assert room.visitors.may_keep(Sender(room.visitors, None, "bob").visitor.visitor_ref)
     assert room.visitors.may_keep("")
     assert not room.visitors.may_keep("urn:gone")
+
+
+def enrolment_of(room: Room) -> tuple[Enrolment, Callable[..., Awaitable[str]]]:
+    """Return the enrolment, and what enrols the face that a visitor's camera shows."""
+    (enrolment,) = (each for each in room.eyes.components if isinstance(each, Enrolment))
+    enrolment._patience = 30.0
+
+    async def enrol(name: str, ref: str, meanwhile: Callable[[], None] = lambda: None) -> str:
+        near = Sighting(room.clock.now(), (seen_person(likeness=np.zeros(4)),), ref)
+        enrolling = asyncio.ensure_future(enrolment.enrol(name))
+        await settle()
+        for _ in range(LOOKS):
+            room.eyes.watch.seen.notify_all(near)
+        meanwhile()
+        return await enrolling
+
+    return enrolment, enrol
+
+
+KEPT_WITH = frozenset({Purpose.LIVE, Purpose.RECOGNITION, Purpose.RECORDING})
+
+
+@pytest.mark.parametrize("lost", [Purpose.RECORDING, Purpose.RECOGNITION, None], ids=["recorded", "recognised", "left"])
+async def test_a_face_is_forgotten_when_the_consent_that_it_rests_on_ends(room: Room, lost: Purpose | None) -> None:
+    ann, bob = Sender(room.visitors), Sender(room.visitors, KEPT_WITH, "bob")
+    room.visitors.add_stream(
+        ann.client, "ann/camera", room.visitors.sink(ann.client, room.visitors.cameras, "video"), KEPT_WITH
+    )
+    ann_ref, bob_ref = ann.visitor.visitor_ref, bob.visitor.visitor_ref
+    enrolment, enrol = enrolment_of(room)
+    await enrol("Ann", ann_ref)
+    await enrol("Anna", ann_ref)
+    await enrol("Bob", bob_ref)
+    # This is another person of the name by now, from the body's own camera.
+    await enrol("Anna", "")
+    ann.consent(Purpose.RECOGNITION, Purpose.RECORDING)
+    assert await enrolment.enrolled() == ("Ann", "Anna", "Bob")
+    if lost is None:
+        room.visitors.forget_client(ann.client)
+    else:
+        ann.consent(*(purpose for purpose in KEPT_WITH if purpose is not lost))
+    assert await enrolment.enrolled() == ("Anna", "Bob")
+
+
+async def test_a_face_that_rests_on_no_statement_stays_when_one_is_made(room: Room) -> None:
+    ann = Sender(room.visitors)
+    room.visitors.add_stream(
+        ann.client, "ann/camera", room.visitors.sink(ann.client, room.visitors.cameras, "video"), None
+    )
+    unstated = Sender(room.visitors, None, "operator")
+    enrolment, enrol = enrolment_of(room)
+    await enrol("Ann", unstated.visitor.visitor_ref)
+    unstated.consent(Purpose.LIVE)
+    room.visitors.forget_client(unstated.client)
+    assert await enrolment.enrolled() == ("Ann",)
+
+
+async def test_no_face_is_kept_of_a_visitor_who_withdraws_while_it_is_enrolled(room: Room) -> None:
+    ann = Sender(room.visitors)
+    room.visitors.add_stream(
+        ann.client, "ann/camera", room.visitors.sink(ann.client, room.visitors.cameras, "video"), KEPT_WITH
+    )
+    enrolment, enrol = enrolment_of(room)
+    with pytest.raises(ComponentFailed, match="the visitor does not consent to be recorded"):
+        await enrol("Ann", ann.visitor.visitor_ref, lambda: ann.consent(Purpose.LIVE))
+    assert await enrolment.enrolled() == ()
 
 
 async def test_what_is_seen_names_whose_camera_it_is(room: Room) -> None:
