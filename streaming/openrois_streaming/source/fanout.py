@@ -6,6 +6,7 @@ from collections import deque
 from types import TracebackType
 from typing import Generic, Protocol, Self, TypeVar
 
+from openrois_streaming.source.ending import wait_until_ended
 from openrois_streaming.source.source import MediaSource
 
 T = TypeVar("T")
@@ -245,9 +246,11 @@ class Fanout(Generic[T]):
             self._run = None
         assert run.task is not None, "a run has a task from its first reader on"
         run.task.cancel()
-        _, late = await asyncio.wait({run.task}, timeout=self._close_timeout)
-        if late:
-            _log.error("%s: the source is not closed after %.1f s", self.name, self._close_timeout)
+        try:
+            await wait_until_ended(run.task, self._close_timeout)
+        finally:
+            if not run.task.done():
+                _log.error("%s: the source is not closed after %.1f s", self.name, self._close_timeout)
 
     async def _pull(self, run: SourceRun[T], earlier: set[asyncio.Task[None]]) -> None:
         try:

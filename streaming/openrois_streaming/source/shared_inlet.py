@@ -6,6 +6,7 @@ from collections.abc import AsyncGenerator, AsyncIterator
 from contextlib import aclosing, asynccontextmanager
 from typing import Generic, TypeVar
 
+from openrois_streaming.source.ending import wait_until_ended
 from openrois_streaming.source.fanout import Fanout, Mailbox, Subscription
 from openrois_streaming.source.source import MediaSource
 
@@ -86,7 +87,8 @@ async def _until(over: asyncio.Event, items: AsyncIterator[T]) -> AsyncGenerator
             finally:
                 if not following.done():
                     following.cancel()
-                    await asyncio.wait({following})
+                    # Also where the reader leaves meanwhile: items that are being read cannot be closed.
+                    await wait_until_ended(following)
             if following.cancelled():
                 return
             try:

@@ -206,6 +206,30 @@ async def test_a_source_that_does_not_close_is_not_waited_for_for_ever_and_never
     assert source.open_now == 0
 
 
+async def test_a_reader_that_is_cancelled_while_it_leaves_leaves_no_open_source() -> None:
+    source = _Stubborn()
+    fanout = Fanout(source, name="stubborn")
+
+    async def read() -> None:
+        async with fanout.subscribe() as reader:
+            while True:
+                await reader.get()
+
+    before = asyncio.all_tasks()
+    reading = asyncio.ensure_future(read())
+    await settle()
+    for _ in range(3):
+        reading.cancel()
+        await settle()
+    assert source.open_now == 1
+    assert not reading.done()
+    source.may_close.set()
+    with pytest.raises(asyncio.CancelledError):
+        await reading
+    assert source.open_now == 0
+    assert asyncio.all_tasks() == before
+
+
 async def test_failure_while_closing_is_not_the_cause_of_the_end() -> None:
     class Brittle(FedSource[int]):
         @asynccontextmanager

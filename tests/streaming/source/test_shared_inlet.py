@@ -1,5 +1,7 @@
 import asyncio
 import logging
+from collections.abc import AsyncGenerator, AsyncIterator
+from contextlib import aclosing, asynccontextmanager
 
 import pytest
 from openrois_streaming.source.shared_inlet import SharedInlet
@@ -89,4 +91,41 @@ async def test_a_reader_that_goes_while_nothing_comes_leaves_nothing_behind() ->
         await settle()
     await settle()
     assert source.opened == source.closed == 1
+    assert asyncio.all_tasks() == before
+
+
+class _SlowToEnd:
+    """A source whose reader ends only when it may, as one that waits in another task."""
+
+    def __init__(self) -> None:
+        self.may_end = asyncio.Event()
+        self.is_ending = asyncio.Event()
+
+    @asynccontextmanager
+    async def open(self) -> AsyncIterator[AsyncIterator[int]]:
+        async with aclosing(self._items()) as items:
+            yield items
+
+    async def _items(self) -> AsyncGenerator[int, None]:
+        try:
+            await asyncio.get_running_loop().create_future()
+            yield 0
+        finally:
+            self.is_ending.set()
+            await self.may_end.wait()
+
+
+async def test_a_reader_that_leaves_while_a_sender_is_being_unplugged_is_heard(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    inlet: SharedInlet[int] = SharedInlet("camera")
+    source, following = _SlowToEnd(), FedSource[int]()
+    inlet.plug("a", source)
+    before = asyncio.all_tasks()
+    async with inlet.subscribe():
+        await settle()
+        inlet.plug("b", following)
+        await source.is_ending.wait()
+        asyncio.get_running_loop().call_soon(source.may_end.set)
+    assert (following.opened, caplog.messages) == (0, [])
     assert asyncio.all_tasks() == before
