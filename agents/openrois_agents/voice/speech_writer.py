@@ -17,7 +17,7 @@ from openrois.aio.listeners import Listeners
 from openrois.aio.tasks import TaskScope
 from openrois.client import Aborted, ConnectionLost
 
-__all__ = ["MAX_WRITTEN", "SpeechWriter"]
+__all__ = ["MAX_WRITTEN", "Mark", "SpeechWriter"]
 
 MAX_WRITTEN: Final = 2.0
 """Seconds of sound that were written and wait to be sent; the body has a second more at most."""
@@ -27,6 +27,8 @@ _ANSWER: Final = 2.0
 """Seconds within which a body says what was heard of what it was told to silence."""
 _SAMPLE: Final = np.dtype("<i2").itemsize
 _CLEARED: Final = "the agent was interrupted before this was spoken"
+_ROUNDED: Final = 0.002
+"""Seconds by which what a body tells may be rounded."""
 _INTERRUPTED: Final = "the agent was interrupted, and the body did not say how much was heard"
 
 
@@ -43,6 +45,7 @@ class _Utterance:
         cut: why no more of it is spoken; empty while it is.
         is_given_up: whether its end is not waited for.
         is_over: whether its end was told of.
+        heard: seconds that were heard of it, once it is over.
     """
 
     sound: bytearray = field(default_factory=bytearray)
@@ -53,11 +56,24 @@ class _Utterance:
     cut: str = ""
     is_given_up: bool = False
     is_over: bool = False
+    heard: float = 0.0
 
     def cut_off(self, reason: str) -> None:
         """Speak no more of it."""
         self.cut = self.cut or reason
         self.sound.clear()
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A point of an utterance: so many seconds of it."""
+
+    utterance: _Utterance
+    seconds: float
+
+    def after(self, seconds: float) -> "Mark":
+        """Return the point so many seconds later."""
+        return Mark(self.utterance, self.seconds + seconds)
 
 
 class SpeechWriter:
@@ -146,10 +162,7 @@ class SpeechWriter:
         data = _bytes(sound)
         if not data:
             return
-        if self._writing is None:
-            self._writing, self._written = _Utterance(), 0
-            self._utterances.append(self._writing)
-        utterance = self._writing
+        utterance = self.mark().utterance
         for first in range(0, len(data), self._piece):
             piece = data[first : first + self._piece]
             await self._until_room(utterance, len(piece))
@@ -158,6 +171,13 @@ class SpeechWriter:
             utterance.sound += piece
             self._written += len(piece)
             self._news.notify()
+
+    def mark(self) -> Mark:
+        """Return the end of what was written of the present utterance; without one, one begins."""
+        if self._writing is None:
+            self._writing, self._written = _Utterance(), 0
+            self._utterances.append(self._writing)
+        return Mark(self._writing, self.written)
 
     def end_utterance(self) -> None:
         """End the present utterance: all of it was written. Without one nothing happens."""
@@ -176,17 +196,32 @@ class SpeechWriter:
             self._silencing = self._tasks.start(self._silence(tuple(self._utterances)))
         self._news.notify()
 
-    async def until_heard(self, seconds: float) -> None:
-        """Wait until so much of the present utterance was heard, or it is over. Without one there is no wait."""
-        if (utterance := self._writing) is None:
-            return
-        await self._news.until(lambda: utterance.is_over or utterance.number is not None)
+    async def until_heard(self, mark: Mark) -> bool:
+        """Wait until an utterance was heard up to a point, or is over; return whether it was heard so far."""
+        utterance = mark.utterance
+        await self._news.until(lambda: utterance.is_over or utterance.was_started)
         if not utterance.is_over:
-            await self._speaking.until_played(seconds)
+            await self._until_played(mark)
+        return utterance.was_started and (not utterance.is_over or utterance.heard >= mark.seconds - _ROUNDED)
+
+    async def until_ended(self, mark: Mark) -> None:
+        """Wait until the utterance of a point is over."""
+        await self._news.until(lambda: mark.utterance.is_over)
 
     async def until_over(self) -> None:
         """Wait until every utterance that was written is over."""
         await self._news.until(lambda: not self._utterances)
+
+    async def _until_played(self, mark: Mark) -> None:
+        # The body may never say how much it played, and the utterance is given up.
+        playing = asyncio.ensure_future(self._speaking.until_played(mark.seconds))
+        playing.add_done_callback(lambda _: self._news.notify())
+        try:
+            await self._news.until(
+                lambda: mark.utterance.is_over or (playing.done() and self._speaking.played >= mark.seconds)
+            )
+        finally:
+            playing.cancel()
 
     async def _until_room(self, utterance: _Utterance, size: int) -> None:
         await self._news.until(lambda: utterance.cut or self._has_room(utterance, size))
@@ -269,11 +304,12 @@ class SpeechWriter:
         if not utterance.was_started:
             utterance.was_started = True
             self.started.notify_all()
+            self._news.notify()
 
     def _tell_over(self, utterance: _Utterance, spoken: Spoken) -> None:
         self._utterances.popleft()
         utterance.cut_off(spoken.reason)
-        utterance.is_over = True
+        utterance.is_over, utterance.heard = True, spoken.seconds
         if spoken.seconds:
             self._tell_started(utterance)
         if spoken.interrupted and not utterance.was_cleared:

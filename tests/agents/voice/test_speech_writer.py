@@ -106,7 +106,7 @@ async def test_an_interruption_is_told_with_what_was_heard_and_the_next_utteranc
     async with speaking(url) as (_, media, writer, told), hearing(media) as ear:
         writing = asyncio.create_task(writer.write(sound(6.0)))
         await told.until(lambda: told.steps)
-        await writer.until_heard(0.5)
+        assert await writer.until_heard(writer.mark().after(0.5 - writer.written))
         writer.clear()
         await writing
         await ear.until_quiet()
@@ -135,7 +135,6 @@ async def test_what_was_not_begun_is_told_of_as_interrupted_without_having_start
         assert [each.interrupted for each in told.ends] == [True, True]
         assert told.ends[1].seconds == 0.0
         writer.clear()
-        await writer.until_heard(1.0)
 
 
 async def test_the_number_of_utterances_that_wait_is_bounded_too(url: str) -> None:
@@ -168,7 +167,7 @@ async def test_a_body_that_is_stopped_ends_the_utterance_while_the_agent_thinks_
         assert told.broken_off == [told.ends[0].reason]
         # All of this is of the utterance that was interrupted.
         await writer.write(sound(6.0))
-        await writer.until_heard(5.0)
+        assert not await writer.until_heard(writer.mark())
         writer.end_utterance()
         await writer.write(sound(0.1))
         writer.end_utterance()
@@ -211,3 +210,23 @@ async def test_other_sound_is_refused(url: str) -> None:
         with pytest.raises(ValueError, match="must be int16"):
             await writer.write(np.zeros((2, 2), np.int16))
         assert told.steps == []
+
+
+async def test_a_mark_is_heard_when_its_sound_was_and_never_when_that_was_silenced(url: str) -> None:
+    async with speaking(url) as (_, _, writer, told):
+        start = writer.mark()
+        assert start.seconds == 0.0
+        await writer.write(sound(1.5))
+        end = writer.mark()
+        assert (end.utterance, end.seconds) == (start.utterance, pytest.approx(1.5))
+        assert await writer.until_heard(start)
+        assert told.steps == ["started"]
+        assert await writer.until_heard(start.after(0.5))
+        assert 0.5 <= writer.position < 1.5
+        writer.clear()
+        assert not await writer.until_heard(end)
+        assert await writer.until_heard(start.after(told.ends[0].seconds))
+        await writer.until_ended(end)
+        silenced = writer.mark()
+        writer.clear()
+        assert not await writer.until_heard(silenced)
