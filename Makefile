@@ -35,7 +35,7 @@ robots: .venv/dev.stamp .venv-reachy/stamp
 	python3 -m venv .venv-reachy && PIP_BUILD_CONSTRAINT= .venv-reachy/bin/pip install -q --disable-pip-version-check -c $< reachy-mini && touch $@ || \
 	echo "SKIPPED the daemon of a Reachy Mini: it cannot be installed here; CONTRIBUTING.md says what it needs"
 # Frameworks of voice agents, hundreds of MB each, in environments of their own: at most 20 minutes. What cannot be installed is skipped, and said.
-FRAMEWORKS := livekit
+FRAMEWORKS := livekit pipecat
 agents: $(FRAMEWORKS:%=.venv-%/stamp)
 	@failed=0; $(foreach each,$(FRAMEWORKS),[ ! -e .venv-$(each)/stamp ] || .venv-$(each)/bin/python -m pytest --durations=10 -rs -m agents tests/agents/$(each) $(ARGS) || failed=1;) exit $$failed
 $(FRAMEWORKS:%=.venv-%/stamp): .venv-%/stamp: constraints-%.txt pyproject.toml

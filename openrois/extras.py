@@ -21,6 +21,7 @@ EXTRAS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "mcp": ("mcp", "mcp_types", "starlette", "uvicorn"),
         "streaming": _STREAMING,
         "livekit": (*_STREAMING, "livekit"),
+        "pipecat": (*_STREAMING, "pipecat"),
         "body": _BODY,
         "avatar": _AVATAR,
         "speech": (*_BODY, "aiohttp", "espeakng_loader"),

@@ -21,6 +21,7 @@ BROUGHT = {
     "ifaddr": "aioice",
     "livekit": "livekit-agents",
     "mcp_types": "mcp",
+    "pipecat": "pipecat-ai",
     "pylibsrtp": "aiortc",
     "starlette": "mcp",
     "uvicorn": "mcp",

@@ -26,7 +26,7 @@ __all__ = [
 ]
 
 _CONSTRAINTS: Final = ROOT / "constraints.txt"
-APART: Final = {"livekit": "livekit-agents"}
+APART: Final = {"livekit": "livekit-agents", "pipecat": "pipecat-ai"}
 """Extras with a list of versions of their own, `constraints-<extra>.txt`, and the distribution that each is for."""
 TEST_TOOLS: Final = ("pytest", "pytest-asyncio", "pytest-timeout", "hypothesis", "psutil")
 """What runs tests, beside the extra that they are for."""

@@ -214,11 +214,12 @@ class SpeechWriter:
 
     async def _until_played(self, mark: Mark) -> None:
         # The body may never say how much it played, and the utterance is given up.
-        playing = asyncio.ensure_future(self._speaking.until_played(mark.seconds))
+        seconds = mark.seconds - _ROUNDED
+        playing = asyncio.ensure_future(self._speaking.until_played(seconds))
         playing.add_done_callback(lambda _: self._news.notify())
         try:
             await self._news.until(
-                lambda: mark.utterance.is_over or (playing.done() and self._speaking.played >= mark.seconds)
+                lambda: mark.utterance.is_over or (playing.done() and self._speaking.played >= seconds)
             )
         finally:
             playing.cancel()

@@ -14,6 +14,7 @@ PURPOSES: Final = {
     "mcp": "no bodies as tools for agents",
     "streaming": "no streams",
     "livekit": "no body for LiveKit Agents, which has an environment of its own",
+    "pipecat": "no body for Pipecat, likewise",
     "body": "no senses, voice or motion",
     "avatar": "no avatar",
     "speech": "no voice",

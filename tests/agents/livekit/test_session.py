@@ -1,9 +1,8 @@
 """A session of LiveKit Agents in a real avatar: its own library, a real gateway, and no service of any cloud."""
 
 import asyncio
-import time
 from collections.abc import AsyncIterator, Callable
-from contextlib import AsyncExitStack, asynccontextmanager
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,15 +17,10 @@ from openrois_media import Media
 from openrois_media.client.stream import News
 
 from openrois.client import Client
-from openrois.gateway.server import run_gateway
-from openrois.gateway.settings import GatewaySettings
-from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.types.codes import Purpose
-from tests.support.deployment import until as until_there
+from tests.support.agent_house import house, token
 from tests.support.livekit_plugins import Beeps, Pitches, Rules
 from tests.support.loopback import PATIENCE
-from tests.support.operated import noting_avatar
-from tests.support.tokens import issue, key_file
 from tests.support.voice_agents import Ear, Mouth, hearing, tone
 
 pytestmark = [pytest.mark.agents, pytest.mark.media]
@@ -39,38 +33,6 @@ STORY_PITCH, QUIET_PITCH = 300, 700
 PER_WORD = 0.3
 QUIET = pytest.approx(3 * PER_WORD, abs=0.05)
 """Seconds of the short answer; resampling adds a little silence."""
-
-
-def token(subject: str, **claims: object) -> str:
-    return issue(time.time(), sub=subject, **{"scope": ["avatar/*"], **claims})
-
-
-class House:
-    """A gateway with an avatar that can be lost.
-
-    Attributes:
-        url: where applications connect.
-    """
-
-    def __init__(self, url: str, avatar: AsyncExitStack) -> None:
-        self.url = url
-        self._avatar = avatar
-
-    async def lose_avatar(self) -> None:
-        await self._avatar.aclose()
-
-
-@asynccontextmanager
-async def house(folder: Path, *, with_tokens: bool = False) -> AsyncIterator[House]:
-    keys = (key_file(folder),) if with_tokens else ()
-    credentials = NO_CREDENTIALS
-    if with_tokens:
-        credentials = Credentials(token("avatar", roles=["adapter"]))
-    async with run_gateway(GatewaySettings(port=0, auth_keys=keys)) as gateway, AsyncExitStack() as avatar:
-        url = gateway.url.replace("http", "ws", 1)
-        await avatar.enter_async_context(noting_avatar(folder, f"{url}adapter", credentials))
-        await until_there(gateway.engine, lambda ids: "avatar" in ids)
-        yield House(url, avatar)
 
 
 class Told:
