@@ -8,6 +8,7 @@ from functools import partial
 from typing import Final
 
 from openrois_body.body import Body
+from openrois_body.components.dialogue import Dialogue
 from openrois_body.components.follow import Follow
 from openrois_body.components.gaze import Gaze
 from openrois_body.components.move import Move
@@ -286,6 +287,7 @@ async def _engine_scene(
         figure = Figure(legs, world, Ways(world), status)
         components = (
             SpeechSynthesis(voice),
+            Dialogue(),
             SpeechStream(speech_control),
             Reaction(body, reactions, status),
             Gaze(body, status),

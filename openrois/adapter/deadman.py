@@ -112,8 +112,11 @@ class DeadMan:
         held = component_ref in self._holders or component.profile.function is not ComponentFunction.ACTUATION
         return self._heartbeat.is_alive and not held
 
-    def take_holder(self, notice: HolderNotification, client: Client) -> None:
-        """Note the holder of a component: what moves for another application stops."""
+    def take_holder(self, notice: HolderNotification, client: Client) -> bool:
+        """Note the holder of a component: what moves for another application stops.
+
+        Returns whether an application held the component and does not any more.
+        """
         held = self._holders.get(notice.component_ref)
         if notice.holds:
             self._holders[notice.component_ref] = client, notice.epoch
@@ -122,12 +125,15 @@ class DeadMan:
         elif held is not None and held[0] is client:
             del self._holders[notice.component_ref]
             self._trip_component(notice.component_ref, "no application has control any more")
+        return held is not None and self._holders.get(notice.component_ref, (None, 0))[0] is not held[0]
 
-    def forget_client(self, client: Client) -> None:
-        """Stop what moves for an application that is gone."""
-        for component_ref in [ref for ref, (holder, _) in self._holders.items() if holder is client]:
+    def forget_client(self, client: Client) -> list[str]:
+        """Stop what moves for an application that is gone; returns the refs of the components that it held."""
+        lost = [ref for ref, (holder, _) in self._holders.items() if holder is client]
+        for component_ref in lost:
             del self._holders[component_ref]
             self._trip_component(component_ref, "the application that had control is gone")
+        return lost
 
     def _trip_component(self, component_ref: str, reason: str) -> None:
         self._trip((moving for moving in self._moving if moving.component_ref == component_ref), reason)
@@ -182,14 +188,18 @@ class DeadMan:
 class HolderExtension:
     """The extension of an engine that passes the holders of components to the dead man's switch; an `Extension`.
 
+    A component that its holder has lost is notified, too.
+
     Args:
         deadman: gets the holders.
         inner: answers the streaming and signaling methods, where the engine has streams.
+        components: of the engine, by their refs.
     """
 
-    def __init__(self, deadman: DeadMan, inner: Extension | None) -> None:
+    def __init__(self, deadman: DeadMan, inner: Extension | None, components: Mapping[str, Component]) -> None:
         self._deadman = deadman
         self._inner = inner
+        self._components = components
 
     def engines(self) -> frozenset[str]:
         """Return the ids of the engines that have streams."""
@@ -208,12 +218,19 @@ class HolderExtension:
 
     async def set_holder(self, notification: HolderNotification, client: Client) -> None:
         """Note the holder of a component, and pass it on."""
-        self._deadman.take_holder(notification, client)
+        if self._deadman.take_holder(notification, client):
+            self._note_lost(notification.component_ref)
         if self._inner is not None:
             await self._inner.set_holder(notification, client)
 
     async def forget_client(self, client: Client) -> None:
         """Stop what moves for the application, and pass the call on."""
-        self._deadman.forget_client(client)
+        for component_ref in self._deadman.forget_client(client):
+            self._note_lost(component_ref)
         if self._inner is not None:
             await self._inner.forget_client(client)
+
+    def _note_lost(self, component_ref: str) -> None:
+        component = self._components.get(component_ref)
+        if component is not None:
+            component.holder_lost()

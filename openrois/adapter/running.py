@@ -24,6 +24,7 @@ from openrois.observability.logs import set_up_logging
 from openrois.session.session import EngineHost
 from openrois.transport.address import adapter_urls
 from openrois.transport.credentials import Credentials
+from openrois.types.references import reference
 
 __all__ = ["GATEWAY", "GATEWAY_VARIABLE", "hosted", "run", "serve"]
 
@@ -60,7 +61,8 @@ async def hosted(
     async with connected(components), TaskScope() as tasks:
         heartbeat = Heartbeat()
         deadman = DeadMan(heartbeat, tasks)
-        registry.guard, registry.extension = deadman.guard, HolderExtension(deadman, extension)
+        by_ref = {reference(engine_id, each.name): each for each in components}
+        registry.guard, registry.extension = deadman.guard, HolderExtension(deadman, extension, by_ref)
         yield EngineHost(engine, tasks, heartbeat=heartbeat)
 
 

@@ -167,6 +167,12 @@ class Component:
     def subscribers_changed(self, event_type: str, number: int) -> None:
         """Note how many subscribe to an event now: without subscribers it needs no work. Must not block or raise."""
 
+    def holder_lost(self) -> None:
+        """Take back what holds for one application: the one that held the component does not any more.
+
+        It has released or lent it, or is gone; also where another application holds it by now. Must not block or raise.
+        """
+
     # The following is for a registry and an adapter.
 
     @property

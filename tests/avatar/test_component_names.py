@@ -13,6 +13,7 @@ from openrois.catalog.basic import BASIC_COMPONENTS
 from tests.support.packages import ROOT, tracked
 
 OURS = {
+    "Dialogue": "dialogue",
     "Enrolment": "enrolment",
     "Gaze": "gaze",
     "Hearing": "hearing",

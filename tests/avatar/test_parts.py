@@ -18,6 +18,7 @@ from tests.support.authorization import Place, principal
 PARTS = {
     "speech_synthesizer": "voice",
     "speech_stream": "voice",
+    "dialogue": "voice",
     "speech_progress": "voice",
     "gaze": "gaze",
     "reaction": "gesture",

@@ -4,6 +4,7 @@ from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 
+from openrois_body.components.dialogue import Dialogue
 from openrois_media import NetworkSettings
 from openrois_media.streams import AdapterStreams
 from openrois_streaming.clock import MediaClock
@@ -65,6 +66,7 @@ async def linked_reachy(engine_id: str, settings: ReachySettings, clock: MediaCl
             Reaction(state, motion),
             Move(state, motion, settings.motion),
             SpeechSynthesis(voice, state),
+            Dialogue(),
         )
         report_losses(state.link, acting)
         components = (

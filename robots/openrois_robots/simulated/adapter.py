@@ -8,6 +8,7 @@ from typing import Final
 
 from openrois_body.body import Body
 from openrois_body.camera_senses import camera_senses
+from openrois_body.components.dialogue import Dialogue
 from openrois_body.components.follow import Follow
 from openrois_body.components.gaze import Gaze
 from openrois_body.components.move import Move
@@ -161,6 +162,7 @@ async def simulated_robot(
             *moving,
             Gaze(body, status),
             SpeechSynthesis(voice),
+            Dialogue(),
             SpeechStream(speech_control),
             Surroundings(world, clock, status),
             Dock(simulation),

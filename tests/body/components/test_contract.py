@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from openrois_avatar.components.viewpoint import Viewpoint
 from openrois_body.body import Body
+from openrois_body.components.dialogue import Dialogue
 from openrois_body.components.gaze import Gaze
 from openrois_body.components.operator import Operator
 from openrois_body.components.reaction import Reaction, reaction_ref
@@ -97,6 +98,11 @@ class TestSpeechProgress(ComponentContract):
     async def component(self) -> Component:
         voice = Voice(ScriptedSynthesizer(), BodySound(VirtualClock()), Body(lambda _command: None))
         return SpeechProgress(voice, Attention())
+
+
+class TestDialogue(ComponentContract):
+    async def component(self) -> Component:
+        return Dialogue()
 
 
 class TestSpeechStream(ComponentContract):

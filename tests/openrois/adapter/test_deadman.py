@@ -252,7 +252,7 @@ async def test_it_moves_only_for_its_holder(robot: Robot) -> None:
 
 async def test_the_extension_below_hears_the_same(robot: Robot) -> None:
     streams = FakeStreams()
-    both, none = HolderExtension(robot.deadman, streams), HolderExtension(robot.deadman, None)
+    both, none = HolderExtension(robot.deadman, streams, {}), HolderExtension(robot.deadman, None, {})
     ann = client("ann")
     holds = HolderNotification(component_ref=ROVER, holds=True, epoch=1)
     assert (both.engines(), none.engines()) == (streams.engines(), frozenset())

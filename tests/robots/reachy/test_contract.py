@@ -54,6 +54,10 @@ class TestSpeechSynthesis(_OfTheRobot):
     parameters: Mapping[str, str] = {"speech_text": "Hello"}
 
 
+class TestDialogue(_OfTheRobot):
+    __test__, name = True, "dialogue"
+
+
 class TestSoundLocalization(_OfTheRobot):
     __test__, name = True, "sound_localizer"
     parameters: Mapping[str, str] = {"detection_threshold": "50", "minimum_interval": "100"}

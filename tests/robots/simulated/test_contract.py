@@ -69,6 +69,10 @@ class TestSpeechStream(_OfTheRobot):
     __test__, name = True, "speech_stream"
 
 
+class TestDialogue(_OfTheRobot):
+    __test__, name = True, "dialogue"
+
+
 class TestSurroundings(_OfTheRobot):
     __test__, name = True, "surroundings"
 
