@@ -11,6 +11,7 @@ import { Banner } from "./panels/banner.ts";
 import { BodyControl } from "./model/body_control.ts";
 import { Captions } from "./panels/captions.ts";
 import { Control } from "./panels/control.ts";
+import { DialogueCard } from "./panels/dialogue.ts";
 import { FiguresPanel } from "./panels/figures.ts";
 import { installFullscreen, toggleFullscreen } from "./panels/fullscreen.ts";
 import { Handover } from "./panels/handover.ts";
@@ -24,6 +25,7 @@ import { OtherBodies } from "./panels/other_bodies.ts";
 import { Overlay } from "./panels/overlay.ts";
 import { PartsPanel } from "./panels/parts.ts";
 import { AWAY, WATCHING } from "./model/permission.ts";
+import { amid } from "./model/plain_words.ts";
 import { Reactions } from "./panels/reactions.ts";
 import { Readings } from "./model/readings.ts";
 import { SayLine } from "./panels/say.ts";
@@ -110,6 +112,15 @@ operator.onChange = () => {
   const words = needsControl() ? operator.sending : "";
   handover.held = words && `${words}: you have control`;
 };
+const dialogue = new DialogueCard(client, {
+  microphone: () => operator.microphone,
+  microphoneBarred: () => operator.microphoneBarred,
+  visitorRef: () => operator.visitorRef,
+  missing: (purposes) => operator.missing(purposes),
+  consentTo: (purposes) => operator.consentTo(purposes),
+  speaker,
+});
+operator.onConsent = () => dialogue.render();
 new MessageLog(client);
 
 let shown: PageBody | null = null;
@@ -171,6 +182,7 @@ function bodyChanged(): void {
   reactions.setComponent(present?.reaction ?? null);
   map.setBody(present);
   control.setComponent(present?.teleoperation ?? null);
+  dialogue.setBody(present);
   body.ranked = say.ranked = token.ranks;
   body.setComponents(present && movingParts(present), present?.speech ? [present.speech] : []);
   const all = client.state.name === "connected" ? (directory.bodies ?? []) : [];
@@ -182,10 +194,21 @@ function bodyChanged(): void {
   controlChanged();
   if (present) {
     void readClock(present);
-    void operator.watch(present).then((streams) => Object.assign(window.openrois, streams));
+    void operator.watch(present).then((streams) => {
+      Object.assign(window.openrois, streams);
+      streams.microphone?.on("change", () => dialogue.render());
+      dialogue.render();
+    });
   }
   views.update(directory.listing, client.state.name === "connected");
   render();
+}
+
+/** Names the one that speaks through the body now: this page, the holder of its voice, or the body itself. */
+function speaker(): string {
+  const name = shown?.engineId ?? "";
+  const holder = say.speaking ? "you" : amid(body.holderOf(shown?.speech ?? null));
+  return holder === "" ? name : `${name}, by ${holder}`;
 }
 
 function actingBody(one: PageBody): ActingBody {

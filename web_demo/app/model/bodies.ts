@@ -29,6 +29,7 @@ const TYPES = {
   move: "Move",
   follow: "Follow",
   progress: "SpeechProgress",
+  dialogue: "Dialogue",
   sight: "Sight",
   enrolment: "Enrolment",
   hearing: "Hearing",

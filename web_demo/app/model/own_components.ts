@@ -57,6 +57,9 @@ export interface SpeechBegan {
 export interface SpeechEnded {
   readonly speech_id: string;
   readonly status: CompletedStatus;
+  /** The last word that was begun, and where it stands in the text; none where no word was heard. */
+  readonly word?: string;
+  readonly position?: number;
 }
 
 /** Progress of speech, word by word. */
@@ -74,12 +77,42 @@ export class SpeechProgress extends RoISCommon<{ readonly barge_in?: boolean }> 
     position: "int",
     length: "int",
   });
-  readonly speechEnded = this.event<SpeechEnded>("speech_ended", { speech_id: "string", status: "string" });
+  readonly speechEnded = this.event<SpeechEnded>("speech_ended", {
+    speech_id: "string",
+    status: "string",
+    word: "string?",
+    position: "int?",
+  });
 
   /** Where texts are sent to be spoken, as `https://host`; empty where they stay with the body. */
   synthesizer(): Promise<{ readonly sent_to: string }> {
     return this.query<{ readonly sent_to: string }>("synthesizer", { sent_to: "string" });
   }
+}
+
+/** How the application that holds the voice converses. */
+export interface Conversing {
+  /** Where it sends words that it hears, as `https://host`; empty where they stay. */
+  readonly sent_to: string;
+  /** Examples. */
+  readonly can_be_said: readonly string[];
+  /** Begins each sentence to the body; empty: push to talk. */
+  readonly wake_word: string;
+}
+
+/** What is said of the application that holds the voice, by itself. */
+export class Dialogue extends RoISCommon<Partial<Conversing>> {
+  static readonly componentType = `${URN}Dialogue`;
+  protected override readonly parameterTypes = {
+    sent_to: "string",
+    can_be_said: "string[]",
+    wake_word: "string",
+  };
+  readonly changed = this.event<Conversing>("changed", {
+    sent_to: "string",
+    can_be_said: "string[]",
+    wake_word: "string",
+  });
 }
 
 /** Persons in a picture of the camera, as parallel lists. */

@@ -19,6 +19,14 @@ export function sentToWords(recognizer: Recognizer | null, agrees: boolean): str
     : `Nothing is written down: what you say would be sent to ${recognizer.sent_to}, and you have not agreed to that.`;
 }
 
+/** Returns a sentence for the person who speaks to a program that answers; nothing where words stay on its machine. */
+export function wordsSentToWords(sentTo: string, agrees: boolean): string {
+  if (sentTo === "") return "";
+  return agrees
+    ? `To be answered, what you say is sent to ${sentTo}.`
+    : `To be answered, what you say would be sent to ${sentTo}, and you have not agreed to that.`;
+}
+
 /** Returns a sentence for the person who types a text; nothing where it stays with the body. */
 export function textsSentToWords(sentTo: string): string {
   return sentTo === "" ? "" : `To be spoken, texts are sent to ${sentTo}.`;

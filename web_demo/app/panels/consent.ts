@@ -48,6 +48,15 @@ export class ConsentPanel {
     this.#render();
   }
 
+  /** Consents to more, as the boxes then show. */
+  add(purposes: readonly Purpose[]): void {
+    for (const purpose of purposes) {
+      const box = this.#boxes.get(purpose);
+      if (box) box.checked = true;
+    }
+    this.#render();
+  }
+
   /** All that is consented to. */
   get purposes(): Purpose[] {
     return [...this.#boxes].filter(([, box]) => box.checked).map(([purpose]) => purpose);

@@ -96,6 +96,11 @@ export class DeviceControl {
     this.#render();
   }
 
+  /** Whether it is on, or about to be. */
+  get isOn(): boolean {
+    return this.#asking || this.#stream?.captured != null;
+  }
+
   async toggle(): Promise<void> {
     const stream = this.#stream;
     if (!stream) return;

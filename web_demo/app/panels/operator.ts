@@ -1,6 +1,6 @@
 /** Card of the operator: microphone and camera on their way to the avatar, and what arrives there. */
 
-import type { Client } from "../../sdk/index.ts";
+import type { Client, Purpose } from "../../sdk/index.ts";
 import type { LocalStream, MediaReceiver } from "../../sdk/media/index.ts";
 import type { PageBody } from "../model/bodies.ts";
 import type { GiveBack } from "../model/body_control.ts";
@@ -33,6 +33,8 @@ export class OperatorCard {
   readonly #accepting = new Set<string>();
   /** Is called when a device is switched on or off. */
   onChange: () => void = () => undefined;
+  /** Is called when something else is consented to, or can be sent. */
+  onConsent: () => void = () => undefined;
   readonly #on = { audio: false, video: false };
 
   /** @param take takes control, which is held while a device is on */
@@ -135,8 +137,36 @@ export class OperatorCard {
   }
 
   #bar(): void {
+    this.#microphone.barred = this.#camera.barred = this.microphoneBarred;
+    this.onConsent();
+  }
+
+  /** The microphone, for what switches it beside its button; null where the body takes no sound. */
+  get microphone(): { readonly control: DeviceControl; readonly stream: LocalStream } | null {
+    const stream = this.#streams.find(({ kind }) => kind === "audio");
+    return stream ? { control: this.#microphone, stream } : null;
+  }
+
+  /** Why the microphone cannot be switched on; empty where it can. */
+  get microphoneBarred(): string {
     const chosen = !this.#asksConsent || this.#consent.purposes.length > 0;
-    this.#microphone.barred = this.#camera.barred = this.#barred || (chosen ? "" : NOTHING_CHOSEN);
+    return this.#barred || (chosen ? "" : NOTHING_CHOSEN);
+  }
+
+  /** The visitor that this page is; empty while that is not known. */
+  get visitorRef(): string {
+    return this.#hearing.visitorRef;
+  }
+
+  /** The purposes that are not consented to, of these. */
+  missing(purposes: readonly Purpose[]): Purpose[] {
+    return this.#asksConsent ? purposes.filter((each) => !this.#consent.purposes.includes(each)) : [];
+  }
+
+  /** Consents to more. */
+  consentTo(purposes: readonly Purpose[]): void {
+    this.#consent.add(purposes);
+    this.#stateConsent();
   }
 
   toggleMicrophone(): void {

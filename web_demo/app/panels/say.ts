@@ -114,12 +114,13 @@ export class SayLine {
   stop(): void {
     this.#queue.clear();
     this.#renderQueue();
-    if (!this.#speech || !this.#speaking) return;
+    if (!this.#speech || !this.speaking) return;
     this.#stopping.abort();
     if (this.#speech.inUse) this.#onCut(this.#speech.stop().catch(() => undefined));
   }
 
-  get #speaking(): boolean {
+  /** Whether this page speaks through the body. */
+  get speaking(): boolean {
     const state = this.#state.dataset["state"];
     return state === "speaking" || state === "paused";
   }
@@ -135,7 +136,7 @@ export class SayLine {
       return;
     }
     // It may have come to its end meanwhile.
-    if (performance !== this.#performance || !this.#speaking) return;
+    if (performance !== this.#performance || !this.speaking) return;
     if (paused) this.#show("speaking", "speaking");
     else this.#show("paused", "paused");
   }
@@ -283,7 +284,7 @@ export class SayLine {
 
   #show(state: State, text: string): void {
     this.#state.dataset["state"] = state;
-    this.#stateText.show(sentence(text), state !== "unavailable" && !this.#speaking);
+    this.#stateText.show(sentence(text), state !== "unavailable" && !this.speaking);
     this.#render();
   }
 
@@ -291,7 +292,7 @@ export class SayLine {
     const disabled = !this.#usable || this.#barred !== "";
     this.#input.disabled = this.#language.disabled = this.#send.disabled = disabled;
     const paused = this.#state.dataset["state"] === "paused";
-    this.#stop.disabled = this.#pause.disabled = !this.#usable || !this.#speaking;
+    this.#stop.disabled = this.#pause.disabled = !this.#usable || !this.speaking;
     this.#pause.setAttribute("aria-label", paused ? "Go on" : "Pause");
     this.#pause.title = paused ? "Go on" : "Pause";
     this.#pause.classList.toggle("paused", paused);

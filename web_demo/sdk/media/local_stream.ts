@@ -16,6 +16,7 @@ export class LocalStream extends ControlledStream {
   readonly #operations: StreamOperations;
   #visitorRef = "";
   /** Whether the engine has suspended it. */
+  #muted = false;
   #held = false;
 
   constructor(
@@ -29,6 +30,16 @@ export class LocalStream extends ControlledStream {
     this.#capture = capture;
     this.place.onAttached = (attachment) => void this.#send(attachment);
     capture.onChange(() => this.#follow());
+  }
+
+  /** Whether silence or a black picture is sent instead; the stream itself stays. */
+  get muted(): boolean {
+    return this.#muted;
+  }
+
+  set muted(muted: boolean) {
+    this.#muted = muted;
+    this.#follow();
   }
 
   /** The captured track, for a preview and a level; null while the device is not in use. */
@@ -134,7 +145,7 @@ export class LocalStream extends ControlledStream {
 
   #follow(): void {
     const { track } = this.#capture;
-    if (track) track.enabled = this.desire !== "suspended";
+    if (track) track.enabled = this.desire !== "suspended" && !this.#muted;
     for (const attachment of [this.place.current, this.place.next]) {
       if (attachment) void this.#send(attachment);
     }

@@ -225,6 +225,7 @@ describe("findBodies", () => {
       move: null,
       follow: null,
       progress: null,
+      dialogue: null,
       sight: null,
       enrolment: null,
       hearing: null,

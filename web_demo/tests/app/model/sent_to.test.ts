@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { sentToWords, textsSentToWords } from "../../../app/model/sent_to.ts";
+import { sentToWords, textsSentToWords, wordsSentToWords } from "../../../app/model/sent_to.ts";
 
 it("says where the sound goes", () => {
   const words = sentToWords({ sent_to: "https://ears.example", allowed: true }, true);
@@ -28,4 +28,12 @@ it("says where texts go", () => {
     "To be spoken, texts are sent to https://voice.example.",
   );
   expect(textsSentToWords("")).toBe("");
+});
+
+it("says where words go to be answered, and that they do not without consent", () => {
+  expect(wordsSentToWords("https://model.example", true)).toBe(
+    "To be answered, what you say is sent to https://model.example.",
+  );
+  expect(wordsSentToWords("https://model.example", false)).toContain("you have not agreed");
+  expect(wordsSentToWords("", false)).toBe("");
 });
