@@ -26,7 +26,7 @@ export class Talking {
 
   /**
    * @param microphone returns it; null where the body takes none
-   * @param onChange is called when it is held or let go
+   * @param onChange is called when it is held, let go, or over
    */
   constructor(microphone: () => Microphone | null, onChange: () => void) {
     this.#microphone = microphone;
@@ -35,6 +35,11 @@ export class Talking {
 
   get held(): boolean {
     return this.#held;
+  }
+
+  /** Whether it is held, or what was said while it was is on its way. */
+  get talks(): boolean {
+    return this.#held || this.#begun !== null;
   }
 
   press(): void {
@@ -64,7 +69,7 @@ export class Talking {
 
   /** Switches off at once what the button has switched on. */
   end(): void {
-    const was = this.#held;
+    const talked = this.talks;
     this.#held = false;
     clearTimeout(this.#ending);
     const begun = this.#begun;
@@ -75,6 +80,6 @@ export class Talking {
         if (this.#begun === null) begun.stream.muted = false;
       });
     }
-    if (was) this.#onChange();
+    if (talked) this.#onChange();
   }
 }

@@ -97,7 +97,7 @@ export class DialogueCard {
     const converses = sent_to !== "" || can_be_said.length > 0 || wake_word !== "";
     const microphone = this.#parts.microphone();
     // Sound is recognised for those who ask for words: of a program that converses that is so anyway.
-    this.#heard.wanted = converses || this.#talking.held;
+    this.#heard.wanted = converses || this.#talking.talks;
     const missing = converses && microphone !== null ? this.#missing : [];
     const leaves = wordsSentToWords(sent_to, missing.length === 0);
     setText(this.#sentTo, leaves);

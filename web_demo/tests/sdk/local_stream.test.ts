@@ -304,4 +304,15 @@ describe("recovery", () => {
     await receiver.close();
     expect(fake.last.stopped).toBe(true);
   });
+
+  it("sends silence while it is muted, whatever becomes of the stream", async () => {
+    await sending();
+    microphone.muted = true;
+    expect(microphone.captured?.enabled).toBe(false);
+    status("STREAMING_RUNNING");
+    await pass(1);
+    expect([microphone.captured?.enabled, microphone.desire]).toEqual([false, "running"]);
+    microphone.muted = false;
+    expect(microphone.captured?.enabled).toBe(true);
+  });
 });

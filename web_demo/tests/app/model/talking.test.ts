@@ -30,7 +30,7 @@ it("sends sound while it is held, then silence, then nothing", async () => {
   expect([control.isOn, stream.muted]).toEqual([true, true]);
   await vi.advanceTimersByTimeAsync(AFTER);
   expect([control.isOn, stream.muted]).toEqual([false, false]);
-  expect(changes).toEqual([true, false]);
+  expect(changes).toEqual([true, false, false]);
 });
 
 it("goes on where it is pressed again in time", async () => {

@@ -60,3 +60,10 @@ it("says what is chosen, shows it while something is sent, and withdraws it in o
   live.dispatchEvent(new Event("change"));
   expect(strip?.hidden).toBe(true);
 });
+
+it("consents to more where that is asked for", () => {
+  const { panel, elements } = made();
+  panel.add(["agent", "transfer"]);
+  expect(panel.purposes).toEqual(["live", "recognition", "agent", "transfer"]);
+  expect(named(elements, "consent-transfer").checked).toBe(true);
+});
