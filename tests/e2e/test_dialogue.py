@@ -1,4 +1,4 @@
-"""A person talks with a program through a body: the page says where words go, sends them while a button is held, and shows both."""
+"""A person talks with a program through a body: the page says where words go, and shows what was said and heard."""
 
 from collections.abc import AsyncIterator
 from typing import Final
@@ -64,7 +64,7 @@ async def test_a_person_agrees_talks_while_holding_the_button_and_reads_what_was
     assert await guest.read("openrois.microphone.captured.enabled") is False
     await guest.until("openrois.microphone.captured === null")
 
-    speech = mind.client.component(SpeechSynthesis, "avatar/speech_synthesizer")
+    speech = SpeechSynthesis(mind.client, "avatar/speech_synthesizer")
     async with speech.bound():
         await speech.set_parameter(speech_text="I go there.")
         await speech.start()

@@ -1,7 +1,7 @@
 /** Card of the dialogue: what was said and heard, what can be said, where words go, and a button to talk. */
 
 import type { Client, Purpose, Subscription } from "../../sdk/index.ts";
-import { byTestId, make, setText } from "../dom/elements.ts";
+import { byRole, byTestId, make, setText } from "../dom/elements.ts";
 import type { PageBody } from "../model/bodies.ts";
 import { DialogueLines, visitorName } from "../model/dialogue.ts";
 import type { DialogueLine } from "../model/dialogue.ts";
@@ -35,7 +35,8 @@ export class DialogueCard {
   readonly #client: Client;
   readonly #parts: DialogueParts;
   readonly #card = byTestId("dialogue", HTMLElement);
-  readonly #list = byTestId("dialogue-lines", HTMLElement);
+  readonly #log = byTestId("dialogue-lines", HTMLElement);
+  readonly #list = byRole("dialogue-list", HTMLElement);
   readonly #sentTo = byTestId("dialogue-sent-to", HTMLElement);
   readonly #agree = byTestId("dialogue-agree", HTMLElement);
   readonly #agreeWords = byTestId("dialogue-agree-words", HTMLElement);
@@ -136,7 +137,7 @@ export class DialogueCard {
     const lines = this.#lines.all;
     if (lines === this.#shown) return;
     this.#shown = lines;
-    const { scrollHeight, scrollTop, clientHeight } = this.#list;
+    const { scrollHeight, scrollTop, clientHeight } = this.#log;
     const follows = scrollHeight - scrollTop - clientHeight < NEAR_END;
     // Lines that stay are left alone, so that screen readers read only what is new.
     for (const [line, element] of this.#rows) {
@@ -150,7 +151,7 @@ export class DialogueCard {
       this.#rows.set(line, element);
       this.#list.insertBefore(element, this.#list.children[index] ?? null);
     });
-    if (follows) this.#list.scrollTop = this.#list.scrollHeight;
+    if (follows) this.#log.scrollTop = this.#log.scrollHeight;
   }
 
   #follow(hearing: string | null, progress: string | null, dialogue: string | null): void {
