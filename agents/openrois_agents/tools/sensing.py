@@ -17,7 +17,7 @@ from openrois_agents.tools.picture import take_picture
 from openrois_agents.tools.running import Progress
 from openrois_agents.tools.session import Session
 from openrois_agents.tools.untrusted import PICTURE_WARNING, marked, plain_text
-from openrois_agents.tools.vocabulary import places_of
+from openrois_agents.tools.vocabulary import persons_of, places_of
 
 __all__ = ["ask_visitor", "listen", "look", "wait_for_event", "where_is"]
 
@@ -41,19 +41,13 @@ async def look(session: Session, given: Look, progress: Progress) -> Answer:
 
 
 async def where_is(session: Session, given: Where, _progress: Progress) -> Answer:
-    """Return where a body is, and the places that it knows; these also where the position is not to be had."""
+    """Return where a body is, and the places and persons that it knows."""
     info = await session.body_info(given.body)
     client = await session.link.client()
     data: dict[str, Any] = {"body": info.engine_id}
     data["places"] = dict(await places_of(client, info))
-    for component_ref in info.refs(SYSTEM_INFORMATION)[:1]:
-        try:
-            data["position"] = plain_text(await client.component(component_ref).query("robot_position"))
-        except (RoISError, RpcError, TimeoutError) as error:
-            if not data["places"]:
-                raise
-            _, data["no_position"] = failure("where", error)
-    if "position" not in data and not data["places"]:
+    data["persons"] = dict(await persons_of(client, info))
+    if "position" not in data and not data["places"] and not data["persons"]:
         raise Unsupported(f"{info.engine_id} does not know where it is")
     return Answer(marked(data), data)
 

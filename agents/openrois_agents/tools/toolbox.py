@@ -78,7 +78,9 @@ TOOLS: Final[Mapping[str, Tool]] = MappingProxyType(
         ),
         "look_at": Tool("Turn the eyes of the body.", LookAt, acting.look_at),
         "look": Tool("See what the body's camera sees now.", Look, sensing.look, True, _BODY),
-        "where": Tool("Tell where the body is, and the places that it knows.", Where, sensing.where_is, True, _BODY),
+        "where": Tool(
+            "Tell where the body is, and the places and persons that it knows.", Where, sensing.where_is, True, _BODY
+        ),
         "listen": Tool("Wait for what a visitor says.", Listen, sensing.listen, True, _BODY),
         "ask_visitor": Tool("Say a question, and wait for what a visitor answers.", AskVisitor, sensing.ask_visitor),
         "wait_for_event": Tool(

@@ -10,7 +10,7 @@ from openrois.client import BodyInfo, Client, ConnectionLost, RoISError, RpcErro
 from openrois.types.profiles import component_urn
 from openrois_agents.tools.names import by_name, is_plain
 
-__all__ = ["Vocabulary", "VocabularyReader", "gestures_of", "places_of"]
+__all__ = ["Vocabulary", "VocabularyReader", "gestures_of", "persons_of", "places_of"]
 
 MAX_CHOICES: Final = 64
 """Names in one list of choices."""
@@ -54,15 +54,26 @@ async def gestures_of(client: Client, body: BodyInfo) -> Mapping[str, str]:
 
 async def places_of(client: Client, body: BodyInfo) -> Mapping[str, str]:
     """Return the positions `x,y,th` of a body's places by their names: things and locations that do not move."""
-    found: dict[str, str] = {}
-    for component_ref in body.refs(_SURROUNDINGS):
-        answer = await _asked(client.component(component_ref).query("things"), {})
-        columns = zip(*(answer.get(each, ()) for each in ("name", "kind", "position_data")), strict=False)
-        found |= {name: position for name, kind, position in columns if kind != "person" and is_plain(name)}
+    found = {name: position for name, kind, position in await _things_of(client, body) if kind != "person"}
     for component_ref in body.refs(_MAP):
         answer = await _asked(client.component(component_ref).query("locations"), {})
         columns = zip(answer.get("name", ()), answer.get("position_data", ()), strict=False)
         found |= {name: position for name, position in columns if is_plain(name)}
+    return found
+
+
+async def persons_of(client: Client, body: BodyInfo) -> Mapping[str, str]:
+    """Return the positions `x,y,th` of the persons on a body's floor by their names, where the body knows of them."""
+    return {name: position for name, kind, position in await _things_of(client, body) if kind == "person"}
+
+
+async def _things_of(client: Client, body: BodyInfo) -> list[tuple[str, str, str]]:
+    """Return name, kind and position of what the body has around it, where the name is a plain one."""
+    found: list[tuple[str, str, str]] = []
+    for component_ref in body.refs(_SURROUNDINGS):
+        answer = await _asked(client.component(component_ref).query("things"), {})
+        columns = zip(*(answer.get(each, ()) for each in ("name", "kind", "position_data")), strict=False)
+        found += [(name, kind, position) for name, kind, position in columns if is_plain(name)]
     return found
 
 

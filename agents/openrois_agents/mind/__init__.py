@@ -1,0 +1,1 @@
+"""A conversation in a body: what a visitor says is heard, understood and answered."""
