@@ -93,6 +93,10 @@ class Grammar:
         """Return all words of the rule."""
         return frozenset(_words(self._rules[rule], self._rules))
 
+    def repeats(self, rule: str) -> bool:
+        """Return whether a part of the rule may come again and again."""
+        return _repeats(self._rules[rule], self._rules)
+
     def text(self, rule: str) -> str:
         """Return the grammar as JSGF, with this rule as its only public one."""
         lines = ["#JSGF V1.0;", "grammar heard;"]
@@ -373,6 +377,12 @@ def _words(part: _Part, rules: Mapping[str, _Part]) -> Iterable[str]:
         yield from _words(rules[part.rule], rules)
     for each in _inner(part):
         yield from _words(each, rules)
+
+
+def _repeats(part: _Part, rules: Mapping[str, _Part]) -> bool:
+    if isinstance(part, _Reference):
+        return _repeats(rules[part.rule], rules)
+    return (isinstance(part, _Repeated) and part.many) or any(_repeats(each, rules) for each in _inner(part))
 
 
 def _written(part: _Part) -> str:

@@ -29,8 +29,8 @@ CANDIDATES: Final = 5
 _WORST: Final = -28_000.0
 """The acoustic score of a grammar's sentence from which on it was not said, in PocketSphinx's units per 10 ms.
 
-Clean synthetic speech that was expected has -6,000 to -20,000, in noise down to -36,000; other speech mostly -30,000 to
--66,000.
+Synthetic speech that was expected has mostly -14,000 to -30,000, some of it less; other speech -30,000 to -66,000. It is not
+asked of a grammar with a part that may be repeated, such as words for other speech: a sentence has won against them then.
 """
 _CHILD: Final = "openrois_body.hearing.sphinx_child"
 _LIBRARY: Final = "pocketsphinx"
@@ -102,7 +102,7 @@ class _Transcriber:
         answer = await self._conversation.ask({"do": "end"})
         candidates = tuple(str(each) for each in answer["candidates"])
         if self._grammar is not None:
-            if answer["score"] < _WORST:
+            if answer["score"] < _WORST and not self._grammar.repeats(self._rule):
                 return ()
             candidates = tuple(each for each in candidates if self._grammar.accepts(self._rule, each))
         return candidates[:CANDIDATES]

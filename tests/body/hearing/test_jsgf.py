@@ -121,6 +121,14 @@ def test_sentences_of_a_grammar_are_accepted(sentence: str, accepted: bool) -> N
     assert read_grammar(COMMANDS).accepts("command", sentence) is accepted
 
 
+@pytest.mark.parametrize(
+    ("parts", "repeats"),
+    [("stop", False), ("[stop] now", False), ("stop+", True), ("go (now | then)*", True), ("<b> | [go]", True)],
+)
+def test_a_grammar_knows_whether_a_part_may_come_again(parts: str, repeats: bool) -> None:
+    assert read_grammar(f"{HEAD}public <a> = {parts};\n<b> = come (here)+;").repeats("a") is repeats
+
+
 def test_repetitions_of_what_can_be_left_out_end() -> None:
     grammar = read_grammar(f"{HEAD}public <a> = ([a] [b])* c;")
     assert grammar.accepts("a", "c")

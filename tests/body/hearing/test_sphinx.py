@@ -115,6 +115,12 @@ class TestFailures:
             assert await transcriber.hear(SOUND) == str(len(SOUND))
             assert await transcriber.finish(lambda _: None) == ("stop", "stop")
 
+    async def test_what_is_unlike_the_grammar_was_not_said_unless_it_won_against_other_speech(self) -> None:
+        async with Sphinx().open() as transcriber:
+            assert await understood(transcriber, SOUND, doing("mumble")) == ()
+            beside_others = Expectation(("en",), f"{HEAD}public <a> = stop | <b>+; <b> = mumble | babel;")
+            assert await understood(transcriber, SOUND, beside_others) == ("stop", "stop")
+
     @pytest.mark.parametrize(
         ("word", "said"), [("die", "has died: something broke"), ("babble", "has died"), ("hang", "did not answer")]
     )
