@@ -38,7 +38,7 @@ class RuleStage:
             return await call_tool(self.session, tool, arguments, _no_progress)
         except Exception as error:
             kind, text = failure(tool, error)
-            return Answer(text, {"error": kind})
+            return Answer(text, {"failed": kind})
 
     async def all_said(self) -> None:
         self.used.append("all_said")

@@ -1,1 +1,1 @@
-"""A conversation in a body: what a visitor says is heard, understood and answered."""
+"""A mind in a body: a conversation with a visitor, led by the tools of agents."""

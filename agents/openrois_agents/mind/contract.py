@@ -1,8 +1,7 @@
-"""The contract of a mind: what it is told, the body that it has meanwhile, and what it does with both. Pure."""
+"""What a mind is, and where it acts: the seam between a conversation and what answers in it. Pure."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import TracebackType
 from typing import Any, Protocol, Self
 
 from openrois_agents.tools.answer import Answer
@@ -17,7 +16,7 @@ class Turn:
 
     Attributes:
         text: what was heard; untrusted.
-        visitor: its visitor_ref; empty where visitors are not told apart.
+        visitor: the visitor's reference; empty where visitors are not told apart.
         number: within the conversation, from 1.
     """
 
@@ -27,23 +26,23 @@ class Turn:
 
 
 class Stage(Protocol):
-    """Where a mind acts: the body that it has."""
-
-    async def say(self, text: str) -> None:
-        """Queue a sentence, and return before it is heard; waits while four wait."""
-        ...
-
-    async def use(self, tool: str, arguments: Mapping[str, Any]) -> Answer:
-        """Use one of the tools; a failure is an answer, too, whose text says why."""
-        ...
-
-    async def all_said(self) -> None:
-        """Wait until what was queued was heard."""
-        ...
+    """The body in which a mind acts, as long as a conversation lasts."""
 
     @property
     def heard(self) -> str:
-        """What was heard so far of the answer to this turn."""
+        """What was heard so far of this turn's answer."""
+        ...
+
+    async def say(self, text: str) -> None:
+        """Queue a sentence; return before it is heard, but wait while four wait already."""
+        ...
+
+    async def use(self, tool: str, arguments: Mapping[str, Any]) -> Answer:
+        """Call a tool of `openrois_agents.tools`. One that fails is answered too: with why, and the datum `failed`."""
+        ...
+
+    async def all_said(self) -> None:
+        """Wait until the queued sentences were heard."""
         ...
 
     async def vocabulary(self) -> Vocabulary:
@@ -52,25 +51,26 @@ class Stage(Protocol):
 
 
 class Mind(Protocol):
-    """Answers what visitors say."""
+    """What answers in a conversation.
 
-    @property
-    def sends_to(self) -> str:
-        """Where words of visitors are sent, as `https://host`; empty where they stay on this machine."""
-        ...
+    Attributes:
+        sends_to: where words of visitors are sent, as `https://host`; empty where they stay on this machine.
+        needs_consent: whether words of visitors go to a model: each visitor is asked for consent first.
+    """
+
+    sends_to: str
+    needs_consent: bool
 
     async def __aenter__(self) -> Self: ...
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None: ...
+    async def __aexit__(self, *failure: object) -> None: ...
 
     async def answer(self, turn: Turn, stage: Stage) -> None:
-        """Answer a turn; cancelled by an interruption, a STOP and the loss of the body."""
+        """Answer a turn. It is cancelled by an interruption, by a person's STOP, and where the body is lost."""
         ...
 
     def interrupted(self, heard: str) -> None:
-        """Note how much was heard of an answer that was cancelled."""
+        """Note how much of an answer was heard that was cancelled."""
         ...
 
     def forget(self) -> None:

@@ -26,8 +26,6 @@ _TENS: Final = ("", "", "twenty", "thirty", "forty", "fifty", "sixty", "seventy"
 _PART: Final = re.compile(r"\d+|[^\W\d_]+(?:'[^\W\d_]+)*")
 _WORD: Final = re.compile(r"[a-z]+(?:'[a-z]+)*")
 _SLOT: Final = re.compile(r"\{(\w+)\}")
-_OTHER: Final = 0.01
-"""The likelihood of other speech beside 1 of the sentences, for the recogniser."""
 _ROOM: Final = 600
 """Words of all names together; a body takes a grammar of 2,000 words in which each stands up to twice."""
 
@@ -213,7 +211,7 @@ def _grammar(wake_word: str, requests: Iterable[Request], slots: Mapping[str, Ma
     lines = [
         "#JSGF V1.0;",
         "grammar mind;",
-        f"public <heard> = /1/ <said> | /{_OTHER:g}/ {may_wake}(<other>)+;",
+        f"public <heard> = <said> | {may_wake}(<other>)+;",
         f"<said> = {wake}({said});",
         *(f"<{name}> = {' | '.join(each)};" for name, each in rules.items() if each),
     ]

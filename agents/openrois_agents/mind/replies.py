@@ -27,8 +27,8 @@ _ABILITIES: Final[Mapping[str, str]] = MappingProxyType(
 
 
 def failed(answer: Answer) -> bool:
-    """Return whether a tool has failed: what it says begins with the kind of failure."""
-    return "error" in answer.data or not answer.data
+    """Return whether a tool has failed; a stage says so."""
+    return "failed" in answer.data
 
 
 def refusal(answer: Answer) -> str:

@@ -110,8 +110,8 @@ GESTURE_SENTENCES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
 """Sentences for gestures by the names that bodies of OpenRoIS and the standard give them."""
 
 OTHER_WORDS: Final = (
-    *("day", "said", "had", "been", "with", "from", "people", "some", "think", "house", "water", "long", "little"),
-    *("number", "did", "get", "made", "part", "work", "year", "back", "only", "great", "much", "old", "came", "three"),
-    *("show", "small"),
+    *("back", "been", "came", "can", "could", "day", "did", "from", "get", "great", "had", "house", "is", "it"),
+    *("little", "long", "made", "number", "old", "only", "part", "people", "please", "said", "small", "some", "the"),
+    *("think", "three", "water", "with", "you", "your"),
 )
-"""Words that sound like nothing of the above, for speech that is none of it."""
+"""Words for speech that is none of the above: common ones that are unlike it, and what such speech shares with it."""

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable
-from types import TracebackType
 from typing import Final, Self
 
 from openrois_agents.mind.contract import Stage, Turn
@@ -28,6 +27,7 @@ class RuleMind:
     """
 
     sends_to = ""
+    needs_consent = False
 
     def __init__(self, wake_word: str = "", clock: Callable[[], float] = time.monotonic) -> None:
         self._wake_word = wake_word
@@ -41,9 +41,7 @@ class RuleMind:
     async def __aenter__(self) -> Self:
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *_failure: object) -> None:
         """There is nothing to end."""
 
     async def answer(self, turn: Turn, stage: Stage) -> None:

@@ -75,6 +75,7 @@ def test_other_speech_is_caught_by_words_that_are_no_sentence() -> None:
     grammar = grammar_of(phrases)
     assert grammar.accepts("heard", " ".join(OTHER_WORDS[:3]))
     assert phrases.understand(" ".join(OTHER_WORDS[:3])) is None
+    assert not [each for each in phrases.meanings if set(each.split()) <= set(OTHER_WORDS)]
 
 
 def test_only_what_bodies_can_do_is_in_the_grammar() -> None:
