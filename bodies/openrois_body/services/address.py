@@ -38,13 +38,16 @@ class ServiceAddress:
         return f"{self.base}/{path}"
 
 
-def read_address(text: str, path: str, *, unencrypted: bool = False) -> ServiceAddress:
+def read_address(
+    text: str, path: str, *, unencrypted: bool = False, allowed_by: str = "--speech-unencrypted"
+) -> ServiceAddress:
     """Read the address of a server.
 
     Args:
         text: `https://host`, `https://host/v1`, or the whole address of what is asked of it.
         path: what is asked of it, as `audio/speech`.
         unencrypted: whether another machine may be spoken to without TLS.
+        allowed_by: the option that allows it.
 
     Raises:
         ValueError: it is no such address, carries credentials, or would be spoken to without TLS.
@@ -68,7 +71,7 @@ def read_address(text: str, path: str, *, unencrypted: bool = False) -> ServiceA
     if parts.scheme == "http" and not unencrypted and not is_loopback(host):
         raise ValueError(
             f"{host} is not this machine, and what is said could be read on its way there; use https://, or allow it"
-            " with --speech-unencrypted"
+            f" with {allowed_by}"
         )
     named = parts.path.rstrip("/").removesuffix(f"/{path}")
     return ServiceAddress(f"{parts.scheme}://{parts.netloc}{named or _VERSION}")

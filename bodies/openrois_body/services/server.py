@@ -7,7 +7,7 @@ import errno
 import json
 import socket
 import ssl
-from collections.abc import AsyncIterator, Awaitable, Mapping
+from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Mapping
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path
 from types import TracebackType
@@ -61,7 +61,7 @@ class Answer:
         self._server = server
         self._content = response.content
 
-    async def parts(self, most: int, patience: float) -> AsyncIterator[bytes]:
+    async def parts(self, most: int, patience: float) -> AsyncGenerator[bytes]:
         """Yield the answer as it arrives.
 
         Args:
@@ -133,7 +133,7 @@ class Server:
         if session is not None:
             await session.close()
 
-    def post(self, path: str, fields: Mapping[str, str]) -> AbstractAsyncContextManager[Answer]:
+    def post(self, path: str, fields: Mapping[str, Any]) -> AbstractAsyncContextManager[Answer]:
         """Ask for something; the answer arrives while the context lasts.
 
         Args:
@@ -226,7 +226,7 @@ class Server:
             if self._key_file is not None:
                 remedy = f"check the key in {self._key_file}"
             return ServerFailed(f"{self.name} refuses access ({status}): {remedy}")
-        because = f": {self._without_key(said)}" if said else ""
+        because = f": {self.without_key(said)}" if said else ""
         if status in {400, 413, 415, 422}:
             return ServerRefused(f"{self.name} refuses this ({status}){because or ', and does not say why'}")
         if status == 429:
@@ -240,7 +240,8 @@ class Server:
     def _authorization(self) -> Mapping[str, str]:
         return {} if self._key_file is None else {"Authorization": f"Bearer {read_key(self._key_file)}"}
 
-    def _without_key(self, text: str) -> str:
+    def without_key(self, text: str) -> str:
+        """Return what the server says without the key, which it may repeat."""
         return text if self._key_file is None else text.replace(read_key(self._key_file), "(the key)")
 
 
