@@ -1,0 +1,322 @@
+"""Conversations of a mind with visitors, one at a time: each holds the body that was spoken to while it lasts."""
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable, Sequence
+from contextlib import AsyncExitStack
+from dataclasses import dataclass
+from typing import Final
+
+from openrois.aio.tasks import TaskScope
+from openrois.client import ConnectionFailed, ConnectionLost, RoISError, RpcError
+from openrois_agents.mind.body_stage import BodyStage
+from openrois_agents.mind.consenting import missing_consent
+from openrois_agents.mind.contract import Mind, Turn
+from openrois_agents.mind.figures import MindFigures
+from openrois_agents.mind.limits import Budget
+from openrois_agents.mind.spoken import Spoken, yielding_voice
+from openrois_agents.mind.words import Words, is_addressed, is_goodbye, is_stop
+from openrois_agents.tools.abilities import ABILITIES
+from openrois_agents.tools.event_log import LoggedEvent
+from openrois_agents.tools.held_body import HeldBody
+from openrois_agents.tools.session import Session
+from openrois_agents.tools.vocabulary import gestures_of
+
+__all__ = ["MAX_NEWS", "MOVING", "SILENCE", "Conversations"]
+
+_log = logging.getLogger(__name__)
+
+SILENCE: Final = 60.0
+"""Seconds after the last words, or the end of the last answer, after which a conversation is over."""
+
+MOVING: Final = 5.0
+"""Seconds for which another body is waited for when the one of a conversation was lost."""
+
+MAX_NEWS: Final = 64
+"""Words and events that wait for the conversation; the oldest makes room for the newest."""
+
+_LOOK: Final = 1.0
+_BEATS: Final = ("beat", "explain", "nod", "tilt")
+"""Small gestures that go with speech, the best first."""
+_FAILURES: Final = (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError)
+_NEWS: Final = frozenset({"body_lost", "stopped_by_a_person", "handed_back_by_a_person", "part_taken_for_a_time"})
+
+_HERE_NOW: Final = "I go on here."
+
+
+@dataclass(frozen=True, slots=True)
+class _CutShort:
+    """Speech was broken off from outside."""
+
+    answer: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Over:
+    """The conversation may be over: a goodbye was answered, or there was silence."""
+
+    answer: int
+
+
+class Conversations:
+    """Leads conversations; `hear` is told of words, `run` is the work.
+
+    Args:
+        session: holds the body of a conversation.
+        mind: answers.
+        budget: says when there were enough turns.
+        figures: are counted.
+        wake_word: with which a visitor addresses the mind; empty where all words are for it.
+        pause: waits between two looks at the clock of the session.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        mind: Mind,
+        budget: Budget,
+        figures: MindFigures,
+        wake_word: str = "",
+        pause: Callable[[float], Awaitable[None]] = asyncio.sleep,
+    ) -> None:
+        self._session = session
+        self._mind = mind
+        self._budget = budget
+        self._figures = figures
+        self._wake_word = wake_word
+        self._pause = pause
+        self._tasks = TaskScope()
+        self._news: asyncio.Queue[Words | LoggedEvent | _CutShort | _Over] = asyncio.Queue(MAX_NEWS)
+        self._voice = AsyncExitStack()
+        self._spoken = Spoken()
+        self._beats: Sequence[str] = ()
+        self._answering: asyncio.Task[None] | None = None
+        self._turns = 0
+        self._answers = 0
+        self._last_words = 0.0
+        self._has_stopped = False
+        """Whether it has stopped for what is being said."""
+        self._refused = ""
+        """The refusal that was said last; it is said once."""
+        self._stopped_bodies: set[str] = set()
+
+    def hear(self, words: Words) -> None:
+        """Take what a body has heard."""
+        self._post(words)
+
+    async def run(self) -> None:
+        """Lead conversations until cancelled; then the body is given back."""
+        remove = self._session.log.added.add(self._note)
+        try:
+            async with self._tasks:
+                self._tasks.start(self._watch_silence())
+                try:
+                    while True:
+                        await self._take(await self._news.get())
+                finally:
+                    await self._end("the mind ends")
+        finally:
+            remove()
+
+    async def _take(self, news: Words | LoggedEvent | _CutShort | _Over) -> None:
+        match news:
+            case Words():
+                await self._take_words(news)
+            case LoggedEvent():
+                await self._take_event(news)
+            case _CutShort(answer) if answer == self._answers:
+                await self._interrupt()
+            case _Over(answer) if answer == self._answers:
+                await self._end("the conversation is over")
+
+    async def _take_words(self, words: Words) -> None:
+        held = self._session.held
+        if words.body in self._stopped_bodies or (held is not None and held.engine_id != words.body):
+            return
+        if held is not None and is_stop(words.text, self._wake_word):
+            await self._stop(final=words.final)
+            return
+        if not words.final or not is_addressed(words.text, self._wake_word) or is_stop(words.text, self._wake_word):
+            return
+        self._has_stopped = False
+        if held is None and not await self._begin(words.body):
+            return
+        await self._interrupt()
+        await self._answer_turn(words)
+
+    async def _begin(self, body: str) -> bool:
+        """Reserve a body for a conversation; return whether it has one."""
+        self._budget.begin_conversation()
+        refusal = self._budget.refusal()
+        if refusal and refusal == self._refused:
+            self._figures.refusals["limit"] += 1
+            return False
+        try:
+            info = await self._session.body_info(body)
+            tools = [tool for tool, ability in ABILITIES.items() if info.refs(ability.urn)]
+            try:
+                held = await self._session.use_body(body, tools, 0)
+            except RoISError:
+                held = await self._session.use_body(body, None, 0)
+        except _FAILURES as error:
+            self._figures.refusals["busy"] += 1
+            _log.info("%s was spoken to, and cannot answer: %s", body, error)
+            return False
+        self._turns = 0
+        self._figures.conversations += 1
+        await self._settle(held)
+        return True
+
+    async def _settle(self, held: HeldBody) -> None:
+        """Learn what the body can that is held."""
+        self._figures.holds = 1
+        self._last_words = self._session.clock()
+        gestures = await gestures_of(held.client, held.info) if "gesture" in held.tools else {}
+        self._beats = tuple(each for each in _BEATS if each in gestures)
+        self._voice = AsyncExitStack()
+        self._spoken = await self._voice.enter_async_context(yielding_voice(held))
+
+    async def _answer_turn(self, words: Words) -> None:
+        self._turns += 1
+        self._figures.turns += 1
+        self._last_words = self._session.clock()
+        if refusal := self._budget.refusal():
+            self._figures.refusals["limit"] += 1
+            self._refused = refusal
+            self._start_saying(refusal, ends=True)
+            return
+        self._refused = ""
+        held = self._session.held
+        assert held is not None
+        if missing := await missing_consent(held.client, held.info, words.visitor, self._mind):
+            self._figures.refusals["consent"] += 1
+            self._mind.forget()
+            asked = " and ".join(missing)
+            self._start_saying(f"I may only answer you if you consent to {asked}, where your microphone is set.")
+            return
+        self._budget.count_turn()
+        turn = Turn(words.text, words.visitor, self._turns)
+        self._start(self._answer(turn, is_goodbye(words.text, self._wake_word)))
+
+    async def _answer(self, turn: Turn, ends: bool) -> None:
+        async with self._stage() as stage:
+            try:
+                await self._mind.answer(turn, stage)
+                await stage.all_said()
+                self._figures.answers += 1
+            except asyncio.CancelledError:
+                self._figures.interruptions += 1
+                self._mind.interrupted(stage.heard)
+                raise
+            finally:
+                self._last_words = self._session.clock()
+        if ends:
+            self._post(_Over(self._answers))
+
+    def _start_saying(self, text: str, ends: bool = False) -> None:
+        async def say() -> None:
+            async with self._stage() as stage:
+                await stage.say(text)
+                await stage.all_said()
+            if ends:
+                self._post(_Over(self._answers))
+
+        self._start(say())
+
+    def _start(self, work: "Awaitable[None]") -> None:
+        self._answers += 1
+        self._answering = self._tasks.start(_run(work))
+
+    def _stage(self) -> BodyStage:
+        held, number = self._session.held, self._answers
+
+        def cut() -> None:
+            self._post(_CutShort(number))
+
+        has_eyes = held is not None and "look_at" in held.tools
+        return BodyStage(self._session, self._spoken, self._beats, has_eyes, self._count_sound, cut)
+
+    def _count_sound(self, seconds: float) -> None:
+        self._figures.sound += seconds
+        self._budget.count_sound(seconds)
+
+    async def _interrupt(self) -> None:
+        """Cancel the answer, and what it began."""
+        if self._answering is not None and not self._answering.done():
+            self._answering.cancel()
+            await asyncio.wait({self._answering})
+        self._answering = None
+
+    async def _stop(self, *, final: bool) -> None:
+        """Stop all that the body does, at once, and once for what is being said."""
+        self._last_words = self._session.clock()
+        if not self._has_stopped:
+            self._figures.stops += 1
+            await self._interrupt()
+            try:
+                held = self._session.require_body()
+                await held.client.control.stop_all(held.engine_id)
+            except _FAILURES as error:
+                _log.warning("the body could not be stopped: %s", error)
+        self._has_stopped = not final
+
+    async def _take_event(self, event: LoggedEvent) -> None:
+        match event.name:
+            case "stopped_by_a_person":
+                self._stopped_bodies.add(event.source)
+                if self._session.held is not None and self._session.held.engine_id == event.source:
+                    await self._end("a person stopped the body")
+            case "handed_back_by_a_person":
+                self._stopped_bodies.discard(event.source)
+            case "part_taken_for_a_time":
+                await self._interrupt()
+            case "body_lost":
+                await self._move(event.source)
+
+    async def _move(self, lost: str) -> None:
+        """Go on with another body, where one is free."""
+        held = self._session.held
+        if held is None or held.engine_id != lost or held.body.error is None:
+            return
+        await self._interrupt()
+        await self._voice.aclose()
+        try:
+            now = await self._session.use_body(None, None, MOVING)
+        except _FAILURES as error:
+            _log.info("%s was lost, and no other body is free: %s", lost, error)
+            await self._end(f"{lost} was lost")
+            return
+        _log.info("%s was lost: the conversation goes on with %s", lost, now.engine_id)
+        self._figures.moves += 1
+        await self._settle(now)
+        self._start_saying(_HERE_NOW)
+
+    async def _end(self, reason: str) -> None:
+        """End the conversation, if there is one: the body is free then, and the mind has forgotten it."""
+        await self._interrupt()
+        await self._voice.aclose()
+        await self._session.give_back(reason)
+        if self._figures.holds:
+            self._figures.holds = 0
+            self._mind.forget()
+
+    async def _watch_silence(self) -> None:
+        while True:
+            await self._pause(_LOOK)
+            is_answering = self._answering is not None and not self._answering.done()
+            silence = self._session.clock() - self._last_words
+            if self._figures.holds and not is_answering and silence > SILENCE:
+                self._post(_Over(self._answers))
+
+    def _note(self, event: LoggedEvent) -> None:
+        if event.name in _NEWS:
+            self._post(event)
+
+    def _post(self, news: Words | LoggedEvent | _CutShort | _Over) -> None:
+        if self._news.full():
+            self._news.get_nowait()
+        self._news.put_nowait(news)
+
+
+async def _run(work: Awaitable[None]) -> None:
+    await work

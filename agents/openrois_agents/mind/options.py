@@ -1,0 +1,42 @@
+"""The options of a mind: what answers, the wake word, the limits."""
+
+import argparse
+import re
+from collections.abc import Sequence
+from typing import Final
+
+from openrois_agents.mind.model.options import add_limit_options, add_model_options, model_arguments
+
+__all__ = ["add_mind_options", "mind_arguments", "wake_word_choice"]
+
+_WAKE_WORD: Final = re.compile(r"[A-Za-z']{3,20}( [A-Za-z']{1,20}){0,2}")
+
+
+def add_mind_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of a mind."""
+    parser.add_argument(
+        "--wake-word",
+        default="",
+        metavar="WORD",
+        help="with which a visitor addresses the mind; without it all that is heard is for it",
+    )
+    add_model_options(parser)
+    add_limit_options(parser)
+
+
+def wake_word_choice(chosen: argparse.Namespace) -> str:
+    """Return the wake word in lower case; empty where there is none.
+
+    Raises:
+        ValueError: it is none that a recogniser could hear.
+    """
+    word = str(chosen.wake_word)
+    if word and not _WAKE_WORD.fullmatch(word):
+        raise ValueError(f"--wake-word takes one to three English words, as computer, not {word[:40]!r}")
+    return word.lower()
+
+
+def mind_arguments(chosen: argparse.Namespace) -> Sequence[str]:
+    """Return the options for another command line."""
+    wake_word = ("--wake-word", chosen.wake_word) if chosen.wake_word else ()
+    return (*wake_word, *model_arguments(chosen))
