@@ -13,6 +13,9 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
+from openrois_agents.mind.options import add_mind_options, mind_arguments, mind_choice
+from openrois_agents.mind.phrases import make_phrases
+from openrois_agents.tools.vocabulary import Vocabulary
 from openrois_avatar.options.engine_options import add_engine_options, engine_arguments
 from openrois_avatar.options.link_options import add_facade_option, add_link_options, link_arguments
 from openrois_body.speech_options import (
@@ -39,6 +42,8 @@ from openrois_demo.watchdog import Watchdog
 __all__ = ["main"]
 
 _START_TIMEOUT: Final = 60.0
+_EXAMPLES: Final = 8
+"""Sentences that are named when a demo with a mind is ready."""
 _AVATAR, _ROBOT = "avatar", "robot"
 """The engine ids of the bodies."""
 
@@ -53,6 +58,8 @@ class _Demo:
         watchdog: restarts them when they hang.
         page: URL of its page.
         tokens: of its adapters, and of programs.
+        mind: converses with visitors; None where there is none.
+        can_be_said: to it, as a line.
     """
 
     gateway: Program
@@ -60,6 +67,8 @@ class _Demo:
     watchdog: Watchdog
     page: str
     tokens: DemoTokens
+    mind: Program | None
+    can_be_said: str
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -78,6 +87,8 @@ def main(arguments: Sequence[str]) -> int:
     add_link_options(parser, when=" if it is external or a facade")
     add_facade_option(parser)
     add_component_option(parser)
+    parser.add_argument("--mind", action="store_true", help="lets the bodies converse with visitors (`openrois mind`)")
+    add_mind_options(parser)
     add_voice_options(parser)
     add_ears_options(parser)
     add_host_options(parser)
@@ -93,6 +104,10 @@ def main(arguments: Sequence[str]) -> int:
         for read in (voice_choice, ears_choice):
             read(chosen)
         load_components(chosen.own_components)
+        of_mind = mind_arguments(chosen)
+        if not chosen.mind and of_mind != mind_arguments(parser.parse_args([])):
+            raise ValueError("there are options of a mind: add --mind")
+        mind_choice(chosen)
         of_avatar = (*component_arguments(chosen), *voice_arguments(chosen), *ears_arguments(chosen))
     except ValueError as error:
         parser.error(str(error))
@@ -136,8 +151,23 @@ def main(arguments: Sequence[str]) -> int:
             Watchdog(url, engine_ids, connect=partial(dial, credentials=shown)),
             access.url("http", chosen.port),
             tokens,
+            _mind(chosen, url, (*_credentials(chosen, tokens.programs["agent"]), *of_mind, *more)),
+            _can_be_said(chosen),
         )
         return asyncio.run(_run(demo))
+
+
+def _mind(chosen: argparse.Namespace, url: str, options: Sequence[str]) -> Program | None:
+    """Return the program that converses with visitors, where it is wanted."""
+    return Program(("mind", "--gateway", url, *options), announces="ready ") if chosen.mind else None
+
+
+def _can_be_said(chosen: argparse.Namespace) -> str:
+    """Return what can be said to the mind, in a line."""
+    wake_word = f"{chosen.wake_word}, " if chosen.wake_word else ""
+    if chosen.llm_url is not None:
+        return f"say what you like{f', behind {chosen.wake_word}' if wake_word else ''}"
+    return f"say: {'; '.join(f'{wake_word}{each}' for each in make_phrases(Vocabulary()).examples[:_EXAMPLES])}"
 
 
 def _credentials(chosen: argparse.Namespace, token_file: Path | None) -> Sequence[str]:
@@ -183,6 +213,10 @@ async def _keep_running(demo: _Demo) -> None:
         print(f"ready {demo.page}", flush=True)
         for rank, path in demo.tokens.programs.items():
             print(f"for a program, as {rank}: {TOKEN_FILE_VARIABLE}={path}", flush=True)
+        if demo.mind is not None:
+            tasks.create_task(demo.mind.keep_running())
+            await _in_time(demo.mind.ready.wait(), "mind is not ready")
+            print(demo.can_be_said, flush=True)
 
 
 async def _in_time(step: Awaitable[object], complaint: str) -> None:

@@ -17,11 +17,8 @@ from openrois.transport.credential_options import add_credential_options, creden
 from openrois.transport.credentials import Credentials
 from openrois_agents.mind.contract import Mind
 from openrois_agents.mind.figures import MindFigures
-from openrois_agents.mind.limits import Budget
-from openrois_agents.mind.model.chat import ModelSettings
 from openrois_agents.mind.model.figures import ModelFigures
-from openrois_agents.mind.model.options import budget_choice, model_choice
-from openrois_agents.mind.options import add_mind_options, wake_word_choice
+from openrois_agents.mind.options import MindChoice, add_mind_options, mind_choice
 
 __all__ = ["main"]
 
@@ -38,17 +35,13 @@ class _Chosen:
     Attributes:
         url: of the gateway.
         shown: to the gateway.
-        wake_word: empty where there is none.
-        model: None where rules answer.
-        budget: of conversations.
+        mind: which is wanted.
         metrics: host and port of the figures; None for nowhere.
     """
 
     url: str
     shown: Credentials
-    wake_word: str
-    model: ModelSettings | None
-    budget: Budget
+    mind: MindChoice
     metrics: tuple[str, int] | None
 
 
@@ -72,9 +65,7 @@ def main(arguments: Sequence[str]) -> int:
         read = _Chosen(
             gateway_url(chosen.gateway),
             credentials(chosen),
-            wake_word_choice(chosen),
-            model_choice(chosen),
-            budget_choice(chosen),
+            mind_choice(chosen),
             _metrics_choice(chosen.metrics),
         )
     except ValueError as error:
@@ -126,11 +117,11 @@ async def _converse(chosen: _Chosen) -> int:
             return 1
         await stack.enter_async_context(mind)
         session = await stack.enter_async_context(Session(make_client, ToolSettings()))
-        conversations = Conversations(session, mind, chosen.budget, figures, chosen.wake_word)
+        conversations = Conversations(session, mind, chosen.mind.budget, figures, chosen.mind.wake_word)
         expected = None
-        if chosen.model is None:
+        if chosen.mind.model is None:
             expected = lambda names, unknown: make_phrases(  # noqa: E731 - a partial cannot name the argument
-                names, tuple(ABILITIES), wake_word=chosen.wake_word, unknown=unknown
+                names, tuple(ABILITIES), wake_word=chosen.mind.wake_word, unknown=unknown
             )
         await stack.enter_async_context(Ears(session, conversations.hear, expected))
         print(f"ready {chosen.url}", flush=True)
@@ -142,11 +133,11 @@ def _mind(chosen: _Chosen) -> tuple[Mind, ModelFigures | None]:
     """Return what answers, and the figures of its model where it has one."""
     from openrois_agents.mind.rules import RuleMind
 
-    if chosen.model is None:
-        return RuleMind(chosen.wake_word), None
+    if chosen.mind.model is None:
+        return RuleMind(chosen.mind.wake_word), None
     from openrois_agents.mind.model.model_mind import ModelMind
 
-    mind = ModelMind(chosen.model, chosen.budget)
+    mind = ModelMind(chosen.mind.model, chosen.mind.budget)
     return mind, mind.figures
 
 

@@ -2,10 +2,10 @@
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
 from openrois.client import ConnectionFailed, ConnectionLost, RoISError, RpcError
@@ -91,6 +91,7 @@ class Conversations:
         self._spoken = Spoken()
         self._beats: Sequence[str] = ()
         self._answering: asyncio.Task[None] | None = None
+        self._on_stage: BodyStage | None = None
         self._turns = 0
         self._answers = 0
         self._last_words = 0.0
@@ -99,6 +100,11 @@ class Conversations:
         self._refused = ""
         """The refusal that was said last; it is said once."""
         self._stopped_bodies: set[str] = set()
+
+    @property
+    def heard(self) -> str:
+        """What was heard so far of the answer that is being given."""
+        return "" if self._on_stage is None else self._on_stage.heard
 
     def hear(self, words: Words) -> None:
         """Take what a body has heard."""
@@ -200,6 +206,7 @@ class Conversations:
 
     async def _answer(self, turn: Turn, ends: bool) -> None:
         async with self._stage() as stage:
+            self._on_stage = stage
             try:
                 await self._mind.answer(turn, stage)
                 await stage.all_said()
@@ -223,9 +230,9 @@ class Conversations:
 
         self._start(say())
 
-    def _start(self, work: "Awaitable[None]") -> None:
+    def _start(self, work: Coroutine[Any, Any, None]) -> None:
         self._answers += 1
-        self._answering = self._tasks.start(_run(work))
+        self._answering = self._tasks.start(work)
 
     def _stage(self) -> BodyStage:
         held, number = self._session.held, self._answers
@@ -316,7 +323,3 @@ class Conversations:
         if self._news.full():
             self._news.get_nowait()
         self._news.put_nowait(news)
-
-
-async def _run(work: Awaitable[None]) -> None:
-    await work

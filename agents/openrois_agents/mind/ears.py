@@ -3,8 +3,9 @@
 import asyncio
 import logging
 from collections.abc import Callable, Collection
+from contextlib import suppress
 from types import TracebackType
-from typing import Final, Self
+from typing import Any, Final, Self
 
 from openrois.aio.tasks import TaskScope
 from openrois.catalog.sensing import SPEECH_RECOGNITION
@@ -16,6 +17,7 @@ from openrois.client import (
     ConnectionLost,
     RoISError,
     RpcError,
+    Subscription,
 )
 from openrois.types.profiles import component_urn
 from openrois_agents.mind.expecting import expect_phrases
@@ -102,19 +104,24 @@ class Ears:
             self._readers.pop(ref).cancel()
         for ref, body in there.items():
             if ref not in self._readers:
-                self._readers[ref] = self._tasks.start(self._read(client, ref, body.engine_id))
+                occurrences = client.component(ref).event("heard")
+                # Subscribed here: what is said from now on is heard.
+                await occurrences.__aenter__()
+                self._readers[ref] = self._tasks.start(self._read(occurrences, ref, body.engine_id))
         if self._make_phrases is not None:
             await self._expect(client, bodies, self._make_phrases)
 
-    async def _read(self, client: Client, component_ref: str, body: str) -> None:
+    async def _read(self, occurrences: Subscription[dict[str, Any]], component_ref: str, body: str) -> None:
         try:
-            async with client.component(component_ref).event("heard") as occurrences:
-                async for data in occurrences:
-                    text, visitor = str(data.get("text", "")), str(data.get("visitor_ref") or "")
-                    self._heard(Words(text, data.get("final") is True, visitor, body))
+            async for data in occurrences:
+                text, visitor = str(data.get("text", "")), str(data.get("visitor_ref") or "")
+                self._heard(Words(text, data.get("final") is True, visitor, body))
         except _FAILURES as error:
             _log.info("%s is not heard any more: %s", component_ref, error)
             self._changed.set()
+        finally:
+            with suppress(*_FAILURES):
+                await occurrences.close()
 
     async def _expect(self, client: Client, bodies: Collection[BodyInfo], make: MakePhrases) -> None:
         """Let each recogniser expect what can be said now."""

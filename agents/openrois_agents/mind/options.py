@@ -3,13 +3,37 @@
 import argparse
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
-from openrois_agents.mind.model.options import add_limit_options, add_model_options, model_arguments
+from openrois_agents.mind.limits import Budget
+from openrois_agents.mind.model.chat import ModelSettings
+from openrois_agents.mind.model.options import (
+    add_limit_options,
+    add_model_options,
+    budget_choice,
+    model_arguments,
+    model_choice,
+)
 
-__all__ = ["add_mind_options", "mind_arguments", "wake_word_choice"]
+__all__ = ["MindChoice", "add_mind_options", "mind_arguments", "mind_choice"]
 
 _WAKE_WORD: Final = re.compile(r"[A-Za-z']{3,20}( [A-Za-z']{1,20}){0,2}")
+
+
+@dataclass(frozen=True, slots=True)
+class MindChoice:
+    """A mind.
+
+    Attributes:
+        wake_word: in lower case; empty where there is none.
+        model: None where rules answer.
+        budget: of its conversations.
+    """
+
+    wake_word: str
+    model: ModelSettings | None
+    budget: Budget
 
 
 def add_mind_options(parser: argparse.ArgumentParser) -> None:
@@ -24,16 +48,16 @@ def add_mind_options(parser: argparse.ArgumentParser) -> None:
     add_limit_options(parser)
 
 
-def wake_word_choice(chosen: argparse.Namespace) -> str:
-    """Return the wake word in lower case; empty where there is none.
+def mind_choice(chosen: argparse.Namespace) -> MindChoice:
+    """Return the mind that the options describe.
 
     Raises:
-        ValueError: it is none that a recogniser could hear.
+        ValueError: they contradict each other; a sentence for a person.
     """
     word = str(chosen.wake_word)
     if word and not _WAKE_WORD.fullmatch(word):
         raise ValueError(f"--wake-word takes one to three English words, as computer, not {word[:40]!r}")
-    return word.lower()
+    return MindChoice(word.lower(), model_choice(chosen), budget_choice(chosen))
 
 
 def mind_arguments(chosen: argparse.Namespace) -> Sequence[str]:
