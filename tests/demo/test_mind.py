@@ -1,0 +1,131 @@
+"""`openrois demo --mind`: a visitor speaks, and the body acts and answers."""
+
+import asyncio
+import os
+import signal
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import psutil
+import pytest
+from openrois_media import Media, Purpose
+from openrois_streaming.clock import SystemClock
+from openrois_streaming.source.source import RawAudio
+
+from openrois.client import Client
+from tests.support.demo import PATIENCE, Demo, end, running_demo, start
+from tests.support.hearing import spoken, stereo_48k
+
+pytestmark = [pytest.mark.media, pytest.mark.engine]
+
+_BLOCK = 960
+
+
+class Microphone:
+    """A quiet room, in which a visitor says what a test asks for."""
+
+    def __init__(self) -> None:
+        self._noise = np.random.default_rng(1).integers(-30, 30, (_BLOCK, 2), np.int16)
+        self._blocks: list[np.ndarray[Any, np.dtype[np.int16]]] = []
+
+    def say(self, text: str) -> None:
+        sound = stereo_48k(spoken(text))
+        padded = np.concatenate([sound, np.zeros((-len(sound) % _BLOCK, 2), np.int16)])
+        self._blocks += [each + self._noise for each in padded.reshape(-1, _BLOCK, 2)]
+
+    @asynccontextmanager
+    async def open(self) -> AsyncIterator[AsyncIterator[RawAudio]]:
+        yield self._items()
+
+    async def _items(self) -> AsyncIterator[RawAudio]:
+        clock = SystemClock()
+        at = clock.now()
+        while True:
+            await clock.sleep_until(at)
+            yield RawAudio(self._blocks.pop(0) if self._blocks else self._noise, at)
+            at += _BLOCK / 48_000
+
+
+async def happens(subscription: Any, holds: Callable[[dict[str, Any]], bool] = lambda _data: True) -> dict[str, Any]:
+    """Wait for an event."""
+    async with asyncio.timeout(PATIENCE):
+        async for data in subscription:
+            if holds(data):
+                return dict(data)
+    raise AssertionError("the subscription has ended")
+
+
+def lines_of(demo: Demo) -> list[str]:
+    """The lines behind the one that says it is ready, until what can be said."""
+    assert demo.process.stdout is not None
+    lines: list[str] = []
+    while not (lines and lines[-1].startswith("say")):
+        line = demo.process.stdout.readline()
+        assert line, demo.log()
+        lines.append(line.rstrip())
+    return lines
+
+
+def restarted(demo: Demo) -> psutil.Process:
+    """Wait until the mind's process is there again."""
+    until = time.monotonic() + PATIENCE
+    while time.monotonic() < until:
+        for each in demo.tree():
+            with suppress(psutil.Error):
+                if "mind" in each.cmdline():
+                    return each
+    raise AssertionError(demo.log())
+
+
+def test_options_of_a_mind_without_one_are_a_mistake() -> None:
+    process = start("demo", "--wake-word", "computer")
+    try:
+        assert process.wait(PATIENCE) == 2
+        assert process.stderr is not None
+        assert "add --mind" in process.stderr.read()
+    finally:
+        end(process)
+
+
+@pytest.mark.usefixtures("flite", "pocketsphinx")
+async def test_a_body_waves_and_answers_when_it_is_spoken_to(tmp_path: Path) -> None:
+    with running_demo(tmp_path, "puppet", ("--mind",)) as demo:
+        assert "who are you" in lines_of(demo)[-1]
+        microphone = Microphone()
+        async with Client(demo.url) as client, Media(client) as media:
+            avatar = next(each for each in await client.bodies() if each.engine_id == "avatar")
+            words = client.component(avatar.refs("Hearing")[0])
+            voice = client.component(avatar.refs("SpeechProgress")[0])
+            reaction = client.component(avatar.refs("Reaction")[0])
+            consent = [Purpose.LIVE, Purpose.RECOGNITION]
+            async with (
+                words.event("heard") as heard,
+                voice.event("speech_began") as began,
+                media.send(microphone=microphone, consent=consent, to="avatar"),
+            ):
+                microphone.say("wave your hand")
+                await happens(heard, lambda data: data["final"] and "wave" in data["text"])
+                async with asyncio.timeout(PATIENCE):
+                    while (await reaction.query("component_status"))["status"] != "BUSY":
+                        pass
+                microphone.say("who are you")
+                assert (await happens(began))["text"]
+        assert "Traceback" not in demo.log()
+
+
+def test_a_mind_that_dies_is_started_again_and_ends_with_the_demo(tmp_path: Path) -> None:
+    with running_demo(tmp_path, more=("--mind",)) as demo:
+        lines_of(demo)
+        first = demo.program("mind")
+        first.send_signal(signal.SIGKILL)
+        first.wait(PATIENCE)
+        again = restarted(demo)
+        assert again.pid != first.pid
+        os.killpg(demo.process.pid, signal.SIGINT)
+        assert demo.process.wait(20) == 0
+        assert not psutil.wait_procs([again], timeout=PATIENCE)[1]
+        assert "mind ended with status -9 and is started again" in demo.log()
