@@ -1,4 +1,4 @@
-"""A recogniser's process that does what a grammar's first word says: understands, hangs, dies, talks nonsense, or is unsure."""
+"""A recogniser's process that does what a grammar's word says: understands, hangs, dies, talks nonsense, is unsure."""
 
 import os
 import sys
@@ -26,7 +26,8 @@ def main() -> None:
                 os._exit(3)
             answer = {"partial": str(heard)}
         if request["do"] == "end":
-            answer = {"candidates": ["stop", "stop stop", "stop"], "score": -50_000.0 if "mumble" in grammar else -5000.0}
+            score = -50_000.0 if "mumble" in grammar else -5000.0
+            answer = {"candidates": ["stop", "stop stop", "stop"], "score": score}
         reply = b"nonsense, not a message" if "babble" in grammar else encode(answer)
         sys.stdout.buffer.write(reply)
         sys.stdout.buffer.flush()

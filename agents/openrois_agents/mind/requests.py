@@ -110,8 +110,7 @@ GESTURE_SENTENCES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
 """Sentences for gestures by the names that bodies of OpenRoIS and the standard give them."""
 
 OTHER_WORDS: Final = (
-    *("back", "been", "came", "can", "could", "day", "did", "from", "get", "great", "had", "house", "is", "it"),
-    *("little", "long", "made", "number", "old", "only", "part", "people", "please", "said", "small", "some", "the"),
-    *("think", "three", "water", "with", "you", "your"),
+    *("back", "been", "came", "day", "did", "from", "get", "great", "had", "house", "little", "long", "made", "number"),
+    *("old", "only", "part", "people", "please", "said", "small", "some", "think", "three", "time", "water", "with"),
 )
 """Words for speech that is none of the above: common ones that are unlike it, and what such speech shares with it."""
