@@ -26,8 +26,8 @@ INTERFACE_VERBS: Final = {
 VAGUE_VERBS: Final = ("take", "tell", "look", "answer", "end", "forget")
 """Verbs that say nothing without an object."""
 MEANT: Final = {
-    "answer": {"MeasuringSink", "PlainSink"},  # public: the answer to an offer
-    "forget": {"Enrolment"},  # a command on the wire
+    "answer": {"Mind", "RuleMind"} | {"MeasuringSink", "PlainSink"},  # a turn; public: the answer to an offer
+    "forget": {"Enrolment"} | {"Mind", "RuleMind"},  # a command on the wire; a conversation
     "look": {"Gaze"},  # a command on the wire
     "take": {"Control", "LeaseKeeper", "LeaseModel", "_Leases"},  # `openrois.lease.take`
 }

@@ -162,7 +162,7 @@ def _number(value: int) -> str:
 
 
 def _plain(text: str) -> list[str]:
-    """Return the words of a text, whoever wrote it: in lower case, without punctuation."""
+    """Return the words of a text in lower case, without punctuation."""
     return _WORD.findall(text.lower().replace("\u2019", "'"))
 
 
