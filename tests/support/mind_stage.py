@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from openrois_agents.tools.answer import Answer
-from openrois_agents.tools.vocabulary import Vocabulary
+from openrois_agents.tools.names import Vocabulary
 
 __all__ = ["NotedStage"]
 

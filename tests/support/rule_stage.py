@@ -9,10 +9,10 @@ from openrois_agents.mind.contract import Turn
 from openrois_agents.mind.rules import RuleMind
 from openrois_agents.tools.answer import Answer
 from openrois_agents.tools.failures import failure
+from openrois_agents.tools.names import Vocabulary
 from openrois_agents.tools.session import Session
 from openrois_agents.tools.settings import ToolSettings
 from openrois_agents.tools.toolbox import call_tool
-from openrois_agents.tools.vocabulary import Vocabulary
 
 from openrois.component.component import Component
 from openrois.testing import memory_gateway

@@ -34,9 +34,9 @@ from openrois_agents.mcp.announcements import Announcements
 from openrois_agents.mcp.results import answered, failed
 from openrois_agents.tools.documents import BODIES, EVENTS, PROFILE, profile_address, read_document
 from openrois_agents.tools.failures import failure
+from openrois_agents.tools.names import Vocabulary
 from openrois_agents.tools.session import Session
 from openrois_agents.tools.toolbox import TOOLS, call_tool, input_schema
-from openrois_agents.tools.vocabulary import Vocabulary
 
 __all__ = ["Handlers", "SessionFinder"]
 

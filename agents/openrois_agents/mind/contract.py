@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol, Self
 
 from openrois_agents.tools.answer import Answer
-from openrois_agents.tools.vocabulary import Vocabulary
+from openrois_agents.tools.names import Vocabulary
 
 __all__ = ["Mind", "Stage", "Turn"]
 

@@ -14,7 +14,7 @@ from openrois_agents.mind.requests import (
     Request,
 )
 from openrois_agents.tools.abilities import ABILITIES
-from openrois_agents.tools.vocabulary import Vocabulary
+from openrois_agents.tools.names import Vocabulary
 
 __all__ = ["Intent", "Phrases", "make_phrases", "spoken_name"]
 

@@ -8,7 +8,7 @@ from openrois_agents.mind.contract import Stage, Turn
 from openrois_agents.mind.deeds import DEEDS, Acting, Memory
 from openrois_agents.mind.phrases import Phrases, make_phrases
 from openrois_agents.mind.replies import misunderstood
-from openrois_agents.tools.vocabulary import Vocabulary
+from openrois_agents.tools.names import Vocabulary
 
 __all__ = ["RuleMind"]
 

@@ -2,12 +2,13 @@
 
 import re
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Final
 from urllib.parse import unquote
 
 from openrois.catalog.reactions import ANNEX_D, NUMBERED
 
-__all__ = ["by_name", "gesture_name", "is_plain"]
+__all__ = ["Vocabulary", "by_name", "gesture_name", "is_plain"]
 
 MAX_NAME: Final = 40
 """Characters of a name in a list of choices."""
@@ -15,6 +16,23 @@ MAX_NAME: Final = 40
 _BY_NUMBER: Final = {str(number): name for name, number in ANNEX_D.items()}
 _PLAIN: Final = re.compile(r"\w[\w .'-]*")
 """Letters and digits of any script, and what names have between them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Vocabulary:
+    """Names over all bodies, sorted, each once.
+
+    Attributes:
+        bodies: their ids.
+        gestures: what `gesture` takes.
+        places: what `go_to` takes.
+        events: what `wait_for_event` takes.
+    """
+
+    bodies: tuple[str, ...] = ()
+    gestures: tuple[str, ...] = ()
+    places: tuple[str, ...] = ()
+    events: tuple[str, ...] = ()
 
 
 def gesture_name(reaction_ref: str) -> str:

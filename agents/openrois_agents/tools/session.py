@@ -15,10 +15,11 @@ from openrois_agents.tools.abilities import ABILITIES
 from openrois_agents.tools.event_log import EventLog
 from openrois_agents.tools.gateway_link import GatewayLink
 from openrois_agents.tools.held_body import HeldBody
+from openrois_agents.tools.names import Vocabulary
 from openrois_agents.tools.permits import Permits
 from openrois_agents.tools.running import Runner
 from openrois_agents.tools.settings import ToolSettings
-from openrois_agents.tools.vocabulary import Vocabulary, VocabularyReader
+from openrois_agents.tools.vocabulary import VocabularyReader
 from openrois_agents.tools.watching import Watching
 
 __all__ = ["Session"]

@@ -24,9 +24,9 @@ from openrois_agents.tools.arguments import (
     Where,
     read_arguments,
 )
+from openrois_agents.tools.names import Vocabulary
 from openrois_agents.tools.running import Progress
 from openrois_agents.tools.session import Session
-from openrois_agents.tools.vocabulary import Vocabulary
 
 __all__ = ["TOOLS", "Tool", "call_tool", "input_schema"]
 

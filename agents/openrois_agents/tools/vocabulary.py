@@ -8,9 +8,9 @@ from typing import Any, Final, TypeVar
 from openrois.catalog.actuation import REACTION
 from openrois.client import BodyInfo, Client, ConnectionLost, RoISError, RpcError, where
 from openrois.types.profiles import component_urn
-from openrois_agents.tools.names import by_name, is_plain
+from openrois_agents.tools.names import Vocabulary, by_name, is_plain
 
-__all__ = ["Vocabulary", "VocabularyReader", "gestures_of", "persons_of", "places_of"]
+__all__ = ["VocabularyReader", "gestures_of", "persons_of", "places_of"]
 
 MAX_CHOICES: Final = 64
 """Names in one list of choices."""
@@ -24,23 +24,6 @@ _SURROUNDINGS: Final = component_urn("Surroundings", "OpenRoIS")
 _MAP: Final = component_urn("Map", "OpenRoIS")
 
 T = TypeVar("T")
-
-
-@dataclass(frozen=True, slots=True)
-class Vocabulary:
-    """Names over all bodies, sorted, each once.
-
-    Attributes:
-        bodies: their ids.
-        gestures: what `gesture` takes.
-        places: what `go_to` takes.
-        events: what `wait_for_event` takes.
-    """
-
-    bodies: tuple[str, ...] = ()
-    gestures: tuple[str, ...] = ()
-    places: tuple[str, ...] = ()
-    events: tuple[str, ...] = ()
 
 
 async def gestures_of(client: Client, body: BodyInfo) -> Mapping[str, str]:

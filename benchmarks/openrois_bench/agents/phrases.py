@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from openrois_agents.mind.phrases import Phrases, make_phrases
 from openrois_agents.mind.requests import POLITE_AFTER, POLITE_BEFORE
-from openrois_agents.tools.vocabulary import Vocabulary
+from openrois_agents.tools.names import Vocabulary
 from openrois_body.hearing.downsample import SPEECH_RATE, Downsampler
 from openrois_body.hearing.recognition import Utterance
 from openrois_body.hearing.recognizer import Expectation, Transcriber

@@ -3,7 +3,8 @@
 import pytest
 from openrois_agents.mind.phrases import Intent, Phrases, make_phrases, spoken_name
 from openrois_agents.mind.requests import GESTURE_SENTENCES, OTHER_WORDS, POLITE_AFTER, POLITE_BEFORE, REQUESTS
-from openrois_agents.tools.vocabulary import MAX_CHOICES, Vocabulary
+from openrois_agents.tools.names import Vocabulary
+from openrois_agents.tools.vocabulary import MAX_CHOICES
 from openrois_body.hearing.jsgf import MAX_GRAMMAR, Grammar, read_grammar
 
 VOCABULARY = Vocabulary(

@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from openrois_agents.mind.expecting import expect_phrases
 from openrois_agents.mind.phrases import Intent, Phrases, make_phrases
-from openrois_agents.tools.vocabulary import Vocabulary
+from openrois_agents.tools.names import Vocabulary
 from openrois_body.hearing.recognizer import Expectation, Transcriber
 from openrois_body.hearing.sphinx import Sphinx
 

@@ -20,7 +20,7 @@ from openrois_agents.mind.model.prompts import FAILED, INSTRUCTIONS, LOST_THREAD
 from openrois_agents.mind.model.reply import BadReply, Reply, ToolCall, estimate_tokens
 from openrois_agents.mind.model.sentences import Sentences
 from openrois_agents.mind.model.tool_choice import LOOK, USABLE, mistake_in, tool_schemas
-from openrois_agents.tools.vocabulary import Vocabulary
+from openrois_agents.tools.names import Vocabulary
 
 __all__ = ["MAX_AT_ONCE", "MAX_ROUNDS", "SETTLING", "ModelMind"]
 

@@ -4,8 +4,8 @@ from collections.abc import Collection, Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
+from openrois_agents.tools.names import Vocabulary
 from openrois_agents.tools.toolbox import TOOLS, input_schema
-from openrois_agents.tools.vocabulary import Vocabulary
 
 __all__ = ["LOOK", "USABLE", "mistake_in", "tool_schemas"]
 

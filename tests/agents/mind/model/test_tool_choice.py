@@ -3,8 +3,8 @@
 import jsonschema
 import pytest
 from openrois_agents.mind.model.tool_choice import USABLE, mistake_in, tool_schemas
+from openrois_agents.tools.names import Vocabulary
 from openrois_agents.tools.toolbox import TOOLS
-from openrois_agents.tools.vocabulary import Vocabulary
 
 from tests.support.mind_stage import NAMES
 
