@@ -10,9 +10,9 @@ from openrois.aio.tasks import TaskScope
 from openrois_agents.mind.spoken import Spoken
 from openrois_agents.tools.answer import Answer
 from openrois_agents.tools.failures import failure
+from openrois_agents.tools.names import Vocabulary
 from openrois_agents.tools.session import Session
 from openrois_agents.tools.toolbox import TOOLS, call_tool
-from openrois_agents.tools.vocabulary import Vocabulary
 
 __all__ = ["MAX_WAITING", "BodyStage"]
 

@@ -23,8 +23,8 @@ from openrois.types.profiles import component_urn
 from openrois_agents.mind.expecting import expect_phrases
 from openrois_agents.mind.phrases import Phrases
 from openrois_agents.mind.words import Words
+from openrois_agents.tools.names import Vocabulary
 from openrois_agents.tools.session import Session
-from openrois_agents.tools.vocabulary import Vocabulary
 
 __all__ = ["Ears", "MakePhrases"]
 
