@@ -49,6 +49,8 @@ with atheris.instrument_imports(include=INSTRUMENTED):
     )
     from openrois_agents.mcp.guard import Refused, bearer_of, host_rules
     from openrois_agents.mcp.token_claims import expiry_of, rights_of
+    from openrois_agents.mind.model.reply import MAX_REPLY, MAX_TOOL_CALLS, BadReply, Reply, read_delta
+    from openrois_agents.mind.model.sentences import MAX_SENTENCE, Sentences
     from openrois_agents.tools.arguments import KINDS, read_arguments
     from openrois_agents.tools.names import by_name
     from openrois_agents.tools.untrusted import marked
@@ -233,6 +235,27 @@ def agent(data: bytes) -> None:
     assert all(len(each) <= 48 and each.isascii() for each in by_name(text.splitlines()))
 
 
+def model(data: bytes) -> None:
+    """What a language model's server sends: events become a reply or are refused, and its text sentences."""
+    reader, reply, sentences = EventReader(), Reply(), Sentences()
+    text, found = "", list[str]()
+    with suppress(MalformedEvents, BadReply):
+        for event in reader.add(data):
+            added = reply.add(read_delta(event))
+            text += added
+            found += sentences.add(added)
+            if len(event) % 3 == 0:
+                found += sentences.settle()
+    found += sentences.finish()
+    assert len(text) <= MAX_REPLY
+    assert len(reply.calls) <= MAX_TOOL_CALLS
+    assert all(call.call_id and call.name.isascii() for call in reply.calls)
+    assert all(0 < len(each) <= MAX_SENTENCE and each.isprintable() for each in found)
+    assert [each for each in "".join(found) if each.isalnum()] == [each for each in text if each.isalnum()]
+    for call in reply.calls:
+        assert call.arguments() is None or json.dumps(call.arguments())
+
+
 DIRECTIONS: tuple[Answered, ...] = ("recvonly", "sendonly", "sendrecv", "inactive")
 
 
@@ -412,6 +435,18 @@ TARGETS = {
             "urn:x-rois:def:reaction:OMG::1\nurn:x-rois:def:reaction:OpenRoIS::kachaka/sound%2F1",
         ),
         ('"text"', '"tools"', '"place"', '"kind"', '"seconds"', '"events"', "null", "NaN", "true", "Bearer ", "host:"),
+    ),
+    "model": Target(
+        model,
+        (
+            b'data: {"choices":[{"index":0,"delta":{"role":"assistant","content":"Hello! Dr. No is 3.5"}}]}\n\n'
+            b'data: {"choices":[{"delta":{"content":" m. \xe4\xbd\xa0\xe5\xa5\xbd\xe3\x80\x82"}}]}\n\n',
+            b'data: {"choices":[{"delta":{"tool_calls":[{"index":0,"id":"c","function":{"name":"where"}}]}}]}\n\n'
+            b'data: {"choices":[{"delta":{"tool_calls":[{"index":0,"function":{"arguments":"{}"}}]}}]}\n\n'
+            b'data: {"choices":[],"usage":{"prompt_tokens":9,"completion_tokens":1}}\n\n',
+            b'data: {"error":{"message":"out of memory"}}\n\n',
+        ),
+        ("data: ", '"choices"', '"delta"', '"content"', '"tool_calls"', '"function"', '"arguments"', '"index"', '"id"'),
     ),
     "protocol": Target(
         protocol,

@@ -14,6 +14,7 @@ TIMES = int(os.environ.get("OPENROIS_FUZZ_TIMES", "1"))
 
 CASES = {
     "agent": 10_000,
+    "model": 25_000,
     "protocol": 25_000,
     "nats": 25_000,
     "condition": 25_000,

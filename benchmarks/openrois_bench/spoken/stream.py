@@ -11,72 +11,27 @@ import json
 import sys
 import tempfile
 import time
-from collections.abc import AsyncIterator, Callable, Sequence
-from contextlib import asynccontextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 from openrois_media import Media
 from openrois_media.client.speaking import Speaking
-from openrois_signaling.messages import Offer
-from openrois_streaming.source.source import RawAudio, RawVideo
-from openrois_streaming.testing import MeasuringSink
 
 from openrois.client import Client
 from openrois_bench.clone import require_clone
 from openrois_bench.measuring.conditions import conditions, load
 from openrois_bench.measuring.figures import median
 from openrois_bench.measuring.result import write_result
+from openrois_bench.viewing.ear import Ear, listening
 
-if TYPE_CHECKING:
-    from openrois.gateway.server import Gateway
-
-LOUD: Final = 2_000
-"""Of 32,767; Opus begins a tone at full height within a few ms."""
 BURST: Final = 192_000
 """Bytes that are pushed at once: two seconds of samples at 48 kHz."""
 
 Samples = NDArray[np.int16]
-
-
-class Ear:
-    """What a viewer hears: moment and time of hearing of the first and the last loud sample since `forget_heard`."""
-
-    def __init__(self) -> None:
-        self.first: tuple[float, float] | None = None
-        self.last = (0.0, 0.0)
-        self._came = asyncio.Event()
-
-    def forget_heard(self) -> None:
-        """Forget what was heard."""
-        self.first = None
-
-    def note_block(self, media: RawVideo | RawAudio) -> None:
-        """Note a block that is played now."""
-        if isinstance(media, RawAudio):
-            heard = time.monotonic()
-            loud = [at / 48_000 for at in np.flatnonzero(np.abs(media.samples[:, 0]) > LOUD).tolist()]
-            if loud:
-                self.first = self.first or (media.captured_at + loud[0], heard + loud[0])
-                self.last = (media.captured_at + loud[-1], heard + loud[-1])
-            self._came.set()
-
-    async def until(self, so: Callable[[], bool]) -> None:
-        """Wait until something is so when a block is played."""
-        while not so():
-            self._came.clear()
-            await self._came.wait()
-
-    async def loud_for(self, seconds: float) -> None:
-        """Wait until sound has been heard for so long."""
-        await self.until(lambda: self.first is not None and time.monotonic() - self.first[1] >= seconds)
-
-    async def silent_for(self, seconds: float) -> None:
-        """Wait until silence has been heard for so long."""
-        await self.until(lambda: time.monotonic() - self.last[1] >= seconds)
 
 
 @dataclass(frozen=True)
@@ -132,23 +87,6 @@ async def burst(speech: Speaking) -> float:
     used, took = time.process_time() - cpu, time.monotonic() - begun
     await speech.clear()
     return used - idle * took
-
-
-@asynccontextmanager
-async def listening(gateway: "Gateway") -> AsyncIterator[Ear]:
-    """A viewer of its own that hears the avatar."""
-    from tests.support.deployment import application  # a wheel has no tests
-
-    ear = Ear()
-    async with MeasuringSink(on_media=ear.note_block) as sink, application(gateway) as app:
-        await app.ask("openrois.hello", version="1", extensions=[])
-        assert (
-            await app.code("rois.stream.connect_stream", component_ref="avatar/audio_streaming", parameters=[]) == "OK"
-        )
-        offer = Offer.model_validate(await app.next("signaling.offer"))
-        assert await app.code("signaling.answer", **(await sink.respond(offer)).wire()) == "OK"
-        await sink.hears(50)
-        yield ear
 
 
 async def measure(runs: int) -> dict[str, Any]:

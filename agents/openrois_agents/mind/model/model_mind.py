@@ -32,7 +32,7 @@ MAX_ROUNDS: Final = 5
 MAX_AT_ONCE: Final = 4
 """Calls of tools of one reply that are made; the others are refused."""
 
-SETTLING: Final = 0.1
+SETTLING: Final = 0.06
 """Seconds without a token after which a sentence that seems whole is spoken."""
 
 

@@ -1,0 +1,166 @@
+"""How soon the first sentence of a language model is heard: `python -m openrois_bench.agents.first_sentence`.
+
+In the repository; `--quick` for a first look. A server on this machine streams tokens; a mind says its sentences
+through an avatar behind a gateway, all in one process, so that all moments are of one clock. The time is counted from
+the moment at which the server has written the last token of the first sentence to that of the first sound: in the
+own sound of the body, and at the ear of a viewer over WebRTC.
+"""
+
+import argparse
+import asyncio
+import json
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from contextlib import AsyncExitStack
+from datetime import date
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from openrois_agents.mind.contract import Turn
+from openrois_agents.mind.limits import Budget, Limits
+from openrois_agents.mind.model.chat import ModelSettings
+from openrois_agents.mind.model.model_mind import ModelMind
+from openrois_agents.tools.answer import Answer
+from openrois_agents.tools.session import Session
+from openrois_agents.tools.settings import ToolSettings
+from openrois_agents.tools.toolbox import call_tool
+from openrois_agents.tools.vocabulary import Vocabulary
+
+from openrois.aio.tasks import TaskScope
+from openrois.client import Client
+from openrois_bench.clone import require_clone
+from openrois_bench.measuring.conditions import conditions, load
+from openrois_bench.measuring.figures import MILLISECONDS, Percentiles
+from openrois_bench.measuring.result import write_result
+from openrois_bench.viewing.ear import Ear, listening
+
+if TYPE_CHECKING:
+    from aiohttp import web
+
+    from tests.support.chat_server import Behaviour, ChatServer
+
+__all__ = ["main"]
+
+_FIRST: Final = ("Good", " day", ", I", " am", " the", " avatar", ".")
+_SECOND: Final = (" What", " may", " I", " do", "?")
+_TOKEN: Final = 0.02
+"""Seconds between two tokens: fifty in a second."""
+_PAUSE: Final = 1.0
+"""Seconds for which a model is silent behind its first sentence."""
+_LOUD: Final = 300
+"""Of 32,767: a voice begins softly."""
+_PLENTY: Final = Limits(10**9, 10**9, 1e9)
+
+
+class _Stage:
+    """The body that a session has; sentences are said one behind the other."""
+
+    heard = ""
+
+    def __init__(self, session: Session, tasks: TaskScope) -> None:
+        self._session = session
+        self._queue: asyncio.Queue[str] = asyncio.Queue(4)
+        tasks.start(self._speak())
+
+    async def _speak(self) -> None:
+        while True:
+            text = await self._queue.get()
+            await self.use("say", {"text": text})
+            self._queue.task_done()
+
+    async def say(self, text: str) -> None:
+        await self._queue.put(text)
+
+    async def use(self, tool: str, arguments: Mapping[str, Any]) -> Answer:
+        return await call_tool(self._session, tool, arguments, _quietly)
+
+    async def all_said(self) -> None:
+        await self._queue.join()
+
+    async def vocabulary(self) -> Vocabulary:
+        return await self._session.vocabulary()
+
+
+async def _quietly(_seconds: float, _message: str) -> None:
+    """Report no progress."""
+
+
+def _tokens(pause: float) -> "Behaviour":
+    """Return a server's behaviour: tokens at their pace, and a pause between the sentences."""
+
+    async def answer(server: "ChatServer", request: "web.Request") -> "web.StreamResponse":
+        from tests.support.chat_server import begin, chunk, event  # a wheel has no tests
+
+        response = await begin(request)
+        for number, token in enumerate((*_FIRST, *_SECOND)):
+            await asyncio.sleep(pause if number == len(_FIRST) else _TOKEN)
+            await response.write(event(chunk({"content": token})))
+            server.written.append(asyncio.get_running_loop().time())
+        await response.write(b"data: [DONE]\n\n")
+        return response
+
+    return answer
+
+
+async def _answer(mind: ModelMind, stage: _Stage, server: "ChatServer", ear: Ear, pause: float) -> tuple[float, float]:
+    """Return the seconds from the last token of the first sentence to its sound, in the body and at the ear."""
+    mind.forget()
+    await ear.silent_for(0.7)
+    ear.forget_heard()
+    server.written.clear()
+    server.script.append(_tokens(pause))
+    await mind.answer(Turn("hello", "", 1), stage)
+    assert ear.first is not None, "the answer was heard"
+    written = server.written[len(_FIRST) - 1]
+    return ear.first[0] - written, ear.first[1] - written
+
+
+async def measure(runs: int) -> dict[str, Any]:
+    """Return all figures, in milliseconds."""
+    from tests.support.chat_server import chat_server  # a wheel has no tests
+    from tests.support.operated import operated_avatar
+
+    found: dict[str, list[tuple[float, float]]] = {"the model goes on": [], "the model pauses": []}
+    async with AsyncExitStack() as stack:
+        folder = stack.enter_context(tempfile.TemporaryDirectory())
+        gateway, _ = await stack.enter_async_context(operated_avatar(Path(folder)))
+        url = gateway.url.replace("http", "ws")
+        ear = await stack.enter_async_context(listening(gateway, _LOUD))
+        session = await stack.enter_async_context(Session(lambda: Client(url), ToolSettings()))
+        await session.use_body(None, ["say"], 10.0)
+        stage = _Stage(session, await stack.enter_async_context(TaskScope()))
+        server = await stack.enter_async_context(chat_server())
+        budget = Budget(_PLENTY, _PLENTY, date.today)
+        mind = await stack.enter_async_context(ModelMind(ModelSettings(server.address, "scripted"), budget))
+        # The first one loads the voice, and opens the connection.
+        await _answer(mind, stage, server, ear, _TOKEN)
+        for number in range(runs):
+            for name, pause in (("the model goes on", _TOKEN), ("the model pauses", _PAUSE)):
+                found[name].append(await _answer(mind, stage, server, ear, pause))
+            print(f"{number + 1} of {runs}", file=sys.stderr)
+    return {
+        f"{name}: to {where}": Percentiles.of((each[index] for each in times), MILLISECONDS).model_dump()
+        for name, times in found.items()
+        for index, where in enumerate(("the body's sound", "the ear"))
+    }
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure and tell."""
+    parser = argparse.ArgumentParser(prog="python -m openrois_bench.agents.first_sentence", description=__doc__)
+    parser.add_argument("--runs", type=int, default=30)
+    parser.add_argument("--quick", action="store_true", help="three runs")
+    parser.add_argument("--json", type=Path, help="where the figures are written to")
+    chosen = parser.parse_args(arguments)
+    require_clone()
+    before = load()
+    figures = asyncio.run(measure(3 if chosen.quick else chosen.runs))
+    found = conditions(before)
+    print(f"{found}\n\nmilliseconds from the last token of the first sentence:")
+    print(json.dumps(figures, indent=1))
+    write_result(chosen.json, "openrois_bench.agents.first_sentence", found, summary=figures)
+
+
+if __name__ == "__main__":
+    main()
