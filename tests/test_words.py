@@ -26,8 +26,9 @@ INTERFACE_VERBS: Final = {
 VAGUE_VERBS: Final = ("take", "tell", "look", "answer", "end", "forget")
 """Verbs that say nothing without an object."""
 MEANT: Final = {
-    "answer": {"Mind", "RuleMind"} | {"MeasuringSink", "PlainSink"},  # a turn; public: the answer to an offer
-    "forget": {"Enrolment"} | {"Mind", "RuleMind"},  # a command on the wire; a conversation
+    # The answer to an offer, which is public, and to a visitor.
+    "answer": {"MeasuringSink", "Mind", "ModelMind", "PlainSink", "RuleMind"},
+    "forget": {"Enrolment", "Mind", "ModelMind", "RuleMind"},  # a command on the wire; a conversation
     "look": {"Gaze"},  # a command on the wire
     "take": {"Control", "LeaseKeeper", "LeaseModel", "_Leases"},  # `openrois.lease.take`
 }

@@ -80,7 +80,7 @@ class History:
     def __init__(self) -> None:
         self._turns: list[_Turn] = []
 
-    def begin(self, text: str) -> None:
+    def begin_turn(self, text: str) -> None:
         """Begin a turn with what a visitor said."""
         self._turns.append(_Turn(text, [_Reply()]))
         del self._turns[:-MAX_TURNS]
@@ -121,7 +121,7 @@ class History:
             kept, left = _first(text, left)
             reply.said = [kept] if kept else []
 
-    def forget(self) -> None:
+    def forget_turns(self) -> None:
         """Forget the conversation."""
         self._turns.clear()
 

@@ -77,7 +77,7 @@ class ModelMind:
 
     async def answer(self, turn: Turn, stage: Stage) -> None:
         """Answer a turn; return when the answer was heard. A server that fails is a polite sentence and a line."""
-        self._history.begin(visitor_text(turn.text, turn.visitor))
+        self._history.begin_turn(visitor_text(turn.text, turn.visitor))
         self._has_said = False
         try:
             if not await self._converse(stage):
@@ -97,7 +97,7 @@ class ModelMind:
 
     def forget(self) -> None:
         """Forget the conversation."""
-        self._history.forget()
+        self._history.forget_turns()
 
     async def _converse(self, stage: Stage) -> bool:
         """Ask and act until the model has answered; return whether it said or did anything."""

@@ -19,24 +19,24 @@ def told(history: History) -> list[tuple[str, Any]]:
 
 def test_turns_and_replies_are_told_behind_the_instructions() -> None:
     history = History()
-    history.begin("hello")
+    history.begin_turn("hello")
     history.add_said("Hello!")
     history.add_said("Who are you?")
-    history.begin("Ann")
+    history.begin_turn("Ann")
     assert told(history) == [
         ("system", "rules"),
         ("user", "hello"),
         ("assistant", "Hello! Who are you?"),
         ("user", "Ann"),
     ]
-    history.forget()
+    history.forget_turns()
     assert told(history) == [("system", "rules")]
     history.cut("")
 
 
 def test_calls_stand_beside_their_results() -> None:
     history = History()
-    history.begin("wave")
+    history.begin_turn("wave")
     history.add_calls((WAVE, BAD))
     history.add_result(BAD, "no")
     history.add_result(WAVE, "x" * (MAX_RESULT + 1))
@@ -55,7 +55,7 @@ def test_calls_stand_beside_their_results() -> None:
 
 def test_a_call_that_was_interrupted_has_a_result() -> None:
     history = History()
-    history.begin("wave")
+    history.begin_turn("wave")
     history.add_said("I wave.")
     history.add_calls((WAVE,))
     history.cut("I wave.")
@@ -79,7 +79,7 @@ def test_a_call_that_was_interrupted_has_a_result() -> None:
 )
 def test_of_an_interrupted_answer_what_was_heard_is_told(heard: str, kept: list[str]) -> None:
     history = History()
-    history.begin("count")
+    history.begin_turn("count")
     history.add_said("One two.")
     history.add_said("Three.")
     history.go_on()
@@ -90,15 +90,15 @@ def test_of_an_interrupted_answer_what_was_heard_is_told(heard: str, kept: list[
 
 def test_what_was_not_answered_is_joined_with_what_follows() -> None:
     history = History()
-    history.begin("hello")
-    history.begin("are you there?")
+    history.begin_turn("hello")
+    history.begin_turn("are you there?")
     assert told(history)[1:] == [("user", "hello\nare you there?")]
 
 
 def test_only_so_many_turns_are_told() -> None:
     history = History()
     for number in range(MAX_TURNS + 3):
-        history.begin(f"question {number}")
+        history.begin_turn(f"question {number}")
         history.add_said(f"Answer {number}.")
     assert len(told(history)) == 1 + 2 * MAX_TURNS
     assert told(history)[1] == ("user", "question 3")
@@ -107,16 +107,16 @@ def test_only_so_many_turns_are_told() -> None:
 def test_only_so_many_characters_are_told_of_older_turns() -> None:
     history = History()
     for _ in range(4):
-        history.begin("x" * (MAX_HISTORY // 3))
+        history.begin_turn("x" * (MAX_HISTORY // 3))
         history.add_calls((WAVE,))
     assert len(history.messages("rules")) == 1 + 3 * 2
-    history.begin("x" * (MAX_HISTORY * 2))
+    history.begin_turn("x" * (MAX_HISTORY * 2))
     assert [len(content) for _, content in told(history)[1:]] == [MAX_HISTORY * 2]
 
 
 def test_the_newest_picture_is_told_in_its_turn_alone() -> None:
     history = History()
-    history.begin("what do you see?")
+    history.begin_turn("what do you see?")
     for name in ("old", "new"):
         history.add_calls((ToolCall(name, "look"),))
         history.add_result(ToolCall(name, "look"), "a picture")
@@ -127,13 +127,13 @@ def test_the_newest_picture_is_told_in_its_turn_alone() -> None:
     warning, picture = pictures[0]
     assert warning["text"].startswith("UNTRUSTED")
     assert picture == {"type": "image_url", "image_url": {"url": "data:new"}}
-    history.begin("and now?")
+    history.begin_turn("and now?")
     assert "data:" not in json.dumps(history.messages("rules"))
 
 
 STEPS = st.lists(
     st.one_of(
-        st.tuples(st.just("begin"), st.text(max_size=20)),
+        st.tuples(st.just("begin_turn"), st.text(max_size=20)),
         st.tuples(st.just("add_said"), st.text(max_size=20)),
         st.tuples(st.just("add_calls"), st.integers(0, 3)),
         st.tuples(st.just("add_result"), st.integers(0, 3)),
@@ -148,7 +148,7 @@ STEPS = st.lists(
 @given(STEPS)
 def test_whatever_happens_each_call_has_one_result_directly_behind_it(steps: list[tuple[str, Any]]) -> None:
     history = History()
-    history.begin("hello")
+    history.begin_turn("hello")
     for number, (name, value) in enumerate(steps):
         match name:
             case "add_calls":
