@@ -11,23 +11,21 @@ import asyncio
 import json
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import AsyncExitStack
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from openrois_agents.mind.body_stage import BodyStage
 from openrois_agents.mind.contract import Turn
 from openrois_agents.mind.limits import Budget, Limits
 from openrois_agents.mind.model.chat import ModelSettings
 from openrois_agents.mind.model.model_mind import ModelMind
-from openrois_agents.tools.answer import Answer
+from openrois_agents.mind.spoken import yielding_voice
 from openrois_agents.tools.session import Session
 from openrois_agents.tools.settings import ToolSettings
-from openrois_agents.tools.toolbox import call_tool
-from openrois_agents.tools.vocabulary import Vocabulary
 
-from openrois.aio.tasks import TaskScope
 from openrois.client import Client
 from openrois_bench.clone import require_clone
 from openrois_bench.measuring.conditions import conditions, load
@@ -53,37 +51,12 @@ _LOUD: Final = 300
 _PLENTY: Final = Limits(10**9, 10**9, 1e9)
 
 
-class _Stage:
-    """The body that a session has; sentences are said one behind the other."""
-
-    heard = ""
-
-    def __init__(self, session: Session, tasks: TaskScope) -> None:
-        self._session = session
-        self._queue: asyncio.Queue[str] = asyncio.Queue(4)
-        tasks.start(self._speak())
-
-    async def _speak(self) -> None:
-        while True:
-            text = await self._queue.get()
-            await self.use("say", {"text": text})
-            self._queue.task_done()
-
-    async def say(self, text: str) -> None:
-        await self._queue.put(text)
-
-    async def use(self, tool: str, arguments: Mapping[str, Any]) -> Answer:
-        return await call_tool(self._session, tool, arguments, _quietly)
-
-    async def all_said(self) -> None:
-        await self._queue.join()
-
-    async def vocabulary(self) -> Vocabulary:
-        return await self._session.vocabulary()
+def _count(_seconds: float) -> None:
+    """Count no speech."""
 
 
-async def _quietly(_seconds: float, _message: str) -> None:
-    """Report no progress."""
+def _cut() -> None:
+    raise AssertionError("no visitor speaks")
 
 
 def _tokens(pause: float) -> "Behaviour":
@@ -103,7 +76,9 @@ def _tokens(pause: float) -> "Behaviour":
     return answer
 
 
-async def _answer(mind: ModelMind, stage: _Stage, server: "ChatServer", ear: Ear, pause: float) -> tuple[float, float]:
+async def _answer(
+    mind: ModelMind, stage: BodyStage, server: "ChatServer", ear: Ear, pause: float
+) -> tuple[float, float]:
     """Return the seconds from the last token of the first sentence to its sound, in the body and at the ear."""
     mind.forget()
     await ear.silent_for(0.7)
@@ -128,8 +103,9 @@ async def measure(runs: int) -> dict[str, Any]:
         url = gateway.url.replace("http", "ws")
         ear = await stack.enter_async_context(listening(gateway, _LOUD))
         session = await stack.enter_async_context(Session(lambda: Client(url), ToolSettings()))
-        await session.use_body(None, ["say"], 10.0)
-        stage = _Stage(session, await stack.enter_async_context(TaskScope()))
+        held = await session.use_body(None, ["say"], 10.0)
+        voice = await stack.enter_async_context(yielding_voice(held))
+        stage = await stack.enter_async_context(BodyStage(session, voice, (), False, _count, _cut))
         server = await stack.enter_async_context(chat_server())
         budget = Budget(_PLENTY, _PLENTY, date.today)
         mind = await stack.enter_async_context(ModelMind(ModelSettings(server.address, "scripted"), budget))

@@ -9,6 +9,7 @@ from typing import Final
 
 from openrois_body.services.address import read_address
 
+from openrois.extras import install_command, missing_modules
 from openrois_agents.mind.limits import CONVERSATION, DAY, Budget, Limits
 from openrois_agents.mind.model.chat import PATH, ModelSettings
 from openrois_agents.mind.use_file import UseFile
@@ -16,6 +17,9 @@ from openrois_agents.mind.use_file import UseFile
 __all__ = ["add_limit_options", "add_model_options", "budget_choice", "model_arguments", "model_choice"]
 
 _MOST: Final = 1_000_000_000
+_CLIENT: Final = "aiohttp"
+_EXTRA: Final = "speech"
+"""What brings the client of servers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +89,8 @@ def model_choice(chosen_options: argparse.Namespace) -> ModelSettings | None:
         url = read_address(options.llm_url, PATH, unencrypted=options.llm_unencrypted, allowed_by="--llm-unencrypted")
     except ValueError as error:
         raise ValueError(f"--llm-url: {error}") from None
+    if _CLIENT in missing_modules(_EXTRA):
+        raise ValueError(f"--llm-url: {_CLIENT} is not installed: run `{install_command(_EXTRA)}`")
     return ModelSettings(url, options.llm_model, options.llm_key_file, options.llm_sees)
 
 

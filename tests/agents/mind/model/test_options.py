@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from openrois_agents.mind.limits import CONVERSATION
+from openrois_agents.mind.model import options
 from openrois_agents.mind.model.chat import ModelSettings
 from openrois_agents.mind.model.options import (
     add_limit_options,
@@ -60,6 +61,12 @@ def test_another_machine_is_spoken_to_without_tls_where_that_is_allowed() -> Non
     chosen = model_choice(parse("--llm-url", "http://192.168.1.2:80", "--llm-model", "m", "--llm-unencrypted"))
     assert chosen is not None
     assert chosen.url.destination == "http://192.168.1.2:80"
+
+
+def test_what_is_not_installed_is_named_with_the_command_that_installs_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(options, "missing_modules", lambda _extra: ("aiohttp",))
+    with pytest.raises(ValueError, match=r"aiohttp is not installed: run `pip install 'openrois\[speech\]'`"):
+        model_choice(parse("--llm-url", "http://127.0.0.1:1", "--llm-model", "m"))
 
 
 def test_limits_are_of_a_conversation_and_of_a_day() -> None:
