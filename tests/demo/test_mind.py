@@ -17,6 +17,8 @@ from openrois_streaming.clock import SystemClock
 from openrois_streaming.source.source import RawAudio
 
 from openrois.client import Client
+from openrois.client.components import Reaction
+from openrois.types.profiles import component_urn
 from tests.support.demo import PATIENCE, Demo, end, running_demo, start
 from tests.support.hearing import spoken, stereo_48k
 
@@ -98,9 +100,9 @@ async def test_a_body_waves_and_answers_when_it_is_spoken_to(tmp_path: Path) -> 
         microphone = Microphone()
         async with Client(demo.url) as client, Media(client) as media:
             avatar = next(each for each in await client.bodies() if each.engine_id == "avatar")
-            words = client.component(avatar.refs("Hearing")[0])
-            voice = client.component(avatar.refs("SpeechProgress")[0])
-            reaction = client.component(avatar.refs("Reaction")[0])
+            words = client.component(avatar.refs(component_urn("Hearing", "OpenRoIS"))[0])
+            voice = client.component(avatar.refs(component_urn("SpeechProgress", "OpenRoIS"))[0])
+            reaction = client.component(avatar.refs(Reaction)[0])
             consent = [Purpose.LIVE, Purpose.RECOGNITION]
             async with (
                 words.event("heard") as heard,

@@ -8,7 +8,7 @@ from typing import Final
 from tools.pages.bodies import bodies
 from tools.pages.commands import commands
 from tools.pages.configuration import gateway_settings
-from tools.pages.figures import adapter_figures, cluster_figures, gateway_figures
+from tools.pages.figures import adapter_figures, cluster_figures, gateway_figures, mind_figures
 from tools.pages.parts import Part, filled, outdated
 from tools.pages.scale import (
     scale_compared,
@@ -31,6 +31,7 @@ PARTS: Final[dict[str, Part]] = {
     "bodies": bodies,
     "commands": commands,
     "gateway-figures": gateway_figures,
+    "mind-figures": mind_figures,
     "gateway-settings": gateway_settings,
     "negotiation-states": negotiation_states,
     "scale-compared": scale_compared,

@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
+from openrois_agents.mind import figures as mind
+from openrois_agents.mind.model import figures as model
 from openrois_body import metrics as body
 from openrois_media.metrics import figures as adapter
 from openrois_robots.adapter import metrics as robots
@@ -13,7 +15,7 @@ from openrois.gateway import cluster_metrics as cluster
 from openrois.gateway import metrics as gateway
 from openrois.metrics.figure import Figure
 
-__all__ = ["adapter_figures", "cluster_figures", "gateway_figures"]
+__all__ = ["adapter_figures", "cluster_figures", "gateway_figures", "mind_figures"]
 
 _HEAD: Final = ["| figure | kind | meaning |", "|---|---|---|"]
 
@@ -55,6 +57,17 @@ _ADAPTER: Final[tuple[tuple[str, Sequence[str], Sequence[Figure[Any]]], ...]] = 
     ("Renditions", adapter.RENDITION_LABELS, adapter.RENDITION),
     ("Streams", adapter.STREAM_LABELS, (*adapter.STREAM, *adapter.ADAPTATION, *adapter.RECEPTION)),
 )
+
+_MIND: Final[tuple[tuple[str, Sequence[str], Sequence[Figure[Any]]], ...]] = (
+    ("Conversations", (), mind.MIND_FIGURES),
+    ("Refused turns", mind.REFUSAL_LABELS, mind.REFUSED),
+    ("The language model, where there is one", (), model.MODEL_FIGURES),
+)
+
+
+def mind_figures() -> list[str]:
+    """Return the tables of the figures of `openrois mind`."""
+    return [line for group in _MIND for line in _table(*group)][:-1]
 
 
 def gateway_figures() -> list[str]:

@@ -22,17 +22,17 @@ from openrois_agents.tools.held_body import HeldBody
 from openrois_agents.tools.session import Session
 from openrois_agents.tools.vocabulary import gestures_of
 
-__all__ = ["MAX_NEWS", "MOVING", "SILENCE", "Conversations"]
+__all__ = ["SILENCE", "Conversations"]
 
 _log = logging.getLogger(__name__)
 
 SILENCE: Final = 60.0
 """Seconds after the last words, or the end of the last answer, after which a conversation is over."""
 
-MOVING: Final = 5.0
+_MOVING: Final = 5.0
 """Seconds for which another body is waited for when the one of a conversation was lost."""
 
-MAX_NEWS: Final = 64
+_MAX_NEWS: Final = 64
 """Words and events that wait for the conversation; the oldest makes room for the newest."""
 
 _LOOK: Final = 1.0
@@ -86,7 +86,7 @@ class Conversations:
         self._wake_word = wake_word
         self._pause = pause
         self._tasks = TaskScope()
-        self._news: asyncio.Queue[Words | LoggedEvent | _CutShort | _Over] = asyncio.Queue(MAX_NEWS)
+        self._news: asyncio.Queue[Words | LoggedEvent | _CutShort | _Over] = asyncio.Queue(_MAX_NEWS)
         self._voice = AsyncExitStack()
         self._spoken = Spoken()
         self._beats: Sequence[str] = ()
@@ -288,7 +288,7 @@ class Conversations:
         await self._interrupt()
         await self._voice.aclose()
         try:
-            now = await self._session.use_body(None, None, MOVING)
+            now = await self._session.use_body(None, None, _MOVING)
         except _FAILURES as error:
             _log.info("%s was lost, and no other body is free: %s", lost, error)
             await self._end(f"{lost} was lost")

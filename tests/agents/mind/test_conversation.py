@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 import pytest
+from openrois_agents.mind.body_stage import MAX_WAITING
 from openrois_agents.mind.contract import Stage, Turn
 from openrois_agents.mind.conversation import SILENCE
 
@@ -213,3 +214,20 @@ async def test_a_conversation_that_is_ended_from_outside_gives_its_body_back() -
         (info,) = await other.bodies()
         assert info.free
         assert actor.speaking.stops >= 1
+
+
+async def test_a_mind_waits_while_four_sentences_wait_to_be_spoken() -> None:
+    queued: list[int] = []
+
+    async def talk_much(_turn: Turn, stage: Stage) -> None:
+        for number in range(10):
+            await stage.say(f"Sentence {number}.")
+            queued.append(number)
+
+    async with talk(at_once=False) as talking:
+        talking.mind.script = talk_much
+        talking.hear("tell me everything")
+        await until(lambda: talking.actor.speaking.begun.is_set() and len(queued) == MAX_WAITING + 1)
+        talking.actor.speaking.may_end.set()
+        await until(lambda: talking.figures.answers == 1)
+        assert talking.actor.speaking.did == [f"Sentence {number}." for number in range(10)]
