@@ -27,7 +27,8 @@ def main() -> None:
             answer = {"partial": str(heard)}
         if request["do"] == "end":
             score = -50_000.0 if "mumble" in grammar else -5000.0
-            answer = {"candidates": ["stop", "stop stop", "stop"], "score": score}
+            before = "stop" if "again" in grammar else "go"
+            answer = {"candidates": ["stop", "stop stop", "stop"], "score": score, "before": before}
         reply = b"nonsense, not a message" if "babble" in grammar else encode(answer)
         sys.stdout.buffer.write(reply)
         sys.stdout.buffer.flush()

@@ -2,6 +2,7 @@
 
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
+from datetime import datetime
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -47,11 +48,13 @@ class Acting:
         stage: the body.
         phrases: what can be said.
         memory: of the conversation.
+        now: the time of day here.
     """
 
     stage: Stage
     phrases: Phrases
     memory: Memory
+    now: Callable[[], datetime] = datetime.now
 
     async def say(self, *sentences: str) -> None:
         """Say sentences, and remember them."""
@@ -126,6 +129,11 @@ async def _places(acting: Acting, _argument: str) -> None:
 
 async def _how(acting: Acting, _argument: str) -> None:
     await acting.say("Thank you for asking. I am here, and I can hear you.")
+
+
+async def _time(acting: Acting, _argument: str) -> None:
+    now = acting.now()
+    await acting.say(f"By the clock of this machine it is {now.hour}:{now.minute:02d}.")
 
 
 async def _thank(acting: Acting, _argument: str) -> None:
@@ -233,6 +241,7 @@ DEEDS: Final[Mapping[str, Deed]] = MappingProxyType(
         "see": _see,
         "where": _where_are_you,
         "how": _how,
+        "time": _time,
         "go_to": _go_to,
         "find": _find,
         "places": _places,

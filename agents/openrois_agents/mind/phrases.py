@@ -26,6 +26,7 @@ _TENS: Final = ("", "", "twenty", "thirty", "forty", "fifty", "sixty", "seventy"
 _PART: Final = re.compile(r"\d+|[^\W\d_]+(?:'[^\W\d_]+)*")
 _WORD: Final = re.compile(r"[a-z]+(?:'[a-z]+)*")
 _SLOT: Final = re.compile(r"\{(\w+)\}")
+_STOP: Final = next(each.sentences for each in REQUESTS if each.intent == "stop")
 _ROOM: Final = 600
 """Words of all names together; a body takes a grammar of 2,000 words in which each stands up to twice."""
 
@@ -208,10 +209,12 @@ def _grammar(wake_word: str, requests: Iterable[Request], slots: Mapping[str, Ma
     }
     wake, may_wake = (f"{wake_word} ", f"[{wake_word}] ") if wake_word else ("", "")
     said = "[<before>] <request> [<after>] | <question>" if forms[True] else "<question>"
+    # To stop is never wrong, so that the wake word is not waited for.
+    stop = f" | {' | '.join(_STOP)}" if wake_word else ""
     lines = [
         "#JSGF V1.0;",
         "grammar mind;",
-        f"public <heard> = <said> | {may_wake}(<other>)+;",
+        f"public <heard> = <said>{stop} | {may_wake}(<other>)+;",
         f"<said> = {wake}({said});",
         *(f"<{name}> = {' | '.join(each)};" for name, each in rules.items() if each),
     ]

@@ -33,7 +33,7 @@ def _looking(direction: str, *sentences: str) -> Request:
 
 
 REQUESTS: Final = (
-    Request("greet", ("hello", "hello there", "hi there", "good morning", "good afternoon", "good evening")),
+    Request("greet", ("hello", "good morning", "good afternoon", "good evening")),
     Request(
         "who", ("who are you", "what is your name", "what are you", "introduce yourself", "tell me about yourself")
     ),
@@ -50,6 +50,7 @@ REQUESTS: Final = (
         ),
     ),
     Request("where", ("where are you", "where are you now", "where do you stand")),
+    Request("time", ("what time is it", "what is the time", "tell me the time")),
     Request("how", ("how are you", "how are you today", "how do you do")),
     Request(
         "go_to",

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from datetime import datetime
 from typing import Final, Self
 
 from openrois_agents.mind.contract import Stage, Turn
@@ -24,13 +25,20 @@ class RuleMind:
     Args:
         wake_word: with which every sentence begins; empty where none has to. What begins without it is for others.
         clock: monotonic seconds.
+        now: the time of day here.
     """
 
     sends_to = ""
     needs_consent = False
 
-    def __init__(self, wake_word: str = "", clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        wake_word: str = "",
+        clock: Callable[[], float] = time.monotonic,
+        now: Callable[[], datetime] = datetime.now,
+    ) -> None:
         self._wake_word = wake_word
+        self._now = now
         self._clock = clock
         self._vocabulary = Vocabulary()
         self._phrases = make_phrases(self._vocabulary, wake_word=wake_word)
@@ -56,7 +64,7 @@ class RuleMind:
         self._quiet_until = self._clock()
         if intent.name != "repeat":
             self._memory.said = []
-        await DEEDS[intent.name](Acting(stage, phrases, self._memory), intent.argument)
+        await DEEDS[intent.name](Acting(stage, phrases, self._memory, self._now), intent.argument)
 
     def interrupted(self, heard: str) -> None:
         """Do nothing: the next answer does not depend on how much of this one was heard."""

@@ -29,9 +29,11 @@ CANDIDATES: Final = 5
 _WORST: Final = -28_000.0
 """The acoustic score of a grammar's sentence from which on it was not said, in PocketSphinx's units per 10 ms.
 
-Synthetic speech that was expected has mostly -14,000 to -30,000, some of it less; other speech -30,000 to -66,000. It is not
-asked of a grammar with a part that may be repeated, such as words for other speech: a sentence has won against them then.
+Synthetic speech that was expected has mostly -14,000 to -30,000, some of it less; other speech -30,000 to -66,000.
 """
+_UNSURE: Final = -40_000.0
+"""The score below which a sentence that has won against words for other speech was not said, unless it was the
+likeliest both while the sound came and of the sound as a whole."""
 _CHILD: Final = "openrois_body.hearing.sphinx_child"
 _LIBRARY: Final = "pocketsphinx"
 _DICTIONARY: Final = "model/en-us/cmudict-en-us.dict"
@@ -102,10 +104,20 @@ class _Transcriber:
         answer = await self._conversation.ask({"do": "end"})
         candidates = tuple(str(each) for each in answer["candidates"])
         if self._grammar is not None:
-            if answer["score"] < _WORST and not self._grammar.repeats(self._rule):
+            if self._is_unlike(answer):
                 return ()
             candidates = tuple(each for each in candidates if self._grammar.accepts(self._rule, each))
         return candidates[:CANDIDATES]
+
+    def _is_unlike(self, answer: dict[str, Any]) -> bool:
+        """Return whether a sentence is too unlike the sound to have been said.
+
+        A grammar with a part that may be repeated is taken to have words for other speech.
+        """
+        assert self._grammar is not None
+        if not self._grammar.repeats(self._rule):
+            return bool(answer["score"] < _WORST)
+        return bool(answer["score"] < _UNSURE and answer["candidates"][:1] != [answer["before"]])
 
 
 class _Conversation:

@@ -9,7 +9,8 @@ It reads requests from stdin and answers each on stdout (`openrois_body.processe
     {"do": "hear"} and s16 mono sound at 16 kHz
         -> {"partial": what is understood so far}
     {"do": "end"}
-        -> {"candidates": [texts, the likeliest first], "score": of the first: acoustic, per 10 ms}
+        -> {"candidates": [texts, the likeliest first], "score": of the first: acoustic, per 10 ms,
+            "before": text that was the likeliest before the sound was heard as a whole; the first one in dictation}
     what cannot be done
         -> {"refused": reason}
 """
@@ -91,6 +92,7 @@ class Ears:
 
     def _finish_utterance(self) -> dict[str, Any]:
         self._finish()
+        before = self._decoder.hyp()
         if self._heard:
             # Once more as a whole: its loudness and the colour of voice and room are known now, not those of the
             # utterance before. With a grammar that takes a tenth of its length.
@@ -99,10 +101,11 @@ class Ears:
             self._decoder.end_utt()
         found = self._decoder.hyp()
         if not found or not found.hypstr:
-            return {"candidates": [], "score": 0.0}
+            return {"candidates": [], "score": 0.0, "before": ""}
         score = self._score()
         others = (each.hypstr for each in itertools.islice(self._decoder.nbest(), _LOOKED_AT) if each)
-        return {"candidates": [each for each in dict.fromkeys((found.hypstr, *others)) if each], "score": score}
+        candidates = [each for each in dict.fromkeys((found.hypstr, *others)) if each]
+        return {"candidates": candidates, "score": score, "before": before.hypstr if before else ""}
 
     def _finish(self) -> None:
         if self._hearing:

@@ -116,6 +116,8 @@ def test_a_wake_word_begins_every_sentence() -> None:
     assert not phrases.is_addressed("computers are nice")
     assert grammar.accepts("heard", "computer hello")
     assert not grammar.accepts("heard", "hello")
+    # Who wants a body to stop need not think of a wake word.
+    assert grammar.accepts("heard", "stop moving")
     # Other speech is caught, with the wake word or without.
     assert grammar.accepts("heard", OTHER_WORDS[0])
     assert grammar.accepts("heard", f"computer {OTHER_WORDS[0]}")

@@ -183,6 +183,12 @@ async def test_it_looks_stops_thanks_and_says_who_it_is() -> None:
         assert await stage.answer(mind, "which gestures do you know") == ["You can say: nod your head or wave."]
 
 
+async def test_it_tells_the_time() -> None:
+    async with rule_stage(*Actor().parts) as stage:
+        mind = RuleMind(now=lambda: datetime(2026, 11, 28, 9, 5))
+        assert await stage.answer(mind, "what time is it") == ["By the clock of this machine it is 9:05."]
+
+
 async def test_it_repeats_its_last_answer() -> None:
     async with rule_stage(*Actor().parts) as stage:
         mind = RuleMind()

@@ -19,7 +19,12 @@ SAID = (
     *("hello", "wave", "please wave", "go to the plant", "walk to the coffee table", "who are you", "come here"),
     *("what do you see", "what can you do", "stop talking", "thank you", "where are you"),
 )
-NOT_SAID = ("what time is it", "can you hear me", "nobody knows the answer", "the weather is nice")
+NOT_SAID = (
+    "give it back to my brother",
+    "nobody knows the answer",
+    "i would like some coffee",
+    "we were walking along the river",
+)
 
 
 async def intents(transcriber: Transcriber, sound: NDArray[np.int16]) -> list[Intent]:
