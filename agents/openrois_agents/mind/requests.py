@@ -51,7 +51,9 @@ REQUESTS: Final = (
     ),
     Request("where", ("where are you", "where are you now", "where do you stand")),
     Request("time", ("what time is it", "what is the time", "tell me the time")),
-    Request("how", ("how are you", "how are you today", "how do you do")),
+    Request(
+        "how", ("how are you", "how are you today", "hello how are you", "hello how are you today", "how do you do")
+    ),
     Request(
         "go_to",
         (

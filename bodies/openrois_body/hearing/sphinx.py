@@ -31,7 +31,7 @@ _WORST: Final = -28_000.0
 
 Synthetic speech that was expected has mostly -14,000 to -30,000, some of it less; other speech -30,000 to -66,000.
 """
-_UNSURE: Final = -40_000.0
+_UNSURE: Final = -42_000.0
 """The score below which a sentence that has won against words for other speech was not said, unless it was the
 likeliest both while the sound came and of the sound as a whole."""
 _CHILD: Final = "openrois_body.hearing.sphinx_child"
@@ -101,7 +101,8 @@ class _Transcriber:
         return str(answer["partial"])
 
     async def finish(self, _guess: Callable[[str], None]) -> tuple[str, ...]:
-        answer = await self._conversation.ask({"do": "end"})
+        has_others = self._grammar is not None and self._grammar.repeats(self._rule)
+        answer = await self._conversation.ask({"do": "end", "most": 1 if has_others else CANDIDATES})
         candidates = tuple(str(each) for each in answer["candidates"])
         if self._grammar is not None:
             if self._is_unlike(answer):

@@ -8,7 +8,7 @@ It reads requests from stdin and answers each on stdout (`openrois_body.processe
         -> {}; an utterance that was not ended is forgotten
     {"do": "hear"} and s16 mono sound at 16 kHz
         -> {"partial": what is understood so far}
-    {"do": "end"}
+    {"do": "end", "most": number of candidates}
         -> {"candidates": [texts, the likeliest first], "score": of the first: acoustic, per 10 ms,
             "before": text that was the likeliest before the sound was heard as a whole; the first one in dictation}
     what cannot be done
@@ -31,6 +31,11 @@ from openrois_body.processes.framing import HEADER, FramingError, decode_body, d
 
 _OPEN: Final = "_default"
 _GRAMMAR: Final = "grammar"
+_WHILE_HEARD: Final = "while it is heard"
+"""The searches: open dictation, a grammar in the whole of an utterance, and one in its parts as they come."""
+_THOROUGH: Final = 144_000
+"""Bytes of sound, 4.5 s, up to which the lattice of a grammar with words for other speech is looked at: it takes longer
+the longer that speech is, and no sentence is."""
 _LOOKED_AT: Final = 20
 """Hypotheses of the lattice; many of them are the same words, pronounced in another way."""
 _NICE: Final = 5
@@ -70,15 +75,18 @@ class Ears:
                 found = self._decoder.hyp()
                 return {"partial": found.hypstr if found else ""}
             case "end":
-                return self._finish_utterance()
+                return self._finish_utterance(int(request["most"]))
         raise ValueError(f"unknown request {request['do']!r}; expected greet, begin, hear or end")
 
     def _begin(self, grammar: str | None) -> dict[str, Any]:
         self._finish()
         if grammar is not None and grammar != self._grammar:
-            self._decoder.add_jsgf_string(_GRAMMAR, grammar)
+            # The first one looks at the lattice of all words in the end, the other one does not.
+            for name, is_thorough in ((_GRAMMAR, True), (_WHILE_HEARD, False)):
+                self._decoder.config["bestpath"] = is_thorough
+                self._decoder.add_jsgf_string(name, grammar)
             self._grammar = grammar
-        self._decoder.activate_search(_OPEN if grammar is None else _GRAMMAR)
+        self._decoder.activate_search(_OPEN if grammar is None else _WHILE_HEARD)
         self._decoder.start_utt()
         self._hearing = True
         self._heard = None if grammar is None else []
@@ -90,22 +98,25 @@ class Ears:
             self._heard.append(sound)
         self._decoder.process_raw(sound, no_search=False, full_utt=False)
 
-    def _finish_utterance(self) -> dict[str, Any]:
+    def _finish_utterance(self, most: int) -> dict[str, Any]:
         self._finish()
         before = self._decoder.hyp()
         if self._heard:
             # Once more as a whole: its loudness and the colour of voice and room are known now, not those of the
             # utterance before. With a grammar that takes a tenth of its length.
+            whole = b"".join(self._heard)
+            self._decoder.activate_search(_GRAMMAR if most > 1 or len(whole) <= _THOROUGH else _WHILE_HEARD)
             self._decoder.start_utt()
-            self._decoder.process_raw(b"".join(self._heard), no_search=False, full_utt=True)
+            self._decoder.process_raw(whole, no_search=False, full_utt=True)
             self._decoder.end_utt()
         found = self._decoder.hyp()
         if not found or not found.hypstr:
             return {"candidates": [], "score": 0.0, "before": ""}
         score = self._score()
-        others = (each.hypstr for each in itertools.islice(self._decoder.nbest(), _LOOKED_AT) if each)
+        further = itertools.islice(self._decoder.nbest(), _LOOKED_AT) if most > 1 else ()
+        others = (each.hypstr for each in further if each)
         candidates = [each for each in dict.fromkeys((found.hypstr, *others)) if each]
-        return {"candidates": candidates, "score": score, "before": before.hypstr if before else ""}
+        return {"candidates": candidates[:most], "score": score, "before": before.hypstr if before else ""}
 
     def _finish(self) -> None:
         if self._hearing:
