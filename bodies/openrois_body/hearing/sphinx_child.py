@@ -36,6 +36,8 @@ _WHILE_HEARD: Final = "while it is heard"
 _THOROUGH: Final = 144_000
 """Bytes of sound, 4.5 s, up to which the lattice of a grammar with words for other speech is looked at: it takes longer
 the longer that speech is, and no sentence is."""
+_WORDS: Final = 8
+"""Words up to which it is, likewise."""
 _LOOKED_AT: Final = 20
 """Hypotheses of the lattice; many of them are the same words, pronounced in another way."""
 _NICE: Final = 5
@@ -105,7 +107,8 @@ class Ears:
             # Once more as a whole: its loudness and the colour of voice and room are known now, not those of the
             # utterance before. With a grammar that takes a tenth of its length.
             whole = b"".join(self._heard)
-            self._decoder.activate_search(_GRAMMAR if most > 1 or len(whole) <= _THOROUGH else _WHILE_HEARD)
+            is_short = len(whole) <= _THOROUGH and len(before.hypstr.split() if before else ()) <= _WORDS
+            self._decoder.activate_search(_GRAMMAR if most > 1 or is_short else _WHILE_HEARD)
             self._decoder.start_utt()
             self._decoder.process_raw(whole, no_search=False, full_utt=True)
             self._decoder.end_utt()
