@@ -41,7 +41,7 @@ async def look(session: Session, given: Look, progress: Progress) -> Answer:
 
 
 async def where_is(session: Session, given: Where, _progress: Progress) -> Answer:
-    """Return where a body is, and the places and persons that it knows."""
+    """Return where a body is, and the places and persons that it knows; these also where the position is not told."""
     info = await session.body_info(given.body)
     client = await session.link.client()
     data: dict[str, Any] = {"body": info.engine_id}
