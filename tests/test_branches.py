@@ -105,7 +105,7 @@ TESTS = (
     ),
     "tests/agents/tools",
     *(f"tests/agents/mind/test_{part}.py" for part in ("limits", "phrases", "placing", "replies")),
-    *(f"tests/agents/mind/model/test_{part}.py" for part in ("history", "model_mind", "reply", "sentences")),
+    "tests/agents/mind/model",
     *(f"tests/agents/mcp/test_{part}.py" for part in ("guard", "token_claims")),
     *(f"tests/robots/simulated/{part}" for part in ("test_battery.py", "test_driving.py", "world", "drawing")),
     *(f"tests/robots/ros2/test_{part}.py" for part in ("definitions", "matching", "names")),

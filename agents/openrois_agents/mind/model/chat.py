@@ -1,14 +1,15 @@
 """The client of a server with an API like OpenAI's chat completions: replies as they arrive."""
 
 from collections.abc import AsyncGenerator, AsyncIterator, Mapping, Sequence
-from contextlib import aclosing, asynccontextmanager
+from contextlib import AsyncExitStack, aclosing, asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final, Self
 
 from openrois_body.services.address import ServiceAddress
 from openrois_body.services.events import EventReader, MalformedEvents
-from openrois_body.services.server import Answer, Server, ServerFailed
+from openrois_body.services.server import Answer, Server, ServerFailed, ServerRefused
 
 from openrois_agents.mind.model.reply import BadReply, Delta, read_delta
 
@@ -26,6 +27,7 @@ PATIENCE: Final = 60.0
 _STREAMS: Final = frozenset({"", "text/event-stream"})
 _WHOLE: Final = "application/json"
 _END: Final = "[DONE]"
+_WITH_USAGE: Final = MappingProxyType({"stream_options": {"include_usage": True}})
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +56,8 @@ class Chat:
 
     def __init__(self, settings: ModelSettings) -> None:
         self._model = settings.model
+        self._tells_usage: bool | None = None
+        """Whether the server tells what an answer has used; None before it has answered."""
         self._server = Server(settings.url, "the language model", "--llm-url", settings.key_file)
 
     async def __aenter__(self) -> Self:
@@ -82,12 +86,28 @@ class Chat:
             "model": self._model,
             "messages": messages,
             "stream": True,
-            "stream_options": {"include_usage": True},
         }
         if tools:
             asked |= {"tools": tools, "tool_choice": "auto" if may_call else "none"}
-        async with self._server.post(PATH, asked) as answer, aclosing(self._deltas(answer)) as deltas:
+        async with self._answer(asked) as answer, aclosing(self._deltas(answer)) as deltas:
             yield deltas
+
+    @asynccontextmanager
+    async def _answer(self, asked: Mapping[str, Any]) -> AsyncIterator[Answer]:
+        """Ask for the usage as well, unless the server is one of those that refuse that."""
+        async with AsyncExitStack() as stack:
+            answer = None
+            if self._tells_usage is not False:
+                try:
+                    answer = await stack.enter_async_context(self._server.post(PATH, {**asked, **_WITH_USAGE}))
+                    self._tells_usage = True
+                except ServerRefused:
+                    if self._tells_usage:
+                        raise
+            if answer is None:
+                answer = await stack.enter_async_context(self._server.post(PATH, asked))
+                self._tells_usage = False
+            yield answer
 
     async def _deltas(self, answer: Answer) -> AsyncGenerator[Delta]:
         try:

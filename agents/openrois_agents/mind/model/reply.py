@@ -5,6 +5,8 @@ import re
 from dataclasses import dataclass
 from typing import Any, Final
 
+from openrois_agents.mind.model.thoughts import Thoughts
+
 __all__ = [
     "MAX_ARGUMENTS",
     "MAX_REPLY",
@@ -113,6 +115,7 @@ class Reply:
         self._calls: list[ToolCall] = []
         self._by_index: dict[int, ToolCall] = {}
         self._written = 0
+        self._thoughts = Thoughts()
 
     @property
     def is_full(self) -> bool:
@@ -130,15 +133,15 @@ class Reply:
         return self._written
 
     def add(self, delta: Delta) -> str:
-        """Add what arrived, and return its text, cut where the reply is full.
+        """Add what arrived, and return what of it is to be said, cut where the reply is full.
 
         Raises:
             BadReply: it calls too many tools, or with too long arguments.
         """
         self.usage = delta.usage or self.usage
-        text = delta.text[: MAX_REPLY - self._characters]
+        text = self._thoughts.leave_out(delta.text)[: MAX_REPLY - self._characters]
         self._characters += len(text)
-        self._written += estimate_tokens(text)
+        self._written += estimate_tokens(delta.text)
         for part in delta.calls:
             self._add_part(part)
         return text

@@ -269,6 +269,41 @@ async def test_names_that_the_gateway_does_not_tell_are_left_out() -> None:
         assert [each["function"]["name"] for each in server.asked[0]["tools"]] == ["look_at", "where", "stop"]
 
 
+async def test_a_server_that_refuses_to_tell_the_usage_is_asked_without_it_from_then_on() -> None:
+    async with minded(refuses(422), says("Hello.", usage=None), says("You.", usage=None)) as (mind, server):
+        stage = NotedStage()
+        await mind.answer(HELLO, stage)
+        await mind.answer(HELLO, stage)
+        assert stage.said == ["Hello.", "You."]
+        assert ["stream_options" in each for each in server.asked] == [True, False, False]
+
+
+async def test_a_server_that_has_answered_is_not_asked_twice_when_it_refuses(caplog: pytest.LogCaptureFixture) -> None:
+    async with minded(says("Hello."), refuses(400, {"error": {"message": "too long"}})) as (mind, server):
+        stage = NotedStage()
+        await mind.answer(HELLO, stage)
+        await mind.answer(HELLO, stage)
+        assert stage.said == ["Hello.", FAILED]
+        assert len(server.asked) == 2
+        assert "refuses this (400): too long" in caplog.text
+
+
+async def test_a_request_that_is_refused_both_ways_is_told(caplog: pytest.LogCaptureFixture) -> None:
+    refusal = refuses(400, {"error": {"message": "no such model"}})
+    async with minded(refusal, refusal) as (mind, _):
+        stage = NotedStage()
+        await mind.answer(HELLO, stage)
+        assert stage.said == [FAILED]
+        assert "refuses this (400): no such model" in caplog.text
+
+
+async def test_what_the_model_thinks_is_not_said() -> None:
+    async with minded(says("<th", "ink>Hm. Well.", "</think>\n", "Hello.")) as (mind, _):
+        stage = NotedStage()
+        await mind.answer(HELLO, stage)
+        assert stage.said == ["Hello."]
+
+
 def message(content: str) -> bytes:
     return json.dumps({"choices": [{"message": {"content": content}}]}).encode()
 
@@ -296,7 +331,6 @@ MALFORMED: dict[str, tuple[Behaviour, str]] = {
         "8000 characters",
     ),
     "503": (refuses(503, {"error": {"message": "loading"}}), "loading"),
-    "400": (refuses(400, {"error": {"message": "no such model"}}), "refuses this (400): no such model"),
     "404": (refuses(404), "404"),
 }
 
@@ -407,7 +441,7 @@ async def test_the_key_is_shown_to_the_server_and_to_no_log(tmp_path: Path, capl
             await mind.answer(HELLO, stage)
             await mind.answer(HELLO, stage)
             assert stage.said == [FAILED] * 4 + ["Hello there."]
-            assert server.keys == ["Bearer secret-0123456789"] * 3
+            assert server.keys == ["Bearer secret-0123456789"] * len(server.asked)
     assert "bad key (the key)" in caplog.text
     assert "secret" not in caplog.text
 
