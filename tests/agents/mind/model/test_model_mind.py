@@ -186,14 +186,18 @@ async def test_a_picture_is_shown_to_a_model_that_sees() -> None:
         assert "look" in [each["function"]["name"] for each in server.asked[0]["tools"]]
 
 
-async def test_a_cancelled_answer_closes_the_connection_and_is_told_as_it_was_heard() -> None:
+async def test_a_cancelled_answer_closes_the_connection_and_is_told_as_it_was_heard(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # Nothing else ends the request.
+    monkeypatch.setattr(services, "STALL_TIMEOUT", 3_600.0)
     script = halting(chunk({"content": "One is one. Two is two. Three"})), says("Yes.")
     async with minded(*script) as (mind, server):
         stage = NotedStage()
         answering = asyncio.ensure_future(mind.answer(HELLO, stage))
         await stage.until(lambda: len(stage.said) == 2)
-        await cancel(answering)
         async with asyncio.timeout(30):
+            await cancel(answering)
             await server.broken.wait()
         mind.interrupted("One is")
         await mind.answer(Turn("go on", "", 2), stage)
