@@ -15,7 +15,7 @@ from typing import Final
 
 from openrois_agents.mind.options import add_mind_options, mind_arguments, mind_choice
 from openrois_agents.mind.phrases import make_phrases
-from openrois_agents.tools.vocabulary import Vocabulary
+from openrois_agents.tools.names import Vocabulary
 from openrois_avatar.options.engine_options import add_engine_options, engine_arguments
 from openrois_avatar.options.link_options import add_facade_option, add_link_options, link_arguments
 from openrois_body.speech_options import (

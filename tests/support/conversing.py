@@ -132,8 +132,9 @@ async def conversing(
 
     async with Session(make_client, ToolSettings(), clock) as session:
         budget = Budget(*limits, lambda: date(2026, 1, 1))
-        conversations = Conversations(session, mind, budget, figures, wake_word, pause)
-        async with Ears(session, conversations.hear, make_phrases):
+        conversations = Conversations(session, mind, budget, figures, wake_word, lambda: ears.examples, pause)
+        ears = Ears(session, conversations.hear, make_phrases)
+        async with ears:
             running = asyncio.ensure_future(conversations.run())
             try:
                 yield Conversing(mind, actor, clock, figures, session, ticks, conversations)

@@ -4,7 +4,7 @@ import argparse
 import asyncio
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from typing import Final
@@ -101,8 +101,8 @@ async def _converse(chosen: _Chosen) -> int:
     from openrois.client import Client
     from openrois_agents.mind.conversation import Conversations
     from openrois_agents.mind.ears import Ears
-    from openrois_agents.mind.phrases import make_phrases
-    from openrois_agents.tools.abilities import ABILITIES
+    from openrois_agents.mind.phrases import Phrases, make_phrases
+    from openrois_agents.tools.names import Vocabulary
     from openrois_agents.tools.session import Session
     from openrois_agents.tools.settings import ToolSettings
 
@@ -117,13 +117,14 @@ async def _converse(chosen: _Chosen) -> int:
             return 1
         await stack.enter_async_context(mind)
         session = await stack.enter_async_context(Session(make_client, ToolSettings()))
-        conversations = Conversations(session, mind, chosen.mind.budget, figures, chosen.mind.wake_word)
-        expected = None
-        if chosen.mind.model is None:
-            expected = lambda names, unknown: make_phrases(  # noqa: E731 - a partial cannot name the argument
-                names, tuple(ABILITIES), wake_word=chosen.mind.wake_word, unknown=unknown
-            )
-        await stack.enter_async_context(Ears(session, conversations.hear, expected))
+        wake_word = chosen.mind.wake_word
+
+        def expected(names: Vocabulary, unknown: Collection[str]) -> Phrases:
+            return make_phrases(names, wake_word=wake_word, unknown=unknown)
+
+        conversations = Conversations(session, mind, chosen.mind.budget, figures, wake_word, lambda: ears.examples)
+        ears = Ears(session, conversations.hear, expected if chosen.mind.model is None else None)
+        await stack.enter_async_context(ears)
         print(f"ready {chosen.url}", flush=True)
         await conversations.run()
     return 0

@@ -14,6 +14,7 @@ from openrois_agents.mind.consenting import missing_consent
 from openrois_agents.mind.contract import Mind, Turn
 from openrois_agents.mind.figures import MindFigures
 from openrois_agents.mind.limits import Budget
+from openrois_agents.mind.showing import show_dialogue
 from openrois_agents.mind.spoken import Spoken, yielding_voice
 from openrois_agents.mind.words import Words, is_addressed, is_goodbye, is_stop
 from openrois_agents.tools.abilities import ABILITIES
@@ -67,6 +68,7 @@ class Conversations:
         budget: says when there were enough turns.
         figures: are counted.
         wake_word: with which a visitor addresses the mind; empty where all words are for it.
+        examples: returns what can be said, to be shown.
         pause: waits between two looks at the clock of the session.
     """
 
@@ -77,6 +79,7 @@ class Conversations:
         budget: Budget,
         figures: MindFigures,
         wake_word: str = "",
+        examples: Callable[[], Sequence[str]] = tuple,
         pause: Callable[[float], Awaitable[None]] = asyncio.sleep,
     ) -> None:
         self._session = session
@@ -84,6 +87,7 @@ class Conversations:
         self._budget = budget
         self._figures = figures
         self._wake_word = wake_word
+        self._examples = examples
         self._pause = pause
         self._tasks = TaskScope()
         self._news: asyncio.Queue[Words | LoggedEvent | _CutShort | _Over] = asyncio.Queue(_MAX_NEWS)
@@ -179,6 +183,7 @@ class Conversations:
         self._last_words = self._session.clock()
         gestures = await gestures_of(held.client, held.info) if "gesture" in held.tools else {}
         self._beats = tuple(each for each in _BEATS if each in gestures)
+        await show_dialogue(held, self._mind.sends_to, self._examples(), self._wake_word)
         self._voice = AsyncExitStack()
         self._spoken = await self._voice.enter_async_context(yielding_voice(held))
 

@@ -51,12 +51,16 @@ class Ears:
         session: has the connection.
         heard: told of words.
         make_phrases: what can be said; None where anything can.
+
+    Attributes:
+        examples: of what can be said; none where anything can.
     """
 
     def __init__(self, session: Session, heard: Callable[[Words], None], make_phrases: MakePhrases | None) -> None:
         self._session = session
         self._heard = heard
         self._make_phrases = make_phrases
+        self.examples: tuple[str, ...] = ()
         self._tasks = TaskScope()
         self._changed = asyncio.Event()
         self._readers: dict[str, asyncio.Task[None]] = {}
@@ -126,7 +130,8 @@ class Ears:
     async def _expect(self, client: Client, bodies: Collection[BodyInfo], make: MakePhrases) -> None:
         """Let each recogniser expect what can be said now."""
         vocabulary = await self._session.vocabulary()
-        whole = make(vocabulary, ()).grammar
+        phrases = make(vocabulary, ())
+        whole, self.examples = phrases.grammar, phrases.examples
         recognisers = [ref for body in bodies for ref in body.refs(SPEECH_RECOGNITION)]
         for ref in [each for each in self._set if each not in recognisers]:
             del self._set[ref]

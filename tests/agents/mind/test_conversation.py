@@ -10,6 +10,7 @@ import pytest
 from openrois_agents.mind.body_stage import MAX_WAITING
 from openrois_agents.mind.contract import Stage, Turn
 from openrois_agents.mind.conversation import SILENCE
+from openrois_body.components.dialogue import Dialogue
 
 from openrois.component.component import Component
 from openrois.testing import memory_gateway
@@ -231,3 +232,11 @@ async def test_a_mind_waits_while_four_sentences_wait_to_be_spoken() -> None:
         talking.actor.speaking.may_end.set()
         await until(lambda: talking.figures.answers == 1)
         assert talking.actor.speaking.did == [f"Sentence {number}." for number in range(10)]
+
+
+async def test_a_body_shows_where_words_go_and_the_wake_word_in_a_conversation() -> None:
+    dialogue = Dialogue()
+    async with talk(dialogue, mind=ScriptedMind("https://model.example.org"), wake_word="computer") as talking:
+        talking.hear("computer hello")
+        await until(lambda: talking.figures.answers == 1)
+        assert (dialogue.sent_to, dialogue.wake_word) == ("https://model.example.org", "computer")

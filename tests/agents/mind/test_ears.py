@@ -1,7 +1,10 @@
 """The ears of a mind: the grammar at a body's recogniser, and whose it is afterwards."""
 
+from collections.abc import Collection
+
 import pytest
-from openrois_agents.mind.phrases import make_phrases
+from openrois_agents.mind.phrases import Phrases, make_phrases
+from openrois_agents.tools.names import Vocabulary
 
 from openrois.testing import memory_gateway
 from tests.support.actors import Actor
@@ -57,5 +60,5 @@ async def test_a_recogniser_that_takes_no_grammar_is_heard_all_the_same() -> Non
         assert recognition.grammar == "default"
 
 
-def _phrases(names: object, unknown: object) -> object:
-    return make_phrases(names, unknown=unknown)  # type: ignore[arg-type]
+def _phrases(names: Vocabulary, unknown: Collection[str]) -> Phrases:
+    return make_phrases(names, unknown=unknown)
