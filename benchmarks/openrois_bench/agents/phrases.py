@@ -22,13 +22,13 @@ from numpy.typing import NDArray
 from openrois_agents.mind.phrases import Phrases, make_phrases
 from openrois_agents.mind.requests import POLITE_AFTER, POLITE_BEFORE
 from openrois_agents.tools.names import Vocabulary
-from openrois_body.hearing.downsample import SPEECH_RATE, Downsampler
 from openrois_body.hearing.recognition import Utterance
 from openrois_body.hearing.recognizer import Expectation, Transcriber
 from openrois_body.hearing.sphinx import Sphinx
 from openrois_body.hearing.voice_activity import PREROLL
 from openrois_body.speech.contract import SpeechRequest
 from openrois_body.speech.synthesizer import Synthesizer
+from openrois_streaming.source.downsample import SPEECH_RATE, Downsampler
 
 from openrois_bench.clone import require_clone
 from openrois_bench.measuring.conditions import conditions, load
