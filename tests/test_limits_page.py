@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
+from openrois_agents.mind.figures import MIND_FIGURES, REFUSED
 from openrois_media.metrics import figures as avatar
 from openrois_streaming.network.admission import AdmissionSettings
 from openrois_streaming.network.session_limits import SessionLimits
@@ -199,6 +200,7 @@ def test_the_figures_are_served() -> None:
     media = {figure.name for figure in avatar.ADAPTER} | {figure.name for figure in avatar.GUARD}
     media |= {figure.name for figure in avatar.SOURCE} | {figure.name for figure in avatar.VISITORS}
     served = {figure.name for figure in (*FIGURES, *CLUSTER_FIGURES)} | media | set(HISTOGRAMS)
+    served |= {figure.name for figure in (*MIND_FIGURES, *REFUSED)}
     assert {full(name) for row in rows() for name in row.figures} <= served
 
 

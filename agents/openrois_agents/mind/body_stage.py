@@ -106,7 +106,7 @@ class BodyStage:
     async def _speak(self) -> None:
         while True:
             self._saying = await self._waiting.get()
-            self._spoken.begin()
+            self._spoken.begin_sentence()
             self._make_small_gesture()
             began = self._session.clock()
             try:

@@ -24,7 +24,7 @@ class Spoken:
     def __init__(self) -> None:
         self._end = 0
 
-    def begin(self) -> None:
+    def begin_sentence(self) -> None:
         """Begin another sentence."""
         self._end = 0
 
