@@ -31,7 +31,8 @@ pytest_plugins = ["openrois_streaming.testing.plugin"]
 
 hide_cables_of_others()
 
-_WITH_KACHAKA = {Path(__file__).parent / each for each in ("robots/kachaka", "tools/test_pages.py")}
+_KACHAKA_FILES = ("packaging/test_alerts.py", "robots/kachaka", "robots/test_speech_as_sound.py", "tools/test_pages.py")
+_WITH_KACHAKA = {Path(__file__).parent / each for each in _KACHAKA_FILES}
 """What imports the Kachaka's API."""
 _WITH_FRAMEWORK = {Path(__file__).parent / "agents" / each: each for each in ("livekit", "pipecat")}
 """What imports a framework of voice agents; `make agents` has each of them in an environment of its own."""

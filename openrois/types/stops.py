@@ -21,7 +21,7 @@ StopId: TypeAlias = Annotated[str, Field(max_length=MAX_STOP_ID)]
 
 def new_stop_id() -> str:
     """Return the id of a STOP that begins."""
-    return secrets.token_hex(8)
+    return secrets.token_hex(16)
 
 
 class Stopped(Model):

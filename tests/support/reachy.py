@@ -39,6 +39,8 @@ __all__ = [
     "staged",
 ]
 
+ALWAYS = {"system_info", "dialogue"}
+"""Components that work without a robot: one says what is wrong, and one keeps what an application said."""
 REACTION = "urn:x-rois:def:reaction:OpenRoIS::"
 """What the refs of most reactions begin with."""
 

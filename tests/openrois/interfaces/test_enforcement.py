@@ -28,8 +28,8 @@ SIGNALING: Final = set(signaling_methods(Relay(None, lambda: 0.0), "anna", None)
 
 # Every field of every method's params that is a text: what it names, and so which test proves that it is looked up.
 # `component`: a reference; `engine`: the id of one; `condition`: comparisons with references; `own`: an id of this
-# session alone; `name`: of a message or value, judged by the profile of a component that was looked up; `free`: the
-# application's own text.
+# session alone; `name`: of a message or value, judged by the profile of a component that was looked up, or of a STOP of
+# an engine that was; `free`: the application's own text.
 FIELDS: Final = {
     "component_ref": "component",
     "condition": "condition",
@@ -50,6 +50,7 @@ FIELDS: Final = {
     "query_type": "name",
     "event_type": "name",
     "name": "name",
+    "stop_id": "name",
     "data_type_ref": "name",
     "value": "free",
     "version": "free",

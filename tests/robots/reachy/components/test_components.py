@@ -29,14 +29,11 @@ from openrois.client.components import Move, SoundLocalization, SpeechSynthesis,
 from openrois.errors import Aborted, ComponentFailed, OutOfResources, RoISError
 from openrois.testing import harness
 from tests.robots.reachy.behaviour_suite import react, turn
-from tests.support.reachy import Linked, daemon_process, linked, staged
+from tests.support.reachy import ALWAYS, Linked, daemon_process, linked, staged
 from tests.support.robots import ended, until
 from tests.support.voice import ScriptedSynthesizer
 
 pytestmark = pytest.mark.extra(name="reachy")
-
-_ALWAYS = {"system_info"}
-"""Components that work without a robot: they say what is wrong."""
 
 
 @asynccontextmanager
@@ -175,7 +172,7 @@ class TestStates:
             harness(*robot.components) as client,
         ):
             await until(lambda: "nothing listens" in robot.state.link.problem)
-            asleep = [each for each in robot.components if each.name not in _ALWAYS]
+            asleep = [each for each in robot.components if each.name not in ALWAYS]
             assert {each.status.value for each in asleep} == {"UNINITIALIZED"}
             sentence = (
                 "the Reachy Mini at 127.0.0.1:1 cannot be reached: nothing listens at this port; check --robot, and"
@@ -197,7 +194,7 @@ class TestStates:
         async with staged() as stage:
             stage.simulation.state = "error"
             await until(lambda: not stage.robot.state.link.is_up)
-            assert {each.status.value for each in stage.robot.components if each.name not in _ALWAYS} == {"ERROR"}
+            assert {each.status.value for each in stage.robot.components if each.name not in ALWAYS} == {"ERROR"}
             assert "does not run: its daemon is in the state 'error'" in _of(stage, "gaze").problem()
             stage.simulation.state = "running"
             await until(lambda: stage.robot.state.link.is_up)
