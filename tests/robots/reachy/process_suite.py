@@ -91,7 +91,7 @@ class ProcessSuite:
             async with Client(house.url) as client:
                 await awake(client)
                 (body,) = await client.bodies()
-            assert len(body.components) == 6
+            assert len(body.components) == 7
             for component in body.components:
                 assert await _conforms(house, component.component_ref) == {}, component.component_ref
             house.adapter.send_signal(signal.SIGTERM)
