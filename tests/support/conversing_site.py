@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
+from openrois.adapter import Component
 from openrois.adapter.running import serve
 from openrois.client import Client
 from openrois.gateway.server import run_gateway
@@ -33,11 +34,11 @@ class ConversingSite:
         return Client(self.url, token=issue(time.time(), sub=subject, scope=["*/*"], rank=rank))
 
     @asynccontextmanager
-    async def body(self, engine_id: str, actor: Actor) -> AsyncIterator[None]:
-        """Put a body behind the gateway while the block runs."""
+    async def body(self, engine_id: str, actor: Actor, *more: Component) -> AsyncIterator[None]:
+        """Put a body behind the gateway while the block runs, with more components where they are given."""
         file = self._folder / f"{engine_id}.token"
         file.write_text(issue(time.time(), sub=engine_id, roles=["adapter"], scope=[f"{engine_id}/*"]))
-        async with serve(*actor.parts, engine_id=engine_id, gateway=f"{self.url}adapter", token_file=file):
+        async with serve(*actor.parts, *more, engine_id=engine_id, gateway=f"{self.url}adapter", token_file=file):
             await self.until(engine_id)
             yield
 
@@ -51,8 +52,8 @@ class ConversingSite:
 
 
 @asynccontextmanager
-async def conversing_site(folder: Path) -> AsyncIterator[ConversingSite]:
-    """Run a gateway while the block does."""
-    settings = GatewaySettings(port=0, auth_keys=(key_file(folder),))
+async def conversing_site(folder: Path, lease_grace: float = 5.0) -> AsyncIterator[ConversingSite]:
+    """Run a gateway while the block does, which keeps the leases of a lost connection for seconds of grace."""
+    settings = GatewaySettings(port=0, auth_keys=(key_file(folder),), lease_grace=lease_grace)
     async with run_gateway(settings) as gateway:
         yield ConversingSite(gateway.url.replace("http", "ws", 1), folder)
