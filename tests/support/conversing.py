@@ -26,7 +26,7 @@ PATIENCE = 30.0
 MUCH = Limits(100, 1_000, 10_000.0)
 
 
-class SpeechProgress(Component, authority="OpenRoIS", function="actuation"):
+class SpeechProgress(Component, authority="OpenRoIS", function="actuation", part="voice"):
     barge_in: bool = parameter(False)
 
     @event

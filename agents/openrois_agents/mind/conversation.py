@@ -9,13 +9,14 @@ from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
 from openrois.client import ConnectionFailed, ConnectionLost, RoISError, RpcError
+from openrois.types.references import engine_of
 from openrois_agents.mind.body_stage import BodyStage
 from openrois_agents.mind.consenting import missing_consent
 from openrois_agents.mind.contract import Mind, Turn
 from openrois_agents.mind.figures import MindFigures
 from openrois_agents.mind.limits import Budget
-from openrois_agents.mind.showing import show_dialogue
-from openrois_agents.mind.spoken import Spoken, yielding_voice
+from openrois_agents.mind.showing import DIALOGUE, show_dialogue
+from openrois_agents.mind.spoken import Spoken, yield_again, yielding_voice
 from openrois_agents.mind.words import Words, is_addressed, is_goodbye, is_stop
 from openrois_agents.tools.abilities import ABILITIES
 from openrois_agents.tools.event_log import LoggedEvent
@@ -40,7 +41,9 @@ _LOOK: Final = 1.0
 _BEATS: Final = ("beat", "explain", "nod", "tilt")
 """Small gestures that go with speech, the best first."""
 _FAILURES: Final = (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError)
-_NEWS: Final = frozenset({"body_lost", "stopped_by_a_person", "handed_back_by_a_person", "part_taken_for_a_time"})
+_NEWS: Final = frozenset(
+    {"body_lost", "stopped_by_a_person", "handed_back_by_a_person", "part_taken_for_a_time", "part_came_back"}
+)
 
 _HERE_NOW: Final = "I go on here."
 
@@ -146,7 +149,11 @@ class Conversations:
         if held is not None and is_stop(words.text, self._wake_word):
             await self._stop(final=words.final)
             return
-        if not words.final or not is_addressed(words.text, self._wake_word) or is_stop(words.text, self._wake_word):
+        if not words.final or is_stop(words.text, self._wake_word):
+            return
+        if not is_addressed(words.text, self._wake_word):
+            # Speech to others silences the body, too, and begins nothing.
+            await self._interrupt()
             return
         self._has_stopped = False
         if held is None and not await self._begin(words.body):
@@ -183,7 +190,7 @@ class Conversations:
         self._last_words = self._session.clock()
         gestures = await gestures_of(held.client, held.info) if "gesture" in held.tools else {}
         self._beats = tuple(each for each in _BEATS if each in gestures)
-        await show_dialogue(held, self._mind.sends_to, self._examples(), self._wake_word)
+        await self._show(held)
         self._voice = AsyncExitStack()
         self._spoken = await self._voice.enter_async_context(yielding_voice(held))
 
@@ -282,8 +289,21 @@ class Conversations:
                 self._stopped_bodies.discard(event.source)
             case "part_taken_for_a_time":
                 await self._interrupt()
+            case "part_came_back":
+                await self._set_again(event.source)
             case "body_lost":
                 await self._move(event.source)
+
+    async def _set_again(self, came_back: str) -> None:
+        """Set again what a component has forgotten, or its borrower has changed."""
+        held = self._session.held
+        if held is not None and held.body.error is None and engine_of(came_back) == held.engine_id:
+            if came_back in held.info.refs(DIALOGUE):
+                await self._show(held)
+            await yield_again(held, came_back)
+
+    async def _show(self, held: HeldBody) -> None:
+        await show_dialogue(held, self._mind.sends_to, self._examples(), self._wake_word)
 
     async def _move(self, lost: str) -> None:
         """Go on with another body, where one is free."""

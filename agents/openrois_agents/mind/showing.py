@@ -8,18 +8,18 @@ from openrois.client import ConnectionLost, RoISError, RpcError
 from openrois.types.profiles import component_urn
 from openrois_agents.tools.held_body import HeldBody
 
-__all__ = ["show_dialogue"]
+__all__ = ["DIALOGUE", "show_dialogue"]
 
 _log = logging.getLogger(__name__)
 
-_DIALOGUE: Final = component_urn("Dialogue", "OpenRoIS")
+DIALOGUE: Final = component_urn("Dialogue", "OpenRoIS")
 _EXAMPLES: Final = 20
 _LONGEST: Final = 80
 
 
 async def show_dialogue(held: HeldBody, sent_to: str, can_be_said: Sequence[str], wake_word: str) -> None:
     """Set what a body shows of a conversation, where it shows such; it forgets that when the body is given back."""
-    for component_ref in held.info.refs(_DIALOGUE)[:1]:
+    for component_ref in held.info.refs(DIALOGUE)[:1]:
         examples = [each for each in can_be_said if each and len(each) <= _LONGEST]
         try:
             component = await held.bind(component_ref)

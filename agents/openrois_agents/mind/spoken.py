@@ -10,7 +10,7 @@ from openrois.client import ConnectionFailed, ConnectionLost, RoISError, RpcErro
 from openrois.types.profiles import component_urn
 from openrois_agents.tools.held_body import HeldBody
 
-__all__ = ["Spoken", "yielding_voice"]
+__all__ = ["Spoken", "yield_again", "yielding_voice"]
 
 _log = logging.getLogger(__name__)
 
@@ -71,3 +71,13 @@ async def _read_words(words: Subscription[dict[str, Any]], spoken: Spoken) -> No
                 spoken.add_word(int(data["position"]), int(data["length"]))
     except _FAILURES as error:
         _log.info("how much is heard is not known: %s", error)
+
+
+async def yield_again(held: HeldBody, came_back: str) -> None:
+    """Let speech stop again when a visitor speaks, where the component that was lent and came back is what does so."""
+    for component_ref in held.info.refs(_SPEECH_PROGRESS)[:1]:
+        if component_ref == came_back:
+            try:
+                await (await held.bind(component_ref)).set_parameter(barge_in=True)
+            except _FAILURES as error:
+                _log.info("%s does not stop when it is spoken to: %s", held.engine_id, error)

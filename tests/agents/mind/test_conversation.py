@@ -141,6 +141,19 @@ async def test_with_a_wake_word_other_words_are_not_for_the_mind() -> None:
         assert talking.figures.interruptions == 0
 
 
+async def test_with_a_wake_word_other_words_silence_the_body_and_begin_nothing() -> None:
+    async with talk(at_once=False, wake_word="computer") as talking:
+        talking.hear("computer tell me a story")
+        await talking.actor.speaking.begun.wait()
+        talking.hear("what a nice")
+        await talking.actor.speaking.stopped.wait()
+        await until(lambda: talking.figures.interruptions == 1)
+        talking.actor.speaking.may_end.set()
+        talking.hear("computer who are you")
+        await until(lambda: talking.figures.answers == 1)
+        assert [each.text for each in talking.mind.turns] == ["computer tell me a story", "computer who are you"]
+
+
 async def test_a_limit_is_said_once_and_ends_the_conversation() -> None:
     async with talk(limits=(MUCH, replace(MUCH, turns=1))) as talking:
         talking.hear("one")

@@ -4,8 +4,11 @@ import asyncio
 from contextlib import AsyncExitStack
 from pathlib import Path
 
+from openrois_body.components.dialogue import Dialogue
+
+from openrois.client.components import SpeechSynthesis
 from tests.support.actors import Actor
-from tests.support.conversing import PATIENCE, Conversing, conversing, until
+from tests.support.conversing import PATIENCE, Conversing, ScriptedMind, SpeechProgress, conversing, until
 from tests.support.conversing_site import conversing_site
 
 
@@ -67,3 +70,44 @@ async def test_a_conversation_is_over_when_its_body_dies_and_there_is_no_other(t
         await talking.until_free()
         assert talking.session.held is None
         assert talking.mind.forgotten == 1
+
+
+async def test_after_a_loan_of_the_voice_it_yields_and_shows_the_conversation_again(tmp_path: Path) -> None:
+    actor, dialogue, progress = Actor(), Dialogue(), SpeechProgress()
+    mind = ScriptedMind("https://model.example.org")
+    async with (
+        conversing_site(tmp_path) as site,
+        site.body("robot", actor, dialogue, progress),
+        site.client("ann", "person") as person,
+        conversing(site.client, actor, mind=mind, wake_word="computer") as talking,
+    ):
+        talking.hear("computer good morning")
+        await until(lambda: talking.figures.answers == 1)
+        assert (dialogue.sent_to, dialogue.wake_word, progress.barge_in) == (mind.sends_to, "computer", True)
+        for component_ref in ("robot/dialogue", "robot/speech_progress", "robot/speech_synthesizer"):
+            await person.control.borrow(component_ref)
+        await until(lambda: dialogue.sent_to == "")
+        await person.component("robot/speech_progress").set_parameter(barge_in=False)
+        for component_ref in ("robot/speech_synthesizer", "robot/speech_progress", "robot/dialogue"):
+            await person.control.give_back(component_ref)
+        await until(lambda: dialogue.sent_to == mind.sends_to and progress.barge_in)
+        assert dialogue.wake_word == "computer"
+
+
+async def test_after_one_sentence_of_a_person_the_conversation_is_shown_as_before(tmp_path: Path) -> None:
+    actor, dialogue, progress = Actor(), Dialogue(), SpeechProgress()
+    mind = ScriptedMind("https://model.example.org")
+    async with (
+        conversing_site(tmp_path) as site,
+        site.body("robot", actor, dialogue, progress),
+        site.client("ann", "person") as person,
+        conversing(site.client, actor, mind=mind) as talking,
+    ):
+        talking.hear("good morning")
+        await until(lambda: talking.figures.answers == 1)
+        await person.control.borrow("robot/speech_synthesizer", for_one_command=True)
+        await person.component(SpeechSynthesis, "robot/speech_synthesizer").start()
+        await talking.session.log.wait(0, ("part_came_back",), PATIENCE)
+        talking.hear("go on")
+        await until(lambda: talking.figures.answers == 2)
+        await until(lambda: dialogue.sent_to == mind.sends_to and progress.barge_in)
