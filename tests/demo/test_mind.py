@@ -4,53 +4,23 @@ import asyncio
 import os
 import signal
 import time
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import psutil
 import pytest
 from openrois_media import Media, Purpose
-from openrois_streaming.clock import SystemClock
-from openrois_streaming.source.source import RawAudio
 
 from openrois.client import Client
 from openrois.client.components import Reaction
 from openrois.types.profiles import component_urn
 from tests.support.demo import PATIENCE, Demo, end, running_demo, start
-from tests.support.hearing import spoken, stereo_48k
+from tests.support.hearing import spoken
+from tests.support.microphone import Microphone
 
 pytestmark = [pytest.mark.media, pytest.mark.engine]
-
-_BLOCK = 960
-
-
-class Microphone:
-    """A quiet room, in which a visitor says what a test asks for."""
-
-    def __init__(self) -> None:
-        self._noise = np.random.default_rng(1).integers(-30, 30, (_BLOCK, 2), np.int16)
-        self._blocks: list[np.ndarray[Any, np.dtype[np.int16]]] = []
-
-    def say(self, text: str) -> None:
-        sound = stereo_48k(spoken(text))
-        padded = np.concatenate([sound, np.zeros((-len(sound) % _BLOCK, 2), np.int16)])
-        self._blocks += [each + self._noise for each in padded.reshape(-1, _BLOCK, 2)]
-
-    @asynccontextmanager
-    async def open(self) -> AsyncIterator[AsyncIterator[RawAudio]]:
-        yield self._items()
-
-    async def _items(self) -> AsyncIterator[RawAudio]:
-        clock = SystemClock()
-        at = clock.now()
-        while True:
-            await clock.sleep_until(at)
-            yield RawAudio(self._blocks.pop(0) if self._blocks else self._noise, at)
-            at += _BLOCK / 48_000
-
 
 async def happens(subscription: Any, holds: Callable[[dict[str, Any]], bool] = lambda _data: True) -> dict[str, Any]:
     """Wait for an event."""
@@ -109,12 +79,12 @@ async def test_a_body_waves_and_answers_when_it_is_spoken_to(tmp_path: Path) -> 
                 voice.event("speech_began") as began,
                 media.send(microphone=microphone, consent=consent, to="avatar"),
             ):
-                microphone.say("wave your hand")
+                microphone.say(spoken("wave your hand"))
                 await happens(heard, lambda data: data["final"] and "wave" in data["text"])
                 async with asyncio.timeout(PATIENCE):
                     while (await reaction.query("component_status"))["status"] != "BUSY":
                         pass
-                microphone.say("who are you")
+                microphone.say(spoken("who are you"))
                 assert (await happens(began))["text"]
         assert "Traceback" not in demo.log()
 
