@@ -2,6 +2,7 @@
 
 import asyncio
 import os
+import re
 import signal
 import sys
 from collections.abc import AsyncIterator
@@ -20,6 +21,7 @@ from tests.support.actors import Actor
 from tests.support.chat_server import Behaviour, ChatServer, breaking, calls, chat_server, chunk, floods, halting, says
 from tests.support.chat_server import event as sent
 from tests.support.conversing import until
+from tests.support.packages import ROOT
 
 pytestmark = [pytest.mark.extra(name="speech"), pytest.mark.timeout(180)]
 
@@ -110,6 +112,27 @@ async def test_a_visitor_is_answered_by_a_language_model_that_acts(tmp_path: Pat
         assert await there.figure("openrois_mind_model_requests_total") == 2
         assert await there.figure("openrois_mind_model_read_tokens_total") == 200
         assert KEY not in await there.end()
+
+
+async def test_its_figures_are_served_as_they_are_documented(tmp_path: Path) -> None:
+    documented = (ROOT / "docs/reference/metrics.md").read_text().partition("<!-- printed: mind-figures -->")[2]
+    rows = re.findall(r"^\| `(\w+)` \| (\w+) \| (.+) \|$", documented, re.MULTILINE)
+    async with scene(tmp_path, says("Welcome.")) as there:
+        there.hear("hello")
+        await there.until_said("Welcome.")
+        there.hear("hello", "bob")
+        await there.until_said("I may only answer you if you consent to agent, where your microphone is set.")
+        async with aiohttp.ClientSession() as http, http.get(there.figures) as answer:
+            assert answer.status == 200
+            text = await answer.text()
+        kinds, meanings = (
+            dict(re.findall(rf"^# {what} (openrois_mind_\w+) (.+)$", text, re.MULTILINE)) for what in ("TYPE", "HELP")
+        )
+        assert kinds == {name: kind for name, kind, _ in rows}
+        assert meanings == {name: meaning.replace("\\", "\\\\") for name, _, meaning in rows}
+        assert await there.figure("openrois_mind_conversations_total") == 1
+        assert await there.figure("openrois_mind_turns_total") == 2
+        assert await there.figure("openrois_mind_conversing") == 1
 
 
 async def test_of_a_visitor_who_does_not_consent_nothing_is_sent(tmp_path: Path) -> None:
