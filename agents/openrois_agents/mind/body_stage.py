@@ -64,6 +64,8 @@ class BodyStage:
         self._saying = ""
         self._small: asyncio.Task[None] | None = None
         self._is_moving = False
+        self._has_stopped = False
+        """Whether the mind itself has stopped what is being said: that is no interruption."""
 
     async def __aenter__(self) -> Self:
         self._tasks.start(self._speak())
@@ -93,6 +95,8 @@ class BodyStage:
         if tool in _MOVES:
             self._is_moving = True
             await self._end_small_gesture()
+        if tool == "stop":
+            self._has_stopped = True
         return await self._call(tool, arguments)
 
     async def all_said(self) -> None:
@@ -106,7 +110,8 @@ class BodyStage:
     async def _speak(self) -> None:
         while True:
             self._saying = await self._waiting.get()
-            self._spoken.begin_sentence()
+            self._has_stopped = False
+            self._spoken.begin()
             self._make_small_gesture()
             began = self._session.clock()
             try:
@@ -116,6 +121,8 @@ class BodyStage:
             match answer.data.get("failed"):
                 case None:
                     self._said.append(self._saying)
+                case "Aborted" if self._has_stopped:
+                    self._said.append(self._spoken.heard_of(self._saying))
                 case "Aborted":
                     # What was heard of it stays, and nothing more is said.
                     self._cut()

@@ -219,6 +219,23 @@ async def test_a_tool_that_fails_is_an_answer_and_the_body_is_the_conversations(
         assert answers == ["Unsupported", "BadParameter"]
 
 
+async def test_a_mind_that_stops_its_body_is_not_interrupted_by_that_and_says_more() -> None:
+    async def stop(_turn: Turn, stage: Stage) -> None:
+        await stage.say("I walk and talk.")
+        await talking.actor.speaking.begun.wait()
+        assert "failed" not in (await stage.use("stop", {})).data
+        talking.actor.speaking.may_end.set()
+        await stage.say("I have stopped.")
+
+    async with talk(at_once=False) as talking:
+        talking.mind.script = stop
+        talking.hear("please end all of it")
+        await until(lambda: talking.figures.answers + talking.figures.interruptions == 1)
+        assert talking.actor.speaking.stops == 1
+        assert talking.actor.speaking.did == ["I walk and talk.", "I have stopped."]
+        assert talking.figures.interruptions == 0
+
+
 async def test_a_conversation_that_is_ended_from_outside_gives_its_body_back() -> None:
     actor = Actor(at_once=False)
     async with memory_gateway(*actor.parts) as gateway, gateway.client() as other:
