@@ -24,11 +24,16 @@ def main() -> None:
             if "die" in grammar:
                 print("something broke", file=sys.stderr, flush=True)
                 os._exit(3)
-            answer = {"partial": str(heard)}
+            answer = {"partial": "back" if "other_speech" in grammar else str(heard)}
         if request["do"] == "end":
-            score = -50_000.0 if "mumble" in grammar else -5000.0
-            before = "stop" if "again" in grammar else "go"
-            answer = {"candidates": ["stop", "stop stop", "stop"], "score": score, "before": before}
+            answer = {
+                "candidates": ["stop", "stop stop", "stop"],
+                "score": -50_000.0 if "mumble" in grammar else -5000.0,
+                "worse": 3.0 if "worse" in grammar else 9.0 if "noise" in grammar else 0.5,
+                "outside": 40 if "outside" in grammar else 0,
+            }
+            if "silence" in grammar:
+                answer["candidates"] = []
         reply = b"nonsense, not a message" if "babble" in grammar else encode(answer)
         sys.stdout.buffer.write(reply)
         sys.stdout.buffer.flush()

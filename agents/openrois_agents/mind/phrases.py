@@ -205,7 +205,7 @@ def _grammar(wake_word: str, requests: Iterable[Request], slots: Mapping[str, Ma
         **{name: spoken for name, spoken in slots.items() if spoken},
         "before": POLITE_BEFORE,
         "after": POLITE_AFTER,
-        "other": OTHER_WORDS,
+        "other_speech": OTHER_WORDS,
     }
     wake, may_wake = (f"{wake_word} ", f"[{wake_word}] ") if wake_word else ("", "")
     said = "[<before>] <request> [<after>] | <question>" if forms[True] else "<question>"
@@ -214,7 +214,7 @@ def _grammar(wake_word: str, requests: Iterable[Request], slots: Mapping[str, Ma
     lines = [
         "#JSGF V1.0;",
         "grammar mind;",
-        f"public <heard> = <said>{stop} | {may_wake}(<other>)+;",
+        f"public <heard> = <said>{stop} | {may_wake}(<other_speech>)+;",
         f"<said> = {wake}({said});",
         *(f"<{name}> = {' | '.join(each)};" for name, each in rules.items() if each),
     ]

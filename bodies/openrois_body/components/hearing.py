@@ -78,8 +78,8 @@ class Hearing(Sense, components.BasicComponent, authority="OpenRoIS", function="
         """A partial or final result.
 
         Args:
-            text: words; empty where what seemed to be words were none
-            final: whether it stays so: it is the first candidate of SpeechRecognition's event
+            text: words; empty where what seemed to be words were none, or speech was none of the grammar's sentences
+            final: whether it stays so: it is the first candidate of SpeechRecognition's event, if it has words
             timestamp: when it ended, where it is final
             visitor_ref: who said it, where visitors are told apart
         """
@@ -106,7 +106,8 @@ class Hearing(Sense, components.BasicComponent, authority="OpenRoIS", function="
 
     def _on_recognized(self, candidates: tuple[str, ...], at: float, sender: str) -> None:
         moment = datetime.fromtimestamp(wall_at(self._clock, at), UTC)
-        self._last, self._last_sender = LastHeard(text=candidates[0], timestamp=moment), sender
+        if candidates[0]:
+            self._last, self._last_sender = LastHeard(text=candidates[0], timestamp=moment), sender
         if self.activity.works:
             self.visitor_ref = sender
             self.heard(candidates[0], True, moment, sender or None)

@@ -9,7 +9,7 @@ from pydantic import Field
 from openrois.adapter import BadParameter, ComponentStatus, ErrorType, components, parameter
 from openrois_body.components.sensing import Sense
 from openrois_body.hearing.recognition import Recognition
-from openrois_body.hearing.recognizer import Expectation, SpeechRecognizer
+from openrois_body.hearing.recognizer import OTHER_SPEECH, Expectation, SpeechRecognizer
 from openrois_body.hearing.speech_detector import SpeechDetector
 
 __all__ = ["SpeechRecognition"]
@@ -102,7 +102,7 @@ class SpeechRecognition(Sense, components.SpeechRecognition):
             self.speech_input_finished(self._moment(at))
 
     def _on_recognized(self, candidates: tuple[str, ...], at: float, sender: str) -> None:
-        if self.activity.works:
+        if self.activity.works and candidates != (OTHER_SPEECH,):
             self.visitor_ref = sender
             self.speech_recognized(candidates, self._moment(at))
 

@@ -1,7 +1,8 @@
 """Grammars in JSGF: read, checked, written in plain form, and matched against sentences. Pure.
 
 A recogniser never gets the text of an application, but the grammar that was read from it. Not supported are imports,
-recursion and the special rules <NULL> and <VOID>; tags are read and dropped.
+recursion and the special rules <NULL> and <VOID>; tags are read and dropped. A rule <other_speech> has words that catch
+speech that is no sentence: the recogniser needs them, and what they match is no sentence of the grammar.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ _TOKEN: Final = re.compile(
     r'|"(?P<quoted>[^=|()\[\]*+;<>{}"/\n]*)"|(?P<sign>[=|()\[\]*+;])|(?P<word>[^\s=|()\[\]*+;<>{}"/]+)',
     re.DOTALL,
 )
+_OTHER_SPEECH: Final = "other_speech"
 _RULE_NAME: Final = re.compile(r"<[\w.-]{1,64}>")
 
 
@@ -93,9 +95,9 @@ class Grammar:
         """Return all words of the rule."""
         return frozenset(_words(self._rules[rule], self._rules))
 
-    def repeats(self, rule: str) -> bool:
-        """Return whether a part of the rule may come again and again."""
-        return _repeats(self._rules[rule], self._rules)
+    def has_other_speech(self, rule: str) -> bool:
+        """Return whether the rule has words for speech that is none of its sentences."""
+        return _is_used(_OTHER_SPEECH, (rule,), self._rules)
 
     def text(self, rule: str) -> str:
         """Return the grammar as JSGF, with this rule as its only public one."""
@@ -106,16 +108,25 @@ class Grammar:
         return "\n".join(lines) + "\n"
 
     def accepts(self, rule: str, sentence: str) -> bool:
-        """Return whether the rule accepts `sentence`, words with blanks between."""
+        """Return whether the rule accepts `sentence`, words with blanks between, without words for other speech."""
         said = _Said(tuple(sentence.split()), self._rules)
         return len(said.words) in said.after(self._rules[rule], 0)
 
+    def begins(self, rule: str, words: str) -> bool:
+        """Return whether a sentence that the rule accepts begins with these words, or is them."""
+        said = _Said(tuple(words.split()), self._rules)
+        return len(said.words) in said.after(self._rules[rule], 0) or said.goes_on
+
 
 class _Said:
-    """A match of a sentence with parts of a grammar, computed once for each part and place."""
+    """A match of a sentence with parts of a grammar, computed once for each part and place.
+
+    `goes_on`: a part of the grammar was looked for behind all words of the sentence.
+    """
 
     def __init__(self, words: tuple[str, ...], rules: Mapping[str, _Part]) -> None:
         self.words = words
+        self.goes_on = False
         self._rules = rules
         self._known: dict[tuple[int, int], frozenset[int]] = {}
 
@@ -129,9 +140,10 @@ class _Said:
     def _reached(self, part: _Part, at: int) -> frozenset[int]:
         match part:
             case _Word(text):
+                self.goes_on |= at == len(self.words)
                 return frozenset({at + 1} if self.words[at : at + 1] == (text,) else ())
             case _Reference(name):
-                return self.after(self._rules[name], at)
+                return frozenset() if name == _OTHER_SPEECH else self.after(self._rules[name], at)
             case _Sequence(parts):
                 places = frozenset({at})
                 for each in parts:
@@ -377,12 +389,6 @@ def _words(part: _Part, rules: Mapping[str, _Part]) -> Iterable[str]:
         yield from _words(rules[part.rule], rules)
     for each in _inner(part):
         yield from _words(each, rules)
-
-
-def _repeats(part: _Part, rules: Mapping[str, _Part]) -> bool:
-    if isinstance(part, _Reference):
-        return _repeats(rules[part.rule], rules)
-    return (isinstance(part, _Repeated) and part.many) or any(_repeats(each, rules) for each in _inner(part))
 
 
 def _written(part: _Part) -> str:

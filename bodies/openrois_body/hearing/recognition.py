@@ -107,7 +107,10 @@ class Recognition:
         self.guessed: Listeners[str, str] = Listeners()
         """Called with each new partial result of an utterance that goes on, and with its sender."""
         self.recognized: Listeners[tuple[str, ...], float, str] = Listeners()
-        """Called with the candidates of an utterance, the likeliest first, when it ended, and with its sender."""
+        """Called with the candidates of an utterance, the likeliest first, when it ended, and with its sender.
+
+        `OTHER_SPEECH` is the only one of speech that a grammar has no sentence for.
+        """
         self.failed: Listeners[str] = Listeners()
         """Called with a sentence for a person that says why an utterance, or every one, is not recognised."""
         self.failure = ""

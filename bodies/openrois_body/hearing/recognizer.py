@@ -12,10 +12,20 @@ from numpy.typing import NDArray
 from openrois_body.backends import Backend
 from openrois_body.services.address import ServiceAddress
 
-__all__ = ["RECOGNIZERS", "EarsSettings", "Expectation", "RecognizerFailed", "SpeechRecognizer", "Transcriber"]
+__all__ = [
+    "OTHER_SPEECH",
+    "RECOGNIZERS",
+    "EarsSettings",
+    "Expectation",
+    "RecognizerFailed",
+    "SpeechRecognizer",
+    "Transcriber",
+]
 
 RECOGNIZERS: Final = "openrois.speech_recognizers"
 """The group of entry points; each is called with `EarsSettings` and returns a `SpeechRecognizer`."""
+OTHER_SPEECH: Final = ""
+"""The only candidate of an utterance that was speech, but none of the grammar's sentences."""
 
 
 class RecognizerFailed(Exception):
@@ -66,6 +76,8 @@ class Transcriber(Protocol):
 
     async def finish(self, guess: Callable[[str], None]) -> tuple[str, ...]:
         """End the utterance and return its candidates, the likeliest first; empty if it was no such speech.
+
+        `OTHER_SPEECH` is the only one of speech that a grammar has no sentence for, where the recogniser can tell.
 
         Args:
             guess: called with each partial result that comes before.

@@ -17,7 +17,7 @@ from openrois_streaming.source.downsample import SPEECH_RATE
 
 from openrois.extras import install_command
 from openrois_body.hearing.jsgf import Grammar, GrammarError, chosen_grammar
-from openrois_body.hearing.recognizer import EarsSettings, Expectation, RecognizerFailed, Transcriber
+from openrois_body.hearing.recognizer import OTHER_SPEECH, EarsSettings, Expectation, RecognizerFailed, Transcriber
 from openrois_body.services.events import EventReader, MalformedEvents
 from openrois_body.services.server import BEGIN_TIMEOUT, Answer, Server, ServerFailed, ServerRefused
 
@@ -133,7 +133,8 @@ class _Transcriber:
         if self._grammar is not None:
             # The rules of a grammar have small letters and no punctuation.
             text = " ".join(_APART.sub(" ", text.lower()).split())
-            return (text,) if text and self._grammar.accepts(self._rule, text) else ()
+            if text and not self._grammar.accepts(self._rule, text):
+                return (OTHER_SPEECH,) if self._grammar.has_other_speech(self._rule) else ()
         return (text,) if text else ()
 
 

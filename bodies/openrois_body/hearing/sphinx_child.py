@@ -9,8 +9,8 @@ It reads requests from stdin and answers each on stdout (`openrois_body.processe
     {"do": "hear"} and s16 mono sound at 16 kHz
         -> {"partial": what is understood so far}
     {"do": "end", "most": number of candidates}
-        -> {"candidates": [texts, the likeliest first], "score": of the first: acoustic, per 10 ms,
-            "before": text that was the likeliest before the sound was heard as a whole; the first one in dictation}
+        -> {"candidates": [texts, the likeliest first; of a grammar one at most]}; with a grammar also
+           {"score", "worse", "outside": of `openrois_body.hearing.likeness.Likeness`}
     what cannot be done
         -> {"refused": reason}
 """
@@ -21,23 +21,20 @@ import itertools
 import os
 import sys
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 from pocketsphinx import Decoder
 
+from openrois_body.hearing.likeness import UNLIKE, Span, compare
 from openrois_body.processes.framing import HEADER, FramingError, decode_body, decode_header, encode
 
 _OPEN: Final = "_default"
 _GRAMMAR: Final = "grammar"
-_WHILE_HEARD: Final = "while it is heard"
-"""The searches: open dictation, a grammar in the whole of an utterance, and one in its parts as they come."""
-_THOROUGH: Final = 144_000
-"""Bytes of sound, 4.5 s, up to which the lattice of a grammar with words for other speech is looked at: it takes longer
-the longer that speech is, and no sentence is."""
-_WORDS: Final = 8
-"""Words up to which it is, likewise."""
+_PHONES: Final = "phones"
+"""The searches: open dictation, a grammar, and any sounds of speech in any order."""
 _LOOKED_AT: Final = 20
 """Hypotheses of the lattice; many of them are the same words, pronounced in another way."""
 _NICE: Final = 5
@@ -45,8 +42,10 @@ _NICE: Final = 5
 _FAINT: Final = 30.0
 """Root mean square of the noise that is laid under the sound for a grammar, of speech of 2,000: the model knows no
 digital silence, as browsers and synthetic voices have it."""
-_LEAST: Final = -7_000_000.0
-"""The value of a score that is too low for a floating-point number."""
+_NO_WORD: Final = "(NULL)"
+"""Stands between words where a rule of a grammar ends."""
+_SCALE: Final = 1024.0
+"""Acoustic scores of a grammar and of sounds come divided by this."""
 
 
 class Ears:
@@ -54,6 +53,9 @@ class Ears:
 
     def __init__(self) -> None:
         self._decoder = Decoder(samprate=16_000, loglevel="FATAL")
+        # The lattice of all words is for dictation alone: of a grammar, beeps can make one that takes 9 s to look at.
+        self._decoder.config["bestpath"] = False
+        self._decoder.add_allphone_file(_PHONES, None)
         self._log = self._decoder.logmath
         self._grammar: str | None = None
         self._hearing = False
@@ -74,8 +76,7 @@ class Ears:
             case "hear":
                 if sound:
                     self._add(sound)
-                found = self._decoder.hyp()
-                return {"partial": found.hypstr if found else ""}
+                return {"partial": self._text()}
             case "end":
                 return self._finish_utterance(int(request["most"]))
         raise ValueError(f"unknown request {request['do']!r}; expected greet, begin, hear or end")
@@ -83,12 +84,9 @@ class Ears:
     def _begin(self, grammar: str | None) -> dict[str, Any]:
         self._finish()
         if grammar is not None and grammar != self._grammar:
-            # The first one looks at the lattice of all words in the end, the other one does not.
-            for name, is_thorough in ((_GRAMMAR, True), (_WHILE_HEARD, False)):
-                self._decoder.config["bestpath"] = is_thorough
-                self._decoder.add_jsgf_string(name, grammar)
+            self._decoder.add_jsgf_string(_GRAMMAR, grammar)
             self._grammar = grammar
-        self._decoder.activate_search(_OPEN if grammar is None else _WHILE_HEARD)
+        self._decoder.activate_search(_OPEN if grammar is None else _GRAMMAR)
         self._decoder.start_utt()
         self._hearing = True
         self._heard = None if grammar is None else []
@@ -102,35 +100,43 @@ class Ears:
 
     def _finish_utterance(self, most: int) -> dict[str, Any]:
         self._finish()
-        before = self._decoder.hyp()
-        if self._heard:
-            # Once more as a whole: its loudness and the colour of voice and room are known now, not those of the
-            # utterance before. With a grammar that takes a tenth of its length.
-            whole = b"".join(self._heard)
-            is_short = len(whole) <= _THOROUGH and len(before.hypstr.split() if before else ()) <= _WORDS
-            self._decoder.activate_search(_GRAMMAR if most > 1 or is_short else _WHILE_HEARD)
-            self._decoder.start_utt()
-            self._decoder.process_raw(whole, no_search=False, full_utt=True)
-            self._decoder.end_utt()
+        if self._heard is not None:
+            return self._finish_sentence(b"".join(self._heard))
+        further = (each.hypstr for each in itertools.islice(self._decoder.nbest(), _LOOKED_AT) if each)
+        candidates = [each for each in dict.fromkeys((self._text(), *further)) if each]
+        return {"candidates": candidates[:most]}
+
+    def _finish_sentence(self, sound: bytes) -> dict[str, Any]:
+        """Hear the sound as a whole: its loudness and the colour of voice and room are known now, not those before.
+
+        That is done twice, with the grammar and for the sounds of speech, and takes a twentieth of its length.
+        """
+        words = self._hear_whole(_GRAMMAR, sound) if sound else []
+        text = self._text()
+        likeness = compare(words, self._hear_whole(_PHONES, sound), np.frombuffer(sound, "<i2")) if text else UNLIKE
+        return {"candidates": [text] if text else [], **asdict(likeness)}
+
+    def _hear_whole(self, search: str, sound: bytes) -> list[Span]:
+        """Hear the sound by a search, and return the words or sounds that it finds, without silence and noises."""
+        self._decoder.activate_search(search)
+        self._decoder.start_utt()
+        self._decoder.process_raw(sound, no_search=False, full_utt=True)
+        self._decoder.end_utt()
+        parts = self._decoder.seg() if self._text() else None
+        return [
+            Span(each.start_frame, each.end_frame + 1, _SCALE * self._log.log(each.ascore), each.word[:1] not in "<[+")
+            for each in parts or ()
+            if each.word != _NO_WORD
+        ]
+
+    def _text(self) -> str:
         found = self._decoder.hyp()
-        if not found or not found.hypstr:
-            return {"candidates": [], "score": 0.0, "before": ""}
-        score = self._score()
-        further = itertools.islice(self._decoder.nbest(), _LOOKED_AT) if most > 1 else ()
-        others = (each.hypstr for each in further if each)
-        candidates = [each for each in dict.fromkeys((found.hypstr, *others)) if each]
-        return {"candidates": candidates[:most], "score": score, "before": before.hypstr if before else ""}
+        return found.hypstr if found else ""
 
     def _finish(self) -> None:
         if self._hearing:
             self._hearing = False
             self._decoder.end_utt()
-
-    def _score(self) -> float:
-        words = [each for each in self._decoder.seg() if each.word[:1] not in "<[+"]
-        frames = max(1, int(sum(each.end_frame - each.start_frame + 1 for each in words)))
-        scores = (self._log.log(each.ascore) if each.ascore > 0 else _LEAST for each in words)
-        return float(sum(scores)) / frames
 
 
 def _with_noise(sound: bytes, number: int) -> bytes:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from openrois_body.components.sound_localization import ASSUMED_DISTANCE
-from openrois_body.hearing.recognizer import Expectation
+from openrois_body.hearing.recognizer import OTHER_SPEECH, Expectation
 from openrois_body.microphone_senses import microphone_senses
 from openrois_streaming.source.source import SAMPLE_RATE
 
@@ -266,6 +266,19 @@ class TestHearing:
         last = await room.ask("hearing", "last_heard")
         assert last["text"] == "hello"
         assert last["timestamp"].startswith("2027-01-15T08:00:01")
+
+    async def test_speech_that_a_grammar_does_not_have_is_an_empty_text_and_no_recognised_speech(
+        self, room: Room
+    ) -> None:
+        await room.subscribe("hearing", "heard")
+        await room.subscribe("speech_recognizer", "speech_recognized")
+        await room.say(np.concatenate([SILENCE, VOICE, SILENCE]))
+        room.recognizer.understands = (OTHER_SPEECH,)
+        room.events.clear()
+        await room.say(np.concatenate([VOICE, SILENCE]))
+        assert {each.event_type for each in room.events} == {"heard"}
+        assert (room.told("heard", "text")[-1], room.told("heard", "final")[-1]) == ("", "true")
+        assert (await room.ask("hearing", "last_heard"))["text"] == "hello"
 
     async def test_only_subscribed_events_are_announced(self, room: Room) -> None:
         await room.subscribe("hearing", "heard")

@@ -121,12 +121,30 @@ def test_sentences_of_a_grammar_are_accepted(sentence: str, accepted: bool) -> N
     assert read_grammar(COMMANDS).accepts("command", sentence) is accepted
 
 
+OTHER = "public <a> = [wake] (go to the <place> | stop) | [wake] (<other_speech>)+;\n<place> = plant | sofa;\n"
+OTHER += "<other_speech> = day | said | stop;"
+
+
+def test_words_for_other_speech_are_no_sentence() -> None:
+    grammar = read_grammar(f"{HEAD}{OTHER}public <b> = stop;")
+    assert grammar.has_other_speech("a")
+    assert not grammar.has_other_speech("b")
+    assert grammar.accepts("a", "wake go to the sofa")
+    assert grammar.accepts("a", "stop")
+    assert not grammar.accepts("a", "day said")
+    assert not grammar.accepts("a", "stop stop")
+    assert {"day", "said"} < grammar.words("a")
+
+
 @pytest.mark.parametrize(
-    ("parts", "repeats"),
-    [("stop", False), ("[stop] now", False), ("stop+", True), ("go (now | then)*", True), ("<b> | [go]", True)],
+    ("words", "begin"),
+    [
+        *(("", True), ("wake", True), ("wake go", True), ("go to the", True), ("go to the sofa", True)),
+        *(("day", False), ("wake day", False), ("go day", False), ("sofa", False), ("go to the sofa stop", False)),
+    ],
 )
-def test_a_grammar_knows_whether_a_part_may_come_again(parts: str, repeats: bool) -> None:
-    assert read_grammar(f"{HEAD}public <a> = {parts};\n<b> = come (here)+;").repeats("a") is repeats
+def test_a_grammar_knows_the_beginnings_of_its_sentences(words: str, begin: bool) -> None:
+    assert read_grammar(f"{HEAD}{OTHER}").begins("a", words) is begin
 
 
 def test_repetitions_of_what_can_be_left_out_end() -> None:
@@ -161,3 +179,4 @@ def test_anything_is_read_or_refused_and_what_is_written_is_read_as_the_same(tex
     assert again.words("a") == grammar.words("a")
     for sentence in ("", "a", "b", "a b", "ab a", "a a a"):
         assert again.accepts("a", sentence) == grammar.accepts("a", sentence)
+        assert grammar.begins("a", sentence) >= grammar.accepts("a", sentence)

@@ -4,6 +4,7 @@ import asyncio
 import io
 import wave
 from collections.abc import AsyncIterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from openrois_body.components.speech_recognition import SpeechRecognition
 from openrois_body.hearing import server_ears as module
 from openrois_body.hearing.ear import Ear
 from openrois_body.hearing.recognition import Recognition
-from openrois_body.hearing.recognizer import EarsSettings, Expectation, RecognizerFailed, SpeechRecognizer
+from openrois_body.hearing.recognizer import OTHER_SPEECH, EarsSettings, Expectation, RecognizerFailed, SpeechRecognizer
 from openrois_body.hearing.server_ears import ServerEars
 from openrois_body.hearing.speech_detector import SpeechDetector
 from openrois_body.microphone_senses import microphone_senses
@@ -91,6 +92,10 @@ async def test_only_sentences_of_the_grammar_are_told(server: SpeechServer) -> N
     assert "language" not in server.asked[-1]
     server.words = "Go to the theatre."
     assert await understood(server, COMMANDS) == ()
+    others = Expectation(("en",), f"{COMMANDS.grammar}public <all> = <command> | <other_speech>;<other_speech> = day;")
+    assert await understood(server, replace(others, rule="all")) == (OTHER_SPEECH,)
+    server.words = ""
+    assert await understood(server, replace(others, rule="all")) == ()
     ears = ServerEars(EarsSettings(server.address))
     assert ears.refusal(COMMANDS) == ""
     assert "`default` or a text in JSGF" in ears.refusal(Expectation(("en",), "no grammar"))

@@ -2,12 +2,14 @@
 
 import asyncio
 import importlib.util
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from openrois_body.hearing import sphinx as module
-from openrois_body.hearing.recognizer import Expectation, RecognizerFailed, Transcriber
+from openrois_body.hearing.jsgf import chosen_grammar
+from openrois_body.hearing.recognizer import OTHER_SPEECH, Expectation, RecognizerFailed, Transcriber
 from openrois_body.hearing.sphinx import Sphinx
 from openrois_body.processes.child import Output
 
@@ -81,6 +83,39 @@ class TestSpeech:
                 assert await understood(transcriber, sound, COMMANDS) == (), name
             assert await understood(transcriber, np.zeros(0, np.int16), COMMANDS) == ()
 
+    def test_no_sound_is_looked_at_more_than_three_times_with_a_grammar(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        # Beeps made a lattice of words that took 9 s to look at.
+        from openrois_body.hearing.sphinx_child import Ears
+
+        class Counting:
+            def __init__(self, decoder: Any) -> None:
+                self._decoder, self.samples, self.lattices = decoder, 0, 0
+
+            def process_raw(self, sound: bytes, **how: bool) -> None:
+                self.samples += len(sound) // 2
+                self._decoder.process_raw(sound, **how)
+
+            def nbest(self) -> Any:
+                self.lattices += 1
+                return self._decoder.nbest()
+
+            def __getattr__(self, name: str) -> Any:
+                return getattr(self._decoder, name)
+
+        ears = Ears()
+        counting = Counting(ears._decoder)
+        monkeypatch.setattr(ears, "_decoder", counting)
+        assert not counting.config["bestpath"]
+        grammar, rule = chosen_grammar(f"{HEAD}public <a> = stop | (one | two | three)+;", "")
+        assert grammar is not None
+        for sound in (not_speech()["beeps"], spoken("one two three")):
+            counting.samples = 0
+            ears.answer_request({"do": "begin", "grammar": grammar.text(rule)}, b"")
+            ears.answer_request({"do": "hear"}, sound.tobytes())
+            ears.answer_request({"do": "end", "most": 5}, b"")
+            assert len(sound) < counting.samples <= 3 * len(sound)
+        assert counting.lattices == 0
+
     async def test_open_dictation_understands_something_and_guesses_while_the_words_come(self) -> None:
         async with Sphinx().open() as transcriber:
             candidates = await understood(transcriber, spoken("hello how are you today"), DICTATION)
@@ -119,14 +154,26 @@ class TestFailures:
         ("rules", "heard"),
         [
             ("public <a> = stop | mumble;", ()),
-            # It has won against words for other speech, but only once the whole was heard.
-            ("public <a> = stop | (mumble | babel)+;", ()),
-            ("public <a> = stop | (mumble | again)+;", ("stop", "stop")),
+            # It has won against words for other speech: what counts is how much better sounds in any order are.
+            ("public <a> = stop | mumble | (<other_speech>)+;", ("stop", "stop")),
+            ("public <a> = stop | worse | (<other_speech>)+;", (OTHER_SPEECH,)),
+            ("public <a> = stop | outside | (<other_speech>)+;", (OTHER_SPEECH,)),
+            ("public <a> = go | (<other_speech>)+;", (OTHER_SPEECH,)),
+            ("public <a> = stop | noise | (<other_speech>)+;", ()),
+            ("public <a> = stop | silence | (<other_speech>)+;", ()),
         ],
     )
     async def test_a_sentence_that_is_unlike_the_sound_was_not_said(self, rules: str, heard: tuple[str, ...]) -> None:
+        rules += "\n<other_speech> = back | babel;" if "<other_speech>" in rules else ""
         async with Sphinx().open() as transcriber:
             assert await understood(transcriber, SOUND, Expectation(("en",), f"{HEAD}{rules}")) == heard
+
+    async def test_words_for_other_speech_are_no_guess(self) -> None:
+        async with Sphinx().open() as transcriber:
+            for sentence, guess in (("back off", "back"), ("stop", "")):
+                rules = f"public <a> = {sentence} | (<other_speech>)+;\n<other_speech> = back | babel;"
+                await transcriber.begin(Expectation(("en",), f"{HEAD}{rules}"))
+                assert await transcriber.hear(SOUND) == guess
 
     @pytest.mark.parametrize(
         ("word", "said"), [("die", "has died: something broke"), ("babble", "has died"), ("hang", "did not answer")]
