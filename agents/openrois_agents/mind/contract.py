@@ -15,7 +15,7 @@ class Turn:
     """What a visitor said.
 
     Attributes:
-        text: what was heard; untrusted.
+        text: what was heard; untrusted. Empty where a grammar is expected: speech that is none of its sentences.
         visitor: the visitor's reference; empty where visitors are not told apart.
         number: within the conversation, from 1.
     """

@@ -149,17 +149,28 @@ class Conversations:
         if held is not None and is_stop(words.text, self._wake_word):
             await self._stop(final=words.final)
             return
-        if not words.final or is_stop(words.text, self._wake_word):
-            return
-        if not is_addressed(words.text, self._wake_word):
-            # Speech to others silences the body, too, and begins nothing.
-            await self._interrupt()
+        if not words.final:
             return
         self._has_stopped = False
+        if not self._are_for_it(words) or is_stop(words.text, self._wake_word):
+            return
         if held is None and not await self._begin(words.body):
             return
         await self._interrupt()
         await self._answer_turn(words)
+
+    def _are_for_it(self, words: Words) -> bool:
+        """Return whether words are for the mind.
+
+        Speech that is not understood is, unless a wake word is missing in it, or the mind speaks: it may be its own.
+        """
+        if words.text:
+            return is_addressed(words.text, self._wake_word)
+        return not self._wake_word and not self._is_answering
+
+    @property
+    def _is_answering(self) -> bool:
+        return self._answering is not None and not self._answering.done()
 
     async def _begin(self, body: str) -> bool:
         """Reserve a body for a conversation; return whether it has one."""
@@ -261,7 +272,7 @@ class Conversations:
 
     async def _interrupt(self) -> None:
         """Cancel the answer, and what it began."""
-        if self._answering is not None and not self._answering.done():
+        if self._answering is not None and self._is_answering:
             self._answering.cancel()
             await asyncio.wait({self._answering})
         self._answering = None
@@ -335,9 +346,8 @@ class Conversations:
     async def _watch_silence(self) -> None:
         while True:
             await self._pause(_LOOK)
-            is_answering = self._answering is not None and not self._answering.done()
             silence = self._session.clock() - self._last_words
-            if self._figures.holds and not is_answering and silence > SILENCE:
+            if self._figures.holds and not self._is_answering and silence > SILENCE:
                 self._post(_Over(self._answers))
 
     def _note(self, event: LoggedEvent) -> None:

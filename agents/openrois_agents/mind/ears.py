@@ -119,7 +119,8 @@ class Ears:
         try:
             async for data in occurrences:
                 text, visitor = str(data.get("text", "")), str(data.get("visitor_ref") or "")
-                self._heard(Words(text, data.get("final") is True, visitor, body))
+                if text or self._make_phrases is not None:
+                    self._heard(Words(text, data.get("final") is True, visitor, body))
         except _FAILURES as error:
             _log.info("%s is not heard any more: %s", component_ref, error)
             self._changed.set()

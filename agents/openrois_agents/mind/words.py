@@ -24,7 +24,7 @@ class Words:
     """What a body has heard.
 
     Attributes:
-        text: what was understood; untrusted.
+        text: what was understood; untrusted. Empty: words that are none of those that can be understood.
         final: whether it stays so.
         visitor: the visitor's reference; empty where visitors are not told apart.
         body: the body that heard it.

@@ -10,12 +10,18 @@ import pytest
 from openrois_agents.mind.body_stage import MAX_WAITING
 from openrois_agents.mind.contract import Stage, Turn
 from openrois_agents.mind.conversation import SILENCE
+from openrois_agents.mind.phrases import Phrases, make_phrases
+from openrois_agents.tools.names import Vocabulary
 from openrois_body.components.dialogue import Dialogue
 
 from openrois.component.component import Component
 from openrois.testing import memory_gateway
 from tests.support.actors import Actor
 from tests.support.conversing import MUCH, Conversing, ScriptedMind, SpeechProgress, conversing, until
+
+
+def _no_phrases(_names: object, _unknown: object) -> Phrases:
+    return make_phrases(Vocabulary())
 
 
 @asynccontextmanager
@@ -103,6 +109,41 @@ async def test_stop_stops_at_once_also_while_it_is_being_said_and_is_no_turn() -
         await until(lambda: talking.figures.stops == 2)
         assert len(talking.mind.turns) == 1
         assert talking.figures.holds == 1
+
+
+async def test_speech_that_is_not_understood_is_a_turn_unless_the_mind_speaks() -> None:
+    async with talk(at_once=False, make_phrases=_no_phrases) as talking:
+        talking.hear("", final=False)
+        talking.hear("good morning")
+        await talking.actor.speaking.begun.wait()
+        talking.hear("")
+        talking.actor.speaking.may_end.set()
+        await until(lambda: talking.figures.answers == 1)
+        assert talking.figures.interruptions == 0
+        talking.hear("")
+        await until(lambda: talking.figures.answers == 2)
+        assert [each.text for each in talking.mind.turns] == ["good morning", ""]
+
+
+@pytest.mark.parametrize("options", [{"wake_word": "computer", "make_phrases": _no_phrases}, {}])
+async def test_speech_that_is_not_understood_is_no_turn_without_the_wake_word_or_a_grammar(
+    options: dict[str, Any],
+) -> None:
+    async with talk(**options) as talking:
+        talking.hear("")
+        talking.hear("computer hello")
+        await until(lambda: talking.figures.answers == 1)
+        assert [each.text for each in talking.mind.turns] == ["computer hello"]
+
+
+async def test_what_was_taken_for_stop_at_first_leaves_the_next_stop_heeded() -> None:
+    async with talk(wake_word="computer") as talking:
+        talking.hear("computer hello")
+        await until(lambda: talking.figures.answers == 1)
+        talking.hear("stop", final=False)
+        talking.hear("stop at the lamp")
+        talking.hear("stop")
+        await until(lambda: talking.figures.stops == 2)
 
 
 async def test_a_conversation_ends_after_silence_but_not_while_it_answers() -> None:

@@ -212,9 +212,9 @@ async def test_what_is_not_understood_is_said_once_and_each_time_with_other_exam
         (first,) = await stage.answer(mind, "day said water")
         assert first == "I did not understand. You can say: hello, who are you or what can you do."
         # Noise is no conversation.
-        assert await stage.answer(mind, "house") == []
+        assert await stage.answer(mind, "") == []
         clock.now = 30.0
-        (second,) = await stage.answer(mind, "house")
+        (second,) = await stage.answer(mind, "")
         assert second.startswith("I did not understand. You can say: what do you see")
         # Who was understood meanwhile is told again at once.
         await stage.answer(mind, "thank you")
@@ -226,6 +226,7 @@ async def test_speech_without_the_wake_word_is_for_others() -> None:
         mind = RuleMind("computer")
         assert await stage.answer(mind, "stop") == []
         assert await stage.answer(mind, "day said water") == []
+        assert await stage.answer(mind, "") == []
         assert stage.used == []
         assert await stage.answer(mind, "computer, thank you!") == ["You are welcome."]
         assert len(await stage.answer(mind, "computer day")) == 1
