@@ -22,6 +22,7 @@ from tests.support.microphone import Microphone
 
 pytestmark = [pytest.mark.media, pytest.mark.engine]
 
+
 async def happens(subscription: Any, holds: Callable[[dict[str, Any]], bool] = lambda _data: True) -> dict[str, Any]:
     """Wait for an event."""
     async with asyncio.timeout(PATIENCE):
