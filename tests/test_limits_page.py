@@ -200,7 +200,7 @@ def test_the_figures_are_served() -> None:
     media = {figure.name for figure in avatar.ADAPTER} | {figure.name for figure in avatar.GUARD}
     media |= {figure.name for figure in avatar.SOURCE} | {figure.name for figure in avatar.VISITORS}
     served = {figure.name for figure in (*FIGURES, *CLUSTER_FIGURES)} | media | set(HISTOGRAMS)
-    served |= {figure.name for figure in (*MIND_FIGURES, *REFUSED)}
+    served |= {figure.name for figure in MIND_FIGURES} | {figure.name for figure in REFUSED}
     assert {full(name) for row in rows() for name in row.figures} <= served
 
 
