@@ -1,35 +1,51 @@
-"""Whether a visitor has agreed that a mind gets what the visitor says."""
+"""Whether visitors have agreed that a mind gets what they say."""
 
 import logging
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Final
 
-from openrois.client import BodyInfo, Client, ConnectionLost, RoISError, RpcError
+from openrois.client import BodyInfo, Client, ConnectionFailed, ConnectionLost, RoISError, RpcError
 from openrois.types.codes import Purpose
 from openrois.types.profiles import component_urn
 from openrois_agents.mind.contract import Mind
 
-__all__ = ["missing_consent"]
+__all__ = ["Consents", "read_consents"]
 
 _log = logging.getLogger(__name__)
 
 _VISITORS: Final = component_urn("Visitors", "OpenRoIS")
 
 
-async def missing_consent(client: Client, body: BodyInfo, visitor: str, mind: Mind) -> tuple[str, ...]:
-    """Return what a visitor has to consent to before a mind gets the visitor's words; none where nothing is missing.
+@dataclass(frozen=True, slots=True)
+class Consents:
+    """What visitors have consented to.
 
-    Where a body does not tell what its visitors consent to, none of it is taken for granted.
+    Attributes:
+        needed: before a mind gets the words of a visitor.
+        given: by the references of visitors.
     """
+
+    needed: frozenset[str]
+    given: Mapping[str, frozenset[str]]
+
+    def missing(self, visitor: str) -> tuple[str, ...]:
+        """Return what a visitor has to consent to; none where nothing is missing."""
+        return tuple(sorted(self.needed - self.given.get(visitor, frozenset())))
+
+
+async def read_consents(client: Client, body: BodyInfo, mind: Mind) -> Consents:
+    """Ask a body what its visitors consent to; where it does not tell that, none of it is taken for granted."""
     if not mind.needs_consent:
-        return ()
-    needed = {Purpose.AGENT, *((Purpose.TRANSFER,) if mind.sends_to else ())}
-    given: set[str] = set()
+        return Consents(frozenset(), {})
+    needed = frozenset({Purpose.AGENT.value, *((Purpose.TRANSFER.value,) if mind.sends_to else ())})
+    given: dict[str, frozenset[str]] = {}
     for component_ref in body.refs(_VISITORS)[:1]:
         try:
             found = await client.component(component_ref).query("visitors")
-        except (ConnectionLost, RoISError, RpcError, TimeoutError) as error:
+        except (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError) as error:
             _log.warning("%s does not tell what visitors consent to: %s", body.engine_id, error)
             continue
-        consents = dict(zip(found.get("visitor_ref", ()), found.get("consent", ()), strict=False))
-        given = set(str(consents.get(visitor, "")).split())
-    return tuple(sorted(each.value for each in needed if each.value not in given))
+        told = zip(found.get("visitor_ref", ()), found.get("consent", ()), strict=False)
+        given = {visitor: frozenset(str(each).split()) for visitor, each in told}
+    return Consents(needed, given)

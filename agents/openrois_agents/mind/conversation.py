@@ -11,7 +11,7 @@ from openrois.aio.tasks import TaskScope
 from openrois.client import ConnectionFailed, ConnectionLost, RoISError, RpcError
 from openrois.types.references import engine_of
 from openrois_agents.mind.body_stage import BodyStage
-from openrois_agents.mind.consenting import missing_consent
+from openrois_agents.mind.consenting import read_consents
 from openrois_agents.mind.contract import Mind, Turn
 from openrois_agents.mind.figures import MindFigures
 from openrois_agents.mind.limits import Budget
@@ -107,6 +107,8 @@ class Conversations:
         self._refused = ""
         """The refusal that was said last; it is said once."""
         self._stopped_bodies: set[str] = set()
+        self._remembered: set[str] = set()
+        """Visitors whose words the mind has."""
 
     @property
     def heard(self) -> str:
@@ -114,8 +116,9 @@ class Conversations:
         return "" if self._on_stage is None else self._on_stage.heard
 
     def hear(self, words: Words) -> None:
-        """Take what a body has heard."""
-        self._post(words)
+        """Take what a body has heard; what is still being said pushes nothing out."""
+        if words.final or not self._news.full():
+            self._post(words)
 
     async def run(self) -> None:
         """Lead conversations until cancelled; then the body is given back."""
@@ -217,12 +220,17 @@ class Conversations:
         self._refused = ""
         held = self._session.held
         assert held is not None
-        if missing := await missing_consent(held.client, held.info, words.visitor, self._mind):
+        consents = await read_consents(held.client, held.info, self._mind)
+        if any(consents.missing(each) for each in self._remembered):
+            # The words of one visitor are told again with those of another one.
+            self._forget()
+        if missing := consents.missing(words.visitor):
             self._figures.refusals["consent"] += 1
-            self._mind.forget()
+            self._forget()
             asked = " and ".join(missing)
             self._start_saying(f"I may only answer you if you consent to {asked}, where your microphone is set.")
             return
+        self._remembered.add(words.visitor)
         self._budget.count_turn()
         turn = Turn(words.text, words.visitor, self._turns)
         self._start(self._answer(turn, is_goodbye(words.text, self._wake_word)))
@@ -330,6 +338,8 @@ class Conversations:
             await self._end(f"{lost} was lost")
             return
         _log.info("%s was lost: the conversation goes on with %s", lost, now.engine_id)
+        # Another body does not know them: what they consented to there was asked when they spoke.
+        self._remembered.clear()
         self._figures.moves += 1
         await self._settle(now)
         self._start_saying(_HERE_NOW)
@@ -341,7 +351,11 @@ class Conversations:
         await self._session.give_back(reason)
         if self._figures.holds:
             self._figures.holds = 0
-            self._mind.forget()
+            self._forget()
+
+    def _forget(self) -> None:
+        self._mind.forget()
+        self._remembered.clear()
 
     async def _watch_silence(self) -> None:
         while True:

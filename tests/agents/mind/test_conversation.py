@@ -11,13 +11,22 @@ from openrois_agents.mind.body_stage import MAX_WAITING
 from openrois_agents.mind.contract import Stage, Turn
 from openrois_agents.mind.conversation import SILENCE
 from openrois_agents.mind.phrases import Phrases, make_phrases
+from openrois_agents.mind.words import Words
 from openrois_agents.tools.names import Vocabulary
 from openrois_body.components.dialogue import Dialogue
 
 from openrois.component.component import Component
 from openrois.testing import memory_gateway
 from tests.support.actors import Actor
-from tests.support.conversing import MUCH, Conversing, ScriptedMind, SpeechProgress, conversing, until
+from tests.support.conversing import (
+    MUCH,
+    Conversing,
+    ScriptedMind,
+    SpeechProgress,
+    Visitors,
+    conversing,
+    until,
+)
 
 
 def _no_phrases(_names: object, _unknown: object) -> Phrases:
@@ -311,3 +320,25 @@ async def test_a_body_shows_where_words_go_and_the_wake_word_in_a_conversation()
         talking.hear("computer hello")
         await until(lambda: talking.figures.answers == 1)
         assert (dialogue.sent_to, dialogue.wake_word) == ("https://model.example.org", "computer")
+
+
+async def test_words_of_a_visitor_whose_consent_ended_are_forgotten_before_another_is_answered() -> None:
+    visitors = Visitors({"v1": "agent", "v2": "agent"})
+    async with talk(visitors, mind=ScriptedMind(needs_consent=True)) as talking:
+        talking.hear("my name is Ann", visitor="v1")
+        await until(lambda: talking.figures.answers == 1)
+        talking.hear("good morning", visitor="v2")
+        await until(lambda: talking.figures.answers == 2)
+        assert not talking.mind.forgotten
+        visitors.consents["v1"] = ""
+        talking.hear("what did she say", visitor="v2")
+        await until(lambda: talking.figures.answers == 3)
+        assert talking.mind.forgotten == 1
+
+
+async def test_a_flood_of_words_that_are_being_said_pushes_nothing_else_out() -> None:
+    async with talk() as talking:
+        talking.conversations.hear(Words("good morning", True, "", "robot"))
+        for _ in range(200):
+            talking.conversations.hear(Words("good", False, "", "robot"))
+        await until(lambda: talking.figures.answers == 1)
