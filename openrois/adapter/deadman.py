@@ -233,4 +233,8 @@ class HolderExtension:
     def _note_lost(self, component_ref: str) -> None:
         component = self._components.get(component_ref)
         if component is not None:
-            component.holder_lost()
+            try:
+                component.holder_lost()
+            except Exception:
+                # The other components and the streams of the application are told all the same.
+                _log.exception("%s: its holder_lost failed", component_ref)

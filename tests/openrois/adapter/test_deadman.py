@@ -264,6 +264,18 @@ async def test_the_extension_below_hears_the_same(robot: Robot) -> None:
         await none.call("rois.stream.connect_stream", {}, ann)
 
 
+async def test_a_component_that_fails_as_its_holder_leaves_keeps_nothing_from_the_extension_below(robot: Robot) -> None:
+    class Failing(Winch, authority="Test", function="actuation"):
+        def holder_lost(self) -> None:
+            raise ValueError("a mistake of the component")
+
+    streams, ann = FakeStreams(), client("ann")
+    extension = HolderExtension(robot.deadman, streams, {ROVER: Failing("rover")})
+    for holds in (True, False):
+        await extension.set_holder(HolderNotification(component_ref=ROVER, holds=holds, epoch=1), ann)
+    assert [name for name, _, _ in streams.calls] == [HolderNotification.method] * 2
+
+
 async def test_the_rest_of_a_sequence_does_not_move_when_its_sender_has_left() -> None:
     rover, lamp = Rover(), Lamp()
     async with AsyncExitStack() as stack:
