@@ -11,11 +11,13 @@ from typing import Any
 
 import psutil
 import pytest
+from aiohttp import ClientSession
 from openrois_media import Media, Purpose
 
 from openrois.client import Client
 from openrois.client.components import Reaction
 from openrois.types.profiles import component_urn
+from tests.support.chat_server import chat_server
 from tests.support.demo import PATIENCE, Demo, end, running_demo, start
 from tests.support.hearing import spoken
 from tests.support.microphone import Microphone
@@ -30,6 +32,12 @@ async def happens(subscription: Any, holds: Callable[[dict[str, Any]], bool] = l
             if holds(data):
                 return dict(data)
     raise AssertionError("the subscription has ended")
+
+
+async def page_token(demo: Demo) -> str:
+    """The token that the demo gives a page: of a visitor, who goes before programs."""
+    async with ClientSession() as session, session.get(f"{demo.page}page-token") as answer:
+        return str((await answer.json())["token"])
 
 
 def lines_of(demo: Demo) -> list[str]:
@@ -69,7 +77,7 @@ async def test_a_body_waves_and_answers_when_it_is_spoken_to(tmp_path: Path) -> 
     with running_demo(tmp_path, "puppet", ("--mind",)) as demo:
         assert "who are you" in lines_of(demo)[-1]
         microphone = Microphone()
-        async with Client(demo.url) as client, Media(client) as media:
+        async with Client(demo.url, token=await page_token(demo)) as client, Media(client) as media:
             avatar = next(each for each in await client.bodies() if each.engine_id == "avatar")
             words = client.component(avatar.refs(component_urn("Hearing", "OpenRoIS"))[0])
             voice = client.component(avatar.refs(component_urn("SpeechProgress", "OpenRoIS"))[0])
@@ -87,7 +95,37 @@ async def test_a_body_waves_and_answers_when_it_is_spoken_to(tmp_path: Path) -> 
                         pass
                 microphone.say(spoken("who are you"))
                 assert (await happens(began))["text"]
+                # The page sends its microphone as a visitor, and the mind keeps all that it acts with.
+                for component_ref in (*avatar.refs(Reaction), "avatar/speech_synthesizer", "avatar/dialogue"):
+                    assert (await client.control.status(component_ref)).holder == "agent"
         assert "Traceback" not in demo.log()
+
+
+@pytest.mark.extra(name="speech")
+@pytest.mark.usefixtures("flite", "pocketsphinx")
+async def test_a_language_model_answers_a_visitor_of_the_page_who_agrees(tmp_path: Path) -> None:
+    async with chat_server() as server:
+        server.words = "Welcome to this house."
+        options = ("--mind", "--llm-url", server.address.base, "--llm-model", "m")
+        with running_demo(tmp_path, "puppet", options) as demo:
+            assert lines_of(demo)[-1] == "say what you like"
+            microphone = Microphone()
+            async with Client(demo.url, token=await page_token(demo)) as client, Media(client) as media:
+                voice = client.component("avatar/speech_progress")
+                consent = [Purpose.LIVE, Purpose.RECOGNITION]
+                async with (
+                    voice.event("speech_began") as began,
+                    media.send(microphone=microphone, consent=consent, to="avatar") as sending,
+                ):
+                    microphone.say(spoken("good morning to you all"))
+                    assert "consent to agent" in (await happens(began))["text"]
+                    assert not server.asked
+                    await sending.consent(*consent, Purpose.AGENT)
+                    microphone.say(spoken("good morning to you all"))
+                    await happens(began, lambda data: data["text"] == server.words)
+                    assert server.asked[0]["model"] == "m"
+                    assert (await client.control.status("avatar/dialogue")).holder == "agent"
+            assert "Traceback" not in demo.log()
 
 
 def test_a_mind_that_dies_is_started_again_and_ends_with_the_demo(tmp_path: Path) -> None:
