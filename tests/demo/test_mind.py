@@ -93,7 +93,7 @@ async def test_a_body_waves_and_answers_when_it_is_spoken_to(tmp_path: Path) -> 
                 async with asyncio.timeout(PATIENCE):
                     while (await reaction.query("component_status"))["status"] != "BUSY":
                         pass
-                microphone.say(spoken("who are you"))
+                microphone.say(spoken("good morning"))
                 assert (await happens(began))["text"]
                 # The page sends its microphone as a visitor, and the mind keeps all that it acts with.
                 for component_ref in (*avatar.refs(Reaction), "avatar/speech_synthesizer", "avatar/dialogue"):
