@@ -79,7 +79,7 @@ TESTS = (
     *(
         f"tests/body/hearing/test_{part}.py"
         for part in (
-            *("bearing", "dictionary", "jsgf"),
+            *("bearing", "dictionary", "jsgf", "likeness"),
             *("noise_floor", "voice_activity", "voice_frames"),
         )
     ),

@@ -38,10 +38,12 @@ _WORST: Final = -28_000.0
 Synthetic speech that was expected has mostly -14,000 to -30,000, some of it less; other speech -30,000 to -66,000.
 """
 _WORSE: Final = 2.2
+"""What `Likeness.worse` of a sentence that has won against words for other speech must not exceed."""
 _OUTSIDE: Final = 12
-"""What a sentence that has won against words for other speech must not exceed (`Likeness`).
+"""What `Likeness.outside` of a sentence must not exceed.
 
-Of 235 such sentences that four synthetic voices had said 2 do, of 45 that they had not 37; chosen for a half of them.
+Both were chosen for a half of what four synthetic voices had said, with words for other speech: of 235 sentences that
+had won rightly they keep 233, of 45 others 8.
 """
 _NO_SPEECH: Final = 5.0
 """`Likeness.worse` of what is no speech either; that of other speech is up to 4."""
@@ -120,11 +122,11 @@ class _Transcriber:
         if self._grammar is None or not candidates:
             return candidates
         said = tuple(each for each in candidates if self._grammar.accepts(self._rule, each))
-        if not self._grammar.has_other_speech(self._rule):
-            return () if answer["score"] < _WORST else said
-        if said and answer["worse"] <= _WORSE and answer["outside"] <= _OUTSIDE:
+        has_others = self._grammar.has_other_speech(self._rule)
+        is_like = answer["worse"] <= _WORSE if has_others else answer["score"] >= _WORST
+        if said and is_like and answer["outside"] <= _OUTSIDE:
             return said
-        return (OTHER_SPEECH,) if answer["worse"] < _NO_SPEECH else ()
+        return (OTHER_SPEECH,) if has_others and answer["worse"] < _NO_SPEECH else ()
 
 
 class _Conversation:

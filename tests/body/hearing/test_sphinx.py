@@ -154,6 +154,7 @@ class TestFailures:
         ("rules", "heard"),
         [
             ("public <a> = stop | mumble;", ()),
+            ("public <a> = stop | outside;", ()),
             # It has won against words for other speech: what counts is how much better sounds in any order are.
             ("public <a> = stop | mumble | (<other_speech>)+;", ("stop", "stop")),
             ("public <a> = stop | worse | (<other_speech>)+;", (OTHER_SPEECH,)),
