@@ -8,7 +8,7 @@ from openrois_streaming.state import TRANSITIONS
 from openrois.gateway.configuration import settings_of
 from tools.pages.__main__ import PARTS, ROOT, pages
 from tools.pages.configuration import gateway_settings
-from tools.pages.figures import adapter_figures, cluster_figures, gateway_figures
+from tools.pages.figures import adapter_figures, cluster_figures, gateway_figures, mind_figures
 from tools.pages.parts import UnknownPart, filled, outdated
 from tools.pages.states import negotiation_states, stream_states
 
@@ -52,7 +52,7 @@ def test_every_setting_has_its_row() -> None:
 
 
 def test_every_figure_of_both_has_its_row() -> None:
-    tables = [*gateway_figures(), *cluster_figures(), *adapter_figures()]
+    tables = [*gateway_figures(), *cluster_figures(), *adapter_figures(), *mind_figures()]
     found = [line.split("`")[1] for line in tables if line.startswith("| `")]
     recorded = json.loads((ROOT / "tests/public_surface.json").read_text(encoding="utf-8"))["metrics"]
     assert sorted(found) == recorded
