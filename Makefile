@@ -9,11 +9,13 @@ UNIT := not media and not browser and not engine$(SHORT)
 # Many tests wait for processes: two workers for each core keep them busy.
 WORKERS := $(shell expr $$(getconf _NPROCESSORS_ONLN) \* 2)
 UNIT_TESTS = -n $(WORKERS) --dist worksteal $(if $(LONG),-p tests.branches) -m "$(UNIT)"
-MEDIA_TESTS = -n 3 --dist loadfile -m "(media or engine) and not browser$(SHORT)" $(call marked,media\|engine)
+MEDIA_TESTS = -n 4 --dist loadfile -m "(media or engine) and not browser$(SHORT)" $(call marked,media\|engine)
 BROWSER_TESTS = -n 2 --dist loadfile -m "browser$(SHORT)" $(call marked,browser)
 # Of a long run all stages are seen, whatever fails in one of them.
 stage = $(1) || $(if $(LONG),failed=1,exit 1);
-marked = $(shell grep -rl --include="test_*.py" "mark\.\($(1)\)" tests)
+# Tests of frameworks of voice agents import them, in environments of their own.
+FRAMEWORKS := livekit pipecat
+marked = $(shell grep -rl --include="test_*.py" $(FRAMEWORKS:%=--exclude-dir=%) "mark\.\($(1)\)" tests)
 export PATH := $(if $(shell command -v npm),,$(CURDIR)/.venv/bin:)$(PATH)
 .PHONY: demo test unit faults cluster robots agents nightly check lint fmt generate page docs pictures dist
 demo: .venv/demo.stamp $(PAGE)
@@ -35,7 +37,6 @@ robots: .venv/dev.stamp .venv-reachy/stamp
 	python3 -m venv .venv-reachy && PIP_BUILD_CONSTRAINT= .venv-reachy/bin/pip install -q --disable-pip-version-check -c $< reachy-mini && touch $@ || \
 	echo "SKIPPED the daemon of a Reachy Mini: it cannot be installed here; CONTRIBUTING.md says what it needs"
 # Frameworks of voice agents, hundreds of MB each, in environments of their own: at most 20 minutes. What cannot be installed is skipped, and said.
-FRAMEWORKS := livekit pipecat
 agents: $(FRAMEWORKS:%=.venv-%/stamp)
 	@failed=0; $(foreach each,$(FRAMEWORKS),[ ! -e .venv-$(each)/stamp ] || .venv-$(each)/bin/python -m pytest --durations=10 -rs -m agents tests/agents/$(each) $(ARGS) || failed=1;) exit $$failed
 $(FRAMEWORKS:%=.venv-%/stamp): .venv-%/stamp: constraints-%.txt pyproject.toml

@@ -13,7 +13,7 @@ from tests.support.seeds import lasting
 pytestmark = [pytest.mark.usefixtures("haproxy", "nats"), pytest.mark.timeout(300)]
 
 
-@pytest.mark.parametrize("seed", lasting(0, 1))
+@pytest.mark.parametrize("seed", lasting(0))
 async def test_f45_an_owner_that_is_killed(seed: int, postgres_server: Server, tmp_path: Path) -> None:
     async with cluster_site(seed, postgres_server, tmp_path) as here:
         await here.crowd()

@@ -154,7 +154,7 @@ async def test_f57_a_canary_is_drained_away(seed: int, postgres_server: Server, 
         assert here.ends() == {"OK"}
 
 
-@pytest.mark.parametrize("seed", lasting(0))
+@pytest.mark.parametrize("seed", lasting())
 async def test_f58_an_upgrade_under_load_and_its_rollback_lose_no_command(
     seed: int, postgres_server: Server, tmp_path: Path
 ) -> None:

@@ -236,7 +236,7 @@ async def twenty_applications(serve: Serve, seed: int, seconds: float) -> None:
         await there.settle()
 
 
-@pytest.mark.parametrize("seconds", [2.0, pytest.param(20.0, marks=pytest.mark.long)])
+@pytest.mark.parametrize("seconds", [1.0, pytest.param(20.0, marks=pytest.mark.long)])
 @pytest.mark.parametrize("seed", SOME)
 def test_no_body_is_half_held_and_all_get_on(seed: int, seconds: float) -> None:
     # With leases that survive a lost connection, and at a gateway of the base wire alone.
