@@ -180,11 +180,12 @@ class ModelMind:
         self._history.add_result(call, reason)
 
     def _count(self, messages: Any, schemas: Any, reply: Reply, seconds: float) -> None:
-        """Count what a request has used: as the server says, else by estimate."""
+        """Count what a request has used: as the server says, but no less than what it was seen to write."""
         read, written = 0, reply.written
         if reply.usage is not None:
-            read, written = reply.usage.read, reply.usage.written
-        else:
+            read, written = reply.usage.read, max(written, reply.usage.written)
+        if not read:
+            # A request is never empty: a server that says so, or nothing, is not believed.
             read = estimate_tokens(json.dumps([messages, schemas], ensure_ascii=False))
         self.figures.read += read
         self.figures.written += written

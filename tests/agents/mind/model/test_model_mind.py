@@ -257,6 +257,14 @@ async def test_tokens_are_counted_as_the_server_says_or_by_estimate() -> None:
         assert mind.figures.seconds > 0
 
 
+async def test_a_server_that_tells_too_few_tokens_is_not_believed() -> None:
+    async with minded(says("Hello you. " * 250, usage=(0, 0)), tokens=100_000) as (mind, server):
+        await mind.answer(HELLO, NotedStage())
+        sent = len(json.dumps([server.asked[0]["messages"], server.asked[0]["tools"]]))
+        assert mind.figures.read == pytest.approx(sent / 4, rel=0.01)
+        assert mind.figures.written == pytest.approx(11 * 250 / 4, abs=2)
+
+
 async def test_a_turn_ends_where_its_tokens_are_used_up() -> None:
     async with minded(calls(("where", {}), usage=(900, 100)), tokens=1_000) as (mind, server):
         stage = NotedStage()
