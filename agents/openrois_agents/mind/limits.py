@@ -51,11 +51,14 @@ _DAY_IS_OVER: Final = "I have talked as much as I may today. Please come back to
 class Budget:
     """What is left for this conversation and this day.
 
+    It errs to the cheap side: only a later date begins a new day. Where a clock is set back the counts stay, and what
+    was counted at a date in the future counts until then.
+
     Args:
         conversation: the limits of a conversation.
         day: the limits of a day.
         today: returns the date.
-        used: what this day has used before; another day's is forgotten.
+        used: what this day has used before; an earlier day's is forgotten.
         keep: told of each change of what the day has used.
     """
 
@@ -109,7 +112,7 @@ class Budget:
 
     def _used_today(self) -> Used:
         today = self._today()
-        if self._day.day != today:
+        if self._day.day < today:
             self._day = Used(today)
         return self._day
 

@@ -50,6 +50,20 @@ def test_a_day_ends_politely_and_the_next_one_begins_anew() -> None:
     assert budget.refusal() == ""
 
 
+def test_a_clock_that_is_set_back_begins_no_new_day() -> None:
+    days = Days()
+    budget = Budget(FEW, MANY, days)
+    for _ in range(5):
+        budget.count_turn()
+    budget.begin_conversation()
+    days.today -= timedelta(1)
+    assert "come back tomorrow" in budget.refusal()
+    days.today = FIRST
+    assert "come back tomorrow" in budget.refusal()
+    days.today += timedelta(1)
+    assert budget.refusal() == ""
+
+
 def test_tokens_that_are_left_are_those_of_the_conversation_and_of_the_day() -> None:
     days = Days()
     budget = Budget(FEW, Limits(9, 130, 9.0), days)
