@@ -65,7 +65,10 @@ class SmallTalk:
             return bytes(told)
 
     async def _consents(self, visitor: str) -> bool:
-        """Tell whether a visitor's words may go to the server. Of a body that tells no visitors apart none may."""
+        """Tell whether a visitor's words may go to the server. Of a body that tells no visitors apart none may.
+
+        Nor where a body lists them in a form that is not understood.
+        """
         needed = {Purpose.AGENT}
         if urlsplit(self._url).hostname not in ("127.0.0.1", "::1", "localhost"):
             needed.add(Purpose.TRANSFER)
@@ -73,5 +76,8 @@ class SmallTalk:
         for info in await self._client.bodies():
             for ref in info.refs(VISITORS):
                 there = await self._client.component(ref).query("visitors")
-                given |= zip(there["visitor_ref"], there["consent"], strict=True)
+                try:
+                    given |= zip(there["visitor_ref"], there["consent"], strict=True)
+                except (LookupError, ValueError, TypeError):
+                    return False
         return needed <= set(given.get(visitor, "").split())

@@ -41,7 +41,18 @@ from tests.support.simulated_robot import at
 from tests.support.tokens import issue, key_file
 from tests.support.voice import ScriptedSynthesizer
 
-__all__ = ["AVATAR_VOICE", "LEGS", "ROBOT_VOICE", "House", "guide", "guide_process", "house", "token", "visitor"]
+__all__ = [
+    "AVATAR_VOICE",
+    "LEGS",
+    "ROBOT_VOICE",
+    "House",
+    "example",
+    "guide",
+    "guide_process",
+    "house",
+    "token",
+    "visitor",
+]
 
 _GUIDE: Final = ROOT / "docs/examples/guide.py"
 LEGS: Final = "robot/navigation"
@@ -104,6 +115,12 @@ class House:
         (hearing,) = self.hearing
         async with asyncio.timeout(_PATIENCE):
             while not hearing.activity.works:
+                await self._turn()
+
+    async def leaves(self, body: str) -> None:
+        """Wait until the gateway knows a body no more."""
+        async with asyncio.timeout(_PATIENCE):
+            while body in {each.engine_id for each in await self.client.bodies()}:
                 await self._turn()
 
     async def tells(self, text: str, by: str = "") -> None:
@@ -230,7 +247,7 @@ async def _ended(task: "asyncio.Task[None]") -> None:
         await task
 
 
-def _example(name: str) -> ModuleType:
+def example(name: str) -> ModuleType:
     """Return an example as a module."""
     with patch.object(sys, "path", [str(_GUIDE.parent), *sys.path]):
         return importlib.import_module(name)
@@ -270,8 +287,8 @@ async def guide(opened: House, folder: Path, model: str = "") -> AsyncIterator["
     """Run the guide in this process while the block runs."""
     relayed = opened.guides.url
     async with Client(relayed, token=token("guide", rank="agent")) as client:
-        talk = _example("small_talk").SmallTalk(client, model)
-        task = asyncio.ensure_future(_example("guide").Guide(client, "robot", talk, folder / "note").run())
+        talk = example("small_talk").SmallTalk(client, model)
+        task = asyncio.ensure_future(example("guide").Guide(client, "robot", talk, folder / "note").run())
         try:
             yield task
             assert not task.done(), task.exception()

@@ -9,9 +9,12 @@ from pathlib import Path
 import pytest
 from aiohttp import web
 
+from openrois.adapter import query
+from openrois.testing import memory_gateway
 from openrois.types.codes import Purpose
+from tests.support.conversing import Consented, Visitors
 from tests.support.demo import free_port
-from tests.support.guided import guide, house, visitor
+from tests.support.guided import example, guide, house, visitor
 
 pytestmark = pytest.mark.media
 
@@ -101,3 +104,14 @@ async def test_what_is_heard_stays_here_where_that_is_all_a_visitor_consents_to(
         opened.say("my secret", ann)
         await opened.tells("I can lead you to: ")
     assert not asked
+
+
+async def test_a_body_that_lists_no_consent_for_each_visitor_has_none_that_consents() -> None:
+    class Broken(Visitors):
+        @query
+        async def visitors(self) -> Consented:
+            return Consented(visitor_ref=("v1", "v2"), consent=("agent",))
+
+    async with model_server(FINE) as (model, asked), memory_gateway(Broken({})) as gateway, gateway.client() as client:
+        assert await example("small_talk").SmallTalk(client, model).answer("my secret", "v1") == ""
+        assert not asked
