@@ -8,13 +8,24 @@ from pathlib import Path
 from small_talk import NoAnswer, SmallTalk
 from steady_voice import FAILED, Voice, has_again
 
-from openrois.client import BindingLent, BodyLost, Client, ComponentFailed, ComponentProxy, Connected, ControlRequested
+from openrois.client import (
+    BindingLent,
+    BodyLost,
+    Client,
+    ComponentFailed,
+    ComponentProxy,
+    Connected,
+    ControlRequested,
+    ProfileChanged,
+)
 from openrois.client.components import Navigation
 
 HEARING = "urn:x-rois:def:component:OpenRoIS::Hearing"
 SURROUNDINGS = "urn:x-rois:def:component:OpenRoIS::Surroundings"
 ATTEMPTS = 5
 """How often a way is gone that was broken off."""
+AGAIN = 5.0
+"""Seconds after which bodies that hear are looked for again, and listened to again where that failed."""
 IDLE = 60.0
 """Seconds from the last words of a visit to its end."""
 
@@ -37,22 +48,40 @@ class Guide:
         """Serve visitors until cancelled."""
         async with asyncio.TaskGroup() as tasks:
             tasks.create_task(self._tell_changes())
-            for ref in await find(self._client, HEARING):
-                tasks.create_task(self._listen(self._client.component(ref)))
+            tasks.create_task(self._find_ears(tasks))
             print("ready", flush=True)
             if self._note.exists():
                 await self._visit(tasks, "I am sorry, I was interrupted.", "", "")
             while True:
                 await self._visit(tasks, "Hello!", *await self._heard.get())
 
+    async def _find_ears(self, tasks: asyncio.TaskGroup) -> None:
+        """Listen to every body that hears, also to one that comes later."""
+        found: set[str] = set()
+        async with self._client.notices(ProfileChanged) as changes:
+            while True:
+                with suppress(*FAILED):
+                    for ref in set(await find(self._client, HEARING)) - found:
+                        found.add(ref)
+                        tasks.create_task(self._listen(self._client.component(ref)))
+                with suppress(TimeoutError):
+                    await asyncio.wait_for(anext(changes), AGAIN)
+
     async def _listen(self, hearing: ComponentProxy) -> None:
-        async for heard in hearing.event("heard"):
-            words = heard["text"].lower()
-            if "stop" in words and self._walk is not None:
-                # Whatever is being said or thought meanwhile.
-                self._walk.cancel()
-            if heard["final"] and words and not self._heard.full():
-                self._heard.put_nowait((words, heard.get("visitor_ref") or ""))
+        while True:
+            try:
+                async for heard in hearing.event("heard"):
+                    self._take(heard["text"].lower(), heard["final"], heard.get("visitor_ref") or "")
+            except (LookupError, *FAILED) as error:
+                print(f"{hearing.component_ref} is not heard: {error}", flush=True)
+            await asyncio.sleep(AGAIN)
+
+    def _take(self, words: str, final: bool, visitor: str) -> None:
+        if "stop" in words and self._walk is not None:
+            # Whatever is being said or thought meanwhile.
+            self._walk.cancel()
+        if final and words and not self._heard.full():
+            self._heard.put_nowait((words, visitor))
 
     async def _tell_changes(self) -> None:
         """Tell the visitor what was lost, taken or is back, and hand over what a person requests."""
@@ -104,9 +133,9 @@ class Guide:
 
     async def _lead(self, place: str) -> None:
         """Let the robot lead to a place. It stops when its legs are given back: also where this is cancelled."""
-        ref = next(iter(await find(self._client, Navigation, self._robot)), f"{self._robot}/navigation")
-        legs = self._client.component(Navigation, ref)
         try:
+            ref = next(iter(await find(self._client, Navigation, self._robot)), f"{self._robot}/navigation")
+            legs = self._client.component(Navigation, ref)
             await legs.bind()
         except FAILED as error:
             print(f"no robot: {error}", flush=True)
@@ -135,7 +164,7 @@ class Guide:
     async def _places(self) -> list[str]:
         """Return the names of the things that the robot knows; none where it is away."""
         names: list[str] = []
-        with suppress(*FAILED):
+        with suppress(LookupError, ValueError, *FAILED):
             for ref in await find(self._client, SURROUNDINGS, self._robot):
                 things = await self._client.component(ref).query("things")
                 names += [name for name, kind in zip(things["name"], things["kind"], strict=True) if kind != "person"]

@@ -3,7 +3,7 @@
 import asyncio
 from contextlib import AsyncExitStack, suppress
 
-from openrois.client import Body, Client, ConnectionLost, ControlChanged, OutOfResources, RoISError
+from openrois.client import Body, Client, ConnectionLost, ControlChanged, RoISError
 from openrois.client.components import SpeechSynthesis
 from openrois.types.leases import LeaseState
 
@@ -43,6 +43,7 @@ class Voice:
         self._held = AsyncExitStack()
         self._turn = asyncio.Lock()
         self._broke_off = False
+        self._late = ""
 
     @property
     def component_ref(self) -> str:
@@ -55,27 +56,34 @@ class Voice:
         return self.body is not None and (self._broke_off or self.body.error is not None)
 
     async def say(self, text: str) -> None:
-        """Return when a text was heard; what was broken off is said again."""
+        """Return when a text was heard; what was broken off is said again, and what no body could say with the next."""
         async with self._turn:
+            whole = f"{self._late} {text}".strip()
             for _ in range(ATTEMPTS):
                 if self.body is not None and self.is_lost:
-                    text = f"I had to leave the {self.body.engine_id}, and go on here. {text}"
+                    whole = f"I had to leave the {self.body.engine_id}, and go on here. {whole}"
                     await self.rest()
-                if self.body is None:
-                    self.body = await self._held.enter_async_context(self._client.body(SpeechSynthesis, wait=WAIT))
+                try:
+                    if self.body is None:
+                        self.body = await self._held.enter_async_context(self._client.body(SpeechSynthesis, wait=WAIT))
+                except FAILED as error:
+                    print(f"no body is free: {error}", flush=True)
+                    break
                 speech = self.body[SpeechSynthesis]
                 try:
-                    await speech.set(speech_text=text)
+                    await speech.set(speech_text=whole)
                     await speech.start()
                 except FAILED as error:
                     print(f"{self.body.engine_id} broke off: {error}", flush=True)
                     self._broke_off = not await has_again(self._client, speech.component_ref)
                 else:
-                    print(f"{self.body.engine_id} said: {text}", flush=True)
+                    print(f"{self.body.engine_id} said: {whole}", flush=True)
+                    self._late = ""
                     return
-            raise OutOfResources(f"no body could say {text!r}")
+            self._late = text
 
     async def rest(self) -> None:
         """Give the body back."""
-        self.body, self._broke_off = None, False
-        await self._held.aclose()
+        self.body, self._broke_off, self._late = None, False, ""
+        with suppress(*FAILED):
+            await self._held.aclose()

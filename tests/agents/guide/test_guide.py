@@ -2,9 +2,15 @@
 
 import asyncio
 import signal
+import sys
 from pathlib import Path
+from typing import Any
 
-from openrois.client import Client, ControlRequested
+import pytest
+
+from openrois.client import Client, ComponentProxy, ConnectionLost, ControlRequested, OutOfResources
+from openrois.client.components import Navigation
+from tests.support.conversing import until
 from tests.support.guided import AVATAR_VOICE, LEGS, ROBOT_VOICE, House, guide, guide_process, house, token
 
 FAR = -4.0, -2.5
@@ -223,3 +229,77 @@ async def test_where_the_network_is_cut_for_long_nothing_moves_or_stays_held_and
         opened.guides.mend()
         await opened.tells("I was cut off for a moment. I am here again.")
         await opened.tells("We go on to the plant.")
+
+
+async def test_a_gateway_that_is_lost_while_the_robot_is_looked_for_is_told_and_the_guide_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with house(tmp_path) as opened, guide(opened, tmp_path):
+        module = sys.modules["guide"]
+        find = module.find
+
+        async def lose(client: Client, kind: Any, engine_id: str = "") -> Any:
+            if kind is Navigation:
+                raise ConnectionLost("the connection was lost")
+            return await find(client, kind, engine_id)
+
+        await opened.hears()
+        monkeypatch.setattr(module, "find", lose)
+        opened.say("take me to the plant")
+        await opened.tells("The robot is not free now. Ask me again later.")
+        monkeypatch.setattr(module, "find", find)
+        opened.say("take me to the plant")
+        await opened.tells("Here we are: the plant.")
+
+
+async def test_what_no_body_could_say_is_told_when_one_is_free(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with house(tmp_path) as opened, Client(opened.url, token=token("ann", rank="person")) as ann:
+        await ann.bind(AVATAR_VOICE)
+        await ann.bind(ROBOT_VOICE)
+        async with guide(opened, tmp_path) as running:
+            monkeypatch.setattr("steady_voice.WAIT", 0.2)
+            await opened.hears()
+            opened.say("what can you do")
+            printed: list[str] = []
+
+            def has_given_up() -> bool:
+                printed.append(capsys.readouterr().out)
+                return "".join(printed).count("no body is free") == 2 or running.done()
+
+            await until(has_given_up)
+            await ann.release(AVATAR_VOICE)
+            opened.say("take me to the plant")
+            await opened.tells("I can lead you to: ", by="avatar")
+
+
+async def test_a_body_is_listened_to_again_where_that_failed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    subscribe, failures = ComponentProxy.event, [OutOfResources("too many subscriptions")]
+
+    def event(component: ComponentProxy, name: str, *rest: Any) -> Any:
+        if name == "heard" and failures:
+            raise failures.pop()
+        return subscribe(component, name, *rest)
+
+    async with house(tmp_path) as opened:
+        monkeypatch.setattr(ComponentProxy, "event", event)
+        async with guide(opened, tmp_path):
+            monkeypatch.setattr("guide.AGAIN", 0.1)
+            await opened.hears()
+            assert "avatar/hearing is not heard: " in capsys.readouterr().out
+            opened.say("hello")
+            await opened.tells("Hello!", by="avatar")
+
+
+async def test_a_body_that_comes_after_the_start_is_listened_to(tmp_path: Path) -> None:
+    async with house(tmp_path) as opened:
+        opened.avatars.cut(refuse=True)
+        await opened.leaves("avatar")
+        async with guide(opened, tmp_path):
+            opened.avatars.mend()
+            await opened.hears()
+            opened.say("hello")
+            await opened.tells("Hello!")
