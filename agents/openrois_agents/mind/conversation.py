@@ -46,6 +46,7 @@ _NEWS: Final = frozenset(
 )
 
 _HERE_NOW: Final = "I go on here."
+_WENT_WRONG: Final = "I am sorry, something went wrong."
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,11 +129,22 @@ class Conversations:
                 self._tasks.start(self._watch_silence())
                 try:
                     while True:
-                        await self._take(await self._news.get())
+                        await self._take_safely(await self._news.get())
                 finally:
                     await self._end("the mind ends")
         finally:
             remove()
+
+    async def _take_safely(self, news: Words | LoggedEvent | _CutShort | _Over) -> None:
+        """Take news; a mistake in that ends the conversation, and not those that come after it."""
+        try:
+            await self._take(news)
+        except Exception:
+            _log.exception("a conversation ends, as something went wrong in it")
+            try:
+                await self._end("something went wrong")
+            except Exception:
+                _log.exception("the body of a conversation could not be given back")
 
     async def _take(self, news: Words | LoggedEvent | _CutShort | _Over) -> None:
         match news:
@@ -239,9 +251,8 @@ class Conversations:
         async with self._stage() as stage:
             self._on_stage = stage
             try:
-                await self._mind.answer(turn, stage)
-                await stage.all_said()
-                self._figures.answers += 1
+                if await self._ask_mind(turn, stage):
+                    self._figures.answers += 1
             except asyncio.CancelledError:
                 self._figures.interruptions += 1
                 self._mind.interrupted(stage.heard)
@@ -250,6 +261,18 @@ class Conversations:
                 self._last_words = self._session.clock()
         if ends:
             self._post(_Over(self._answers))
+
+    async def _ask_mind(self, turn: Turn, stage: BodyStage) -> bool:
+        """Let the mind answer; return whether it did. One that fails is logged, and the visitor is told."""
+        try:
+            await self._mind.answer(turn, stage)
+        except Exception:
+            _log.exception("the mind failed in an answer")
+            await stage.say(_WENT_WRONG)
+            await stage.all_said()
+            return False
+        await stage.all_said()
+        return True
 
     def _start_saying(self, text: str, ends: bool = False) -> None:
         async def say() -> None:
@@ -347,11 +370,15 @@ class Conversations:
     async def _end(self, reason: str) -> None:
         """End the conversation, if there is one: the body is free then, and the mind has forgotten it."""
         await self._interrupt()
-        await self._voice.aclose()
-        await self._session.give_back(reason)
-        if self._figures.holds:
-            self._figures.holds = 0
-            self._forget()
+        try:
+            await self._voice.aclose()
+        finally:
+            try:
+                await self._session.give_back(reason)
+            finally:
+                if self._figures.holds:
+                    self._figures.holds = 0
+                    self._forget()
 
     def _forget(self) -> None:
         self._mind.forget()

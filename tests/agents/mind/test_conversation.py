@@ -242,17 +242,49 @@ async def test_a_body_that_another_application_has_is_not_answered_with() -> Non
         assert not talking.mind.turns
 
 
-async def test_a_mind_that_fails_leaves_the_conversation_as_it_is() -> None:
-    async def fail(_turn: Turn, _stage: Stage) -> None:
-        raise ValueError("a mistake of the mind")
+async def _fail(_turn: Turn, _stage: Stage) -> None:
+    raise ValueError("a mistake of the mind")
 
+
+async def test_a_mind_that_fails_is_told_and_leaves_the_conversation_as_it_is(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
     async with talk() as talking:
-        talking.mind.script = fail
+        talking.mind.script = _fail
         talking.hear("good morning")
-        await until(lambda: len(talking.mind.turns) == 1)
+        await until(lambda: talking.actor.speaking.did == ["I am sorry, something went wrong."])
+        assert "a mistake of the mind" in caplog.text
         talking.mind.script = ScriptedMind().script
         talking.hear("again")
         await until(lambda: talking.figures.answers == 1)
+        assert talking.figures.conversations == 1
+
+
+async def test_a_goodbye_ends_a_conversation_also_where_the_mind_fails() -> None:
+    async with talk() as talking:
+        talking.mind.script = _fail
+        talking.hear("goodbye")
+        await until(lambda: len(talking.mind.turns) == 1)
+        await talking.until_free()
+        assert talking.actor.speaking.did == ["I am sorry, something went wrong."]
+
+
+async def test_a_mistake_outside_of_an_answer_ends_the_conversation_and_the_next_one_is_led(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    async def fail(*_arguments: object) -> None:
+        raise KeyError("a mistake of a body")
+
+    async with talk() as talking:
+        with monkeypatch.context() as patched:
+            patched.setattr("openrois_agents.mind.conversation.read_consents", fail)
+            talking.hear("good morning")
+            await until(lambda: "a mistake of a body" in caplog.text)
+            await talking.until_free()
+        assert talking.session.held is None
+        talking.hear("again")
+        await until(lambda: talking.figures.answers == 1)
+        assert talking.figures.conversations == 2
 
 
 async def test_a_tool_that_fails_is_an_answer_and_the_body_is_the_conversations() -> None:
