@@ -1,6 +1,7 @@
 """Utterances of an agent: written as fast as they are made, spoken by a body one after the other, silenced at once."""
 
 import asyncio
+import logging
 from collections import deque
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -18,6 +19,8 @@ from openrois.aio.tasks import TaskScope
 from openrois.client import Aborted, ConnectionLost
 
 __all__ = ["MAX_WRITTEN", "Mark", "SpeechWriter"]
+
+_log = logging.getLogger(__name__)
 
 MAX_WRITTEN: Final = 2.0
 """Seconds of sound that were written and wait to be sent; the body has a second more at most."""
@@ -247,6 +250,7 @@ class SpeechWriter:
 
     async def _speak(self, utterance: _Utterance) -> Spoken:
         """Speak one utterance to its end, and return what was heard of it."""
+        failure = ""
         try:
             while not utterance.cut:
                 piece = bytes(utterance.sound[: self._piece])
@@ -265,9 +269,17 @@ class SpeechWriter:
         except ConnectionLost as error:
             # There is none where a speech has begun.
             utterance.cut_off(str(error))
+        except Exception as error:
+            _log.exception("an utterance is broken off")
+            failure = _reason(error)
+            utterance.cut_off(failure)
+            # `write` may wait for room, and the body still speak what it has.
+            self._news.notify()
+            await self._silence((utterance,))
         if utterance.number is None:
             return Spoken(0.0, utterance.cut)
-        return await self._heard(utterance)
+        spoken = await self._heard(utterance)
+        return Spoken(spoken.seconds, failure) if failure else spoken
 
     async def _heard(self, utterance: _Utterance) -> Spoken:
         """Return what was heard of an utterance of which all was sent that will be."""
@@ -276,14 +288,23 @@ class SpeechWriter:
         try:
             await self._news.until(lambda: finishing.done() or utterance.is_given_up)
             return finishing.result() if finishing.done() else Spoken(self._speaking.played, _INTERRUPTED)
+        except Exception as error:
+            _log.exception("the end of an utterance is not known")
+            # Else the next utterance would go on with this speech.
+            await self._silence((utterance,))
+            return Spoken(self._speaking.played, _reason(error))
         finally:
             finishing.cancel()
 
     async def _silence(self, utterances: tuple[_Utterance, ...]) -> None:
-        with suppress(TimeoutError):
+        try:
             async with asyncio.timeout(_ANSWER):
                 await self._speaking.clear()
                 return
+        except TimeoutError:
+            pass
+        except Exception:
+            _log.exception("the body could not be told to be silent")
         for utterance in utterances:
             utterance.is_given_up = True
         self._news.notify()
@@ -317,6 +338,10 @@ class SpeechWriter:
             self.broken_off.notify_all(spoken.reason)
         self.finished.notify_all(spoken)
         self._news.notify()
+
+
+def _reason(error: Exception) -> str:
+    return str(error) or type(error).__name__
 
 
 def _bytes(sound: bytes | NDArray[np.int16]) -> bytes:

@@ -1,16 +1,17 @@
 """Utterances of an agent through a real avatar: what is told of them is what was heard."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from openrois_agents.voice.speech_writer import MAX_WRITTEN, SpeechWriter
 from openrois_media import Media
-from openrois_media.client.speaking import Spoken
+from openrois_media.client.speaking import Speaking, Spoken
 from openrois_media.client.stream import News
 
 from openrois.client import Client
@@ -230,3 +231,39 @@ async def test_a_mark_is_heard_when_its_sound_was_and_never_when_that_was_silenc
         silenced = writer.mark()
         writer.clear()
         assert not await writer.until_heard(silenced)
+
+
+def failing(monkeypatch: pytest.MonkeyPatch, name: str, at: int) -> None:
+    """Let one call of a method of the speech fail with a mistake."""
+    method: Callable[..., Awaitable[Any]] = getattr(Speaking, name)
+    calls = 0
+
+    async def call(speech: Speaking, *arguments: Any) -> Any:
+        nonlocal calls
+        calls += 1
+        if calls == at:
+            raise ValueError("a mistake")
+        return await method(speech, *arguments)
+
+    monkeypatch.setattr(Speaking, name, call)
+
+
+@pytest.mark.parametrize(("name", "at"), [("push", 1), ("push", 3), ("finish", 1)])
+async def test_a_mistake_breaks_an_utterance_off_and_the_next_one_is_spoken(
+    url: str, monkeypatch: pytest.MonkeyPatch, name: str, at: int
+) -> None:
+    async with speaking(url) as (_, _, writer, told):
+        failing(monkeypatch, name, at)
+        # More than waits at once: `write` waits for room meanwhile.
+        await writer.write(sound(4.0 if name == "push" else 0.3))
+        mark = writer.mark()
+        writer.end_utterance()
+        await writer.until_ended(mark)
+        await writer.until_over()
+        assert told.ends[0].reason == "a mistake"
+        assert "a mistake" in told.broken_off
+        while told.ends[-1].interrupted:
+            await writer.write(sound(0.2))
+            writer.end_utterance()
+            await writer.until_over()
+        assert told.ends[-1] == Spoken(0.2)
