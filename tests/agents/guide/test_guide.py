@@ -50,6 +50,7 @@ async def test_stop_is_heard_on_the_way(tmp_path: Path) -> None:
         await opened.is_free(LEGS)
 
 
+@pytest.mark.long
 async def test_stop_waits_for_no_sentence(tmp_path: Path) -> None:
     async with house(tmp_path, *FAR) as opened, guide(opened, tmp_path):
         await begin_walk(opened)
@@ -88,6 +89,7 @@ async def test_a_visitor_is_told_that_another_application_has_the_robot(tmp_path
             await opened.tells("Here we are: the plant.", by="avatar")
 
 
+@pytest.mark.long
 async def test_the_avatar_goes_on_where_the_robot_is_lost_on_the_way(tmp_path: Path) -> None:
     async with house(tmp_path, *FAR) as opened, guide(opened, tmp_path):
         await begin_walk(opened)
@@ -156,6 +158,7 @@ async def test_a_person_borrows_the_robot_and_the_way_goes_on_behind_that(tmp_pa
         await opened.is_free(LEGS)
 
 
+@pytest.mark.long
 async def test_an_application_requests_the_robot_and_gives_it_back(tmp_path: Path) -> None:
     # Of the same rank, it cannot borrow it.
     async with (
@@ -174,6 +177,7 @@ async def test_an_application_requests_the_robot_and_gives_it_back(tmp_path: Pat
         await opened.tells("Here we are: the plant.")
 
 
+@pytest.mark.long
 async def test_a_person_borrows_the_voice_in_mid_sentence_and_it_is_said_again(tmp_path: Path) -> None:
     async with (
         house(tmp_path) as opened,
@@ -209,6 +213,7 @@ async def test_killed_in_mid_sentence_the_next_process_tells_it(tmp_path: Path) 
             await opened.tells("Goodbye!")
 
 
+@pytest.mark.long
 async def test_where_the_network_is_cut_the_robot_stops_and_the_way_goes_on_when_it_is_back(tmp_path: Path) -> None:
     async with house(tmp_path) as opened, guide(opened, tmp_path):
         await begin_walk(opened)
