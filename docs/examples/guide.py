@@ -1,4 +1,4 @@
-"""Receives visitors with whichever body is free, and leads them to places with a robot: `guide.py --help`."""
+"""Receives visitors with a body that is free, and leads them to places with a robot: `guide.py --help`."""
 
 import argparse
 import asyncio
@@ -36,7 +36,7 @@ async def find(client: Client, kind: type[ComponentProxy] | str, engine_id: str 
 
 
 class Guide:
-    """Serves one visitor at a time, and tells whatever becomes of its bodies."""
+    """Serves one visitor at a time, and tells what becomes of its bodies."""
 
     def __init__(self, client: Client, robot: str, talk: SmallTalk, note: Path) -> None:
         self._client, self._robot, self._talk, self._note = client, robot, talk, note

@@ -35,7 +35,7 @@ async def has_again(client: Client, component_ref: str, *, in_line: bool = False
 
 
 class Voice:
-    """Speaks through whichever body is free, and through another one when that is lost."""
+    """Speaks through a body that is free, and through another one when that is lost."""
 
     def __init__(self, client: Client) -> None:
         self.body: Body | None = None

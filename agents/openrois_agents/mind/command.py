@@ -1,4 +1,4 @@
-"""`openrois mind`: a conversation with whichever body is spoken to."""
+"""`openrois mind`: conversations with visitors, through the body that each speaks to."""
 
 import argparse
 import asyncio
@@ -33,10 +33,10 @@ class _Chosen:
     """What the options say.
 
     Attributes:
-        url: of the gateway.
-        shown: to the gateway.
-        mind: which is wanted.
-        metrics: host and port of the figures; None for nowhere.
+        url: address of the gateway.
+        shown: credentials that the gateway is shown.
+        mind: what answers, and within which limits.
+        metrics: host and port at which the figures are served; None where they are not served.
     """
 
     url: str

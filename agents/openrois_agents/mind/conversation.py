@@ -99,7 +99,6 @@ class Conversations:
         self._spoken = Spoken()
         self._beats: Sequence[str] = ()
         self._answering: asyncio.Task[None] | None = None
-        self._on_stage: BodyStage | None = None
         self._turns = 0
         self._answers = 0
         self._last_words = 0.0
@@ -110,11 +109,6 @@ class Conversations:
         self._stopped_bodies: set[str] = set()
         self._remembered: set[str] = set()
         """Visitors whose words the mind has."""
-
-    @property
-    def heard(self) -> str:
-        """What was heard so far of the answer that is being given."""
-        return "" if self._on_stage is None else self._on_stage.heard
 
     def hear(self, words: Words) -> None:
         """Take what a body has heard; what is still being said pushes nothing out."""
@@ -249,7 +243,6 @@ class Conversations:
 
     async def _answer(self, turn: Turn, ends: bool) -> None:
         async with self._stage() as stage:
-            self._on_stage = stage
             try:
                 if await self._ask_mind(turn, stage):
                     self._figures.answers += 1

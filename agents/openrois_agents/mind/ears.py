@@ -45,7 +45,7 @@ MakePhrases = Callable[[Vocabulary, Collection[str]], Phrases]
 class Ears:
     """Hears what is said to any body while the block runs, and puts the grammars back at its end.
 
-    Whoever may operate sets the parameters of a sense, as it is not bound: the last one that sets them is right.
+    Each application that may operate can set the parameters of a sense, as it is not bound: the last one set holds.
 
     Args:
         session: has the connection.

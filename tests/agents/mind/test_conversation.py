@@ -86,13 +86,20 @@ async def test_a_gesture_that_is_asked_for_ends_the_small_one() -> None:
 
 async def test_words_interrupt_an_answer_and_what_it_began_and_the_mind_learns_what_was_heard() -> None:
     progress = SpeechProgress()
+    stages: list[Any] = []
+
+    async def tell(_turn: Turn, stage: Stage) -> None:
+        stages.append(stage)
+        await stage.say("You said so.")
+
     async with talk(progress, at_once=False) as talking:
+        talking.mind.script = tell
         talking.hear("tell me a story")
         await talking.actor.speaking.begun.wait()
         assert progress.barge_in
         progress.word_spoken("1", "You", 0, 3, datetime.now(UTC))
         progress.word_spoken("1", "said", 4, 4, datetime.now(UTC))
-        await until(lambda: talking.conversations.heard == "You said")
+        await until(lambda: stages[0].heard == "You said")
         talking.hear("no, another one")
         await until(lambda: len(talking.mind.turns) == 2)
         assert talking.mind.cut == ["You said"]

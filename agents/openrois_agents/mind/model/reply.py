@@ -217,7 +217,7 @@ def _read_content(content: Any) -> str:
     if content is None or isinstance(content, str):
         return _whole(content or "")
     if not isinstance(content, list):
-        raise BadReply("a text in what came is none")
+        raise BadReply("no text in the content of what came")
     texts = [each.get("text") for each in content if isinstance(each, dict)]
     return _whole("".join(each for each in texts if isinstance(each, str)))
 
@@ -233,7 +233,7 @@ def _read_calls(calls: Any) -> tuple[CallPart, ...]:
 def _read_call(call: Any) -> CallPart:
     function = call.get("function", {}) if isinstance(call, dict) else None
     if not isinstance(function, dict):
-        raise BadReply("a call of a tool in what came is none")
+        raise BadReply("no function in a call of a tool in what came")
     index, arguments = call.get("index"), function.get("arguments")
     if isinstance(arguments, dict):
         # Some servers give the object, not its text.
