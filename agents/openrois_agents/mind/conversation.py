@@ -4,7 +4,6 @@ import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from contextlib import AsyncExitStack
-from dataclasses import dataclass
 from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
@@ -15,6 +14,7 @@ from openrois_agents.mind.consenting import read_consents
 from openrois_agents.mind.contract import Mind, Turn
 from openrois_agents.mind.figures import MindFigures
 from openrois_agents.mind.limits import Budget
+from openrois_agents.mind.news import CutShort, Item, News, Over
 from openrois_agents.mind.showing import DIALOGUE, show_dialogue
 from openrois_agents.mind.spoken import Spoken, yield_again, yielding_voice
 from openrois_agents.mind.words import Words, is_addressed, is_goodbye, is_stop
@@ -34,33 +34,12 @@ SILENCE: Final = 60.0
 _MOVING: Final = 5.0
 """Seconds for which another body is waited for when the one of a conversation was lost."""
 
-_MAX_NEWS: Final = 64
-"""Words and events that wait for the conversation; the oldest makes room for the newest."""
-
 _LOOK: Final = 1.0
 _BEATS: Final = ("beat", "explain", "nod", "tilt")
 """Small gestures that go with speech, the best first."""
 _FAILURES: Final = (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError)
-_NEWS: Final = frozenset(
-    {"body_lost", "stopped_by_a_person", "handed_back_by_a_person", "part_taken_for_a_time", "part_came_back"}
-)
-
 _HERE_NOW: Final = "I go on here."
 _WENT_WRONG: Final = "I am sorry, something went wrong."
-
-
-@dataclass(frozen=True, slots=True)
-class _CutShort:
-    """Speech was broken off from outside."""
-
-    answer: int
-
-
-@dataclass(frozen=True, slots=True)
-class _Over:
-    """The conversation may be over: a goodbye was answered, or there was silence."""
-
-    answer: int
 
 
 class Conversations:
@@ -94,7 +73,7 @@ class Conversations:
         self._examples = examples
         self._pause = pause
         self._tasks = TaskScope()
-        self._news: asyncio.Queue[Words | LoggedEvent | _CutShort | _Over] = asyncio.Queue(_MAX_NEWS)
+        self._news = News()
         self._voice = AsyncExitStack()
         self._spoken = Spoken()
         self._beats: Sequence[str] = ()
@@ -112,24 +91,23 @@ class Conversations:
 
     def hear(self, words: Words) -> None:
         """Take what a body has heard; what is still being said pushes nothing out."""
-        if words.final or not self._news.full():
-            self._post(words)
+        self._news.add_words(words)
 
     async def run(self) -> None:
         """Lead conversations until cancelled; then the body is given back."""
-        remove = self._session.log.added.add(self._note)
+        remove = self._session.log.added.add(self._news.add_event)
         try:
             async with self._tasks:
                 self._tasks.start(self._watch_silence())
                 try:
                     while True:
-                        await self._take_safely(await self._news.get())
+                        await self._take_safely(await self._news.take())
                 finally:
                     await self._end("the mind ends")
         finally:
             remove()
 
-    async def _take_safely(self, news: Words | LoggedEvent | _CutShort | _Over) -> None:
+    async def _take_safely(self, news: Item) -> None:
         """Take news; a mistake in that ends the conversation, and not those that come after it."""
         try:
             await self._take(news)
@@ -140,15 +118,15 @@ class Conversations:
             except Exception:
                 _log.exception("the body of a conversation could not be given back")
 
-    async def _take(self, news: Words | LoggedEvent | _CutShort | _Over) -> None:
+    async def _take(self, news: Item) -> None:
         match news:
             case Words():
                 await self._take_words(news)
             case LoggedEvent():
                 await self._take_event(news)
-            case _CutShort(answer) if answer == self._answers:
+            case CutShort(answer) if answer == self._answers:
                 await self._interrupt()
-            case _Over(answer) if answer == self._answers:
+            case Over(answer) if answer == self._answers:
                 await self._end("the conversation is over")
 
     async def _take_words(self, words: Words) -> None:
@@ -253,7 +231,7 @@ class Conversations:
             finally:
                 self._last_words = self._session.clock()
         if ends:
-            self._post(_Over(self._answers))
+            self._news.post(Over(self._answers))
 
     async def _ask_mind(self, turn: Turn, stage: BodyStage) -> bool:
         """Let the mind answer; return whether it did. One that fails is logged, and the visitor is told."""
@@ -273,7 +251,7 @@ class Conversations:
                 await stage.say(text)
                 await stage.all_said()
             if ends:
-                self._post(_Over(self._answers))
+                self._news.post(Over(self._answers))
 
         self._start(say())
 
@@ -285,7 +263,7 @@ class Conversations:
         held, number = self._session.held, self._answers
 
         def cut() -> None:
-            self._post(_CutShort(number))
+            self._news.post(CutShort(number))
 
         has_eyes = held is not None and "look_at" in held.tools
         return BodyStage(self._session, self._spoken, self._beats, has_eyes, self._count_sound, cut)
@@ -382,13 +360,4 @@ class Conversations:
             await self._pause(_LOOK)
             silence = self._session.clock() - self._last_words
             if self._figures.holds and not self._is_answering and silence > SILENCE:
-                self._post(_Over(self._answers))
-
-    def _note(self, event: LoggedEvent) -> None:
-        if event.name in _NEWS:
-            self._post(event)
-
-    def _post(self, news: Words | LoggedEvent | _CutShort | _Over) -> None:
-        if self._news.full():
-            self._news.get_nowait()
-        self._news.put_nowait(news)
+                self._news.post(Over(self._answers))
