@@ -1,4 +1,4 @@
-"""`openrois mind`: conversations with visitors, through the body that each speaks to."""
+"""`openrois mind`: a conversation with whichever body is spoken to."""
 
 import argparse
 import asyncio
