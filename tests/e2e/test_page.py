@@ -76,6 +76,7 @@ async def test_tab_key_follows_the_reading_order(guest: Visit) -> None:
         *("sound-off", "captions-toggle", "statistics-toggle", "control-toggle", "fullscreen"),
         *("say-text", "say-language", "say-send"),  # pause and stop have nothing to do yet
         *reactions,
+        *("dialogue-lines", "talk"),
         *(["map-open", "map-back"] if away else ["map-open"]),  # other tests may have sent it away
         *("map", "viewpoint", "consent-live", "consent-recognition", "consent-agent", "consent-recording"),
         *("consent-transfer", "microphone-toggle", "camera-toggle"),

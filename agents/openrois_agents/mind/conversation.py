@@ -101,7 +101,7 @@ class Conversations:
                 self._tasks.start(self._watch_silence())
                 try:
                     while True:
-                        await self._take_safely(await self._news.take())
+                        await self._take_safely(await self._news.take_next())
                 finally:
                     await self._end("the mind ends")
         finally:

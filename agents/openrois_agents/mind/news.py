@@ -60,7 +60,7 @@ class News:
         self._waiting.append(item)
         self._has_some.set()
 
-    async def take(self) -> Item:
+    async def take_next(self) -> Item:
         """Wait for the oldest one, and take it out."""
         await self._has_some.wait()
         item = self._waiting.popleft()

@@ -13,7 +13,7 @@ def words(number: int, final: bool = True) -> Words:
 
 
 async def taken(news: News, count: int) -> list[object]:
-    return [await asyncio.wait_for(news.take(), 5) for _ in range(count)]
+    return [await asyncio.wait_for(news.take_next(), 5) for _ in range(count)]
 
 
 async def test_a_flood_of_sentences_pushes_out_no_event_and_no_end() -> None:
@@ -47,4 +47,4 @@ async def test_events_that_a_conversation_does_not_heed_are_left_out() -> None:
     news.post(Over(1))
     assert await taken(news, 1) == [Over(1)]
     with pytest.raises(TimeoutError):
-        await asyncio.wait_for(news.take(), 0.01)
+        await asyncio.wait_for(news.take_next(), 0.01)

@@ -2,7 +2,7 @@
 
 import asyncio
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from datetime import date
@@ -60,7 +60,7 @@ async def guest(opened: House, *consent: Purpose) -> AsyncIterator[Guest]:
 
 
 @asynccontextmanager
-async def conversation(opened: House, mind: Mind) -> AsyncIterator[tuple[Conversations, MindFigures]]:
+async def conversation(opened: House, mind: Mind) -> AsyncIterator[MindFigures]:
     """Let a mind converse while the block runs."""
     figures, budget = MindFigures(), Budget(MUCH, MUCH, lambda: date(2026, 1, 1))
     async with Session(lambda: Client(opened.url, token=token("mind", rank="agent")), ToolSettings()) as session:
@@ -68,10 +68,22 @@ async def conversation(opened: House, mind: Mind) -> AsyncIterator[tuple[Convers
         async with Ears(session, talk.hear, None):
             running = asyncio.ensure_future(talk.run())
             try:
-                yield talk, figures
+                yield figures
             finally:
                 running.cancel()
                 await asyncio.wait({running})
+
+
+async def story_begins(opened: House, ask: Callable[[], None]) -> None:
+    """Ask for the story, and wait until the avatar tells it."""
+    async with (
+        opened.client.component("avatar/speech_progress").event("word_spoken") as words,
+        asyncio.timeout(PATIENCE),
+    ):
+        ask()
+        async for data in words:
+            if data["word"] == "there":
+                return
 
 
 @asynccontextmanager
@@ -88,12 +100,11 @@ async def test_a_voice_cuts_the_speech_and_the_mind_learns_what_was_heard(tmp_pa
     mind = ScriptedMind()
     async with (
         house(tmp_path) as opened,
-        conversation(opened, mind) as (talk, figures),
+        conversation(opened, mind) as figures,
         guest(opened, *CONSENT) as ann,
     ):
         opened.synthesizer.seconds = 30.0
-        opened.say(STORY, ann.ref)
-        await until(lambda: "there" in talk.heard)
+        await story_begins(opened, lambda: opened.say(STORY, ann.ref))
         ann.microphone.say(voice(1.0))
         await until(lambda: figures.interruptions == 1)
         (heard,) = mind.cut
@@ -110,12 +121,11 @@ async def test_a_voice_cancels_the_answer_of_a_language_model_and_its_history_ha
     async with (
         model(*script) as (mind, server),
         house(tmp_path) as opened,
-        conversation(opened, mind) as (talk, figures),
+        conversation(opened, mind) as figures,
         guest(opened, *CONSENT) as ann,
     ):
         opened.synthesizer.seconds = 30.0
-        opened.say("tell me a story", ann.ref)
-        await until(lambda: "there" in talk.heard)
+        await story_begins(opened, lambda: opened.say("tell me a story", ann.ref))
         ann.microphone.say(voice(1.0))
         async with asyncio.timeout(PATIENCE):
             await server.broken.wait()
@@ -134,7 +144,7 @@ async def test_who_consents_is_answered_who_does_not_is_told_and_a_withdrawal_is
     async with (
         model(*script) as (mind, server),
         house(tmp_path) as opened,
-        conversation(opened, mind) as (_, figures),
+        conversation(opened, mind) as figures,
         guest(opened, *CONSENT) as ann,
         guest(opened, Purpose.RECOGNITION) as bob,
     ):
