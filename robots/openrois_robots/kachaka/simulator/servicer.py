@@ -1,6 +1,7 @@
 """The vendor's gRPC service over the simulated robot: requests with cursors wait for changes."""
 
 import asyncio
+import socket
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, suppress
@@ -260,6 +261,7 @@ async def serve_simulator(servicer: SimulatorServicer, host: str = "127.0.0.1", 
     Raises:
         OSError: nothing can listen there.
     """
+    _require_free(host, port)
     sizes = [("grpc.max_send_message_length", _LARGEST), ("grpc.max_receive_message_length", _LARGEST)]
     server = grpc.aio.server(options=[*sizes, ("grpc.so_reuseport", 0)])
     add_KachakaApiServicer_to_server(servicer, server)  # type: ignore[no-untyped-call]
@@ -391,3 +393,15 @@ def _camera_info(frame: str) -> pb2.RosCameraInfo:
         height=height,
         K=[FOCAL, 0, width / 2, 0, FOCAL, height / 2, 0, 0, 1],
     )
+
+
+def _require_free(host: str, port: int) -> None:
+    """Raise `OSError` where nothing can listen: a server of gRPC that could not may spin when its process ends."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    with socket.socket(family, socket.SOCK_STREAM) as probe:
+        # As gRPC does: a port with connections in TIME_WAIT counts as free.
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((host.strip("[]"), port))
+        except OSError as error:
+            raise OSError(f"nothing can listen at {host}:{port}: {error.strerror}") from None
