@@ -111,7 +111,7 @@ class BodyStage:
         while True:
             self._saying = await self._waiting.get()
             self._has_stopped = False
-            self._spoken.begin()
+            self._spoken.begin_sentence()
             self._make_small_gesture()
             began = self._session.clock()
             try:

@@ -139,7 +139,12 @@ class Conversations:
         if not words.final:
             return
         self._has_stopped = False
-        if not self._are_for_it(words) or is_stop(words.text, self._wake_word):
+        if is_stop(words.text, self._wake_word):
+            return
+        if not self._are_for_it(words):
+            if words.text:
+                # Speech to others silences the body, too, and begins nothing.
+                await self._interrupt()
             return
         if held is None and not await self._begin(words.body):
             return

@@ -47,6 +47,13 @@ async def where_is(session: Session, given: Where, _progress: Progress) -> Answe
     data: dict[str, Any] = {"body": info.engine_id}
     data["places"] = dict(await places_of(client, info))
     data["persons"] = dict(await persons_of(client, info))
+    for component_ref in info.refs(SYSTEM_INFORMATION)[:1]:
+        try:
+            data["position"] = plain_text(await client.component(component_ref).query("robot_position"))
+        except (RoISError, RpcError, TimeoutError) as error:
+            if not data["places"] and not data["persons"]:
+                raise
+            _, data["no_position"] = failure("where", error)
     if "position" not in data and not data["places"] and not data["persons"]:
         raise Unsupported(f"{info.engine_id} does not know where it is")
     return Answer(marked(data), data)
