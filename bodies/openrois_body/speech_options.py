@@ -9,6 +9,7 @@ from typing import Final
 
 from openrois_streaming.clock import MediaClock
 
+from openrois.cli.command_line import given_options
 from openrois_body.backends import chosen, named
 from openrois_body.hearing.recognizer import RECOGNIZERS, EarsSettings, SpeechRecognizer
 from openrois_body.hearing.sphinx import Sphinx
@@ -184,7 +185,7 @@ def ears_choice(chosen_options: argparse.Namespace) -> EarsChoice:
 
 def voice_arguments(chosen_options: argparse.Namespace) -> Sequence[str]:
     """Return the options of the voice, for another command line."""
-    return _arguments(
+    return given_options(
         chosen_options,
         *("voice", "voice_url", "voice_model", "voice_name", "voice_key_file", "voice_file", "speech_unencrypted"),
     )
@@ -192,19 +193,7 @@ def voice_arguments(chosen_options: argparse.Namespace) -> Sequence[str]:
 
 def ears_arguments(chosen_options: argparse.Namespace) -> Sequence[str]:
     """Return the options of the ears, for another command line."""
-    return _arguments(chosen_options, "ears", "ears_url", "ears_model", "ears_key_file", "ears_consented")
-
-
-def _arguments(chosen_options: argparse.Namespace, *names: str) -> Sequence[str]:
-    """Return the options that were given."""
-    found: list[str] = []
-    for name in names:
-        value, option = getattr(chosen_options, name), f"--{name.replace('_', '-')}"
-        if value is True:
-            found.append(option)
-        elif value:
-            found += (option, str(value))
-    return found
+    return given_options(chosen_options, "ears", "ears_url", "ears_model", "ears_key_file", "ears_consented")
 
 
 def _address(text: str | None, option: str, path: str, *, unencrypted: bool) -> ServiceAddress | None:

@@ -5,7 +5,7 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Any, Final, NoReturn
 
-__all__ = ["CommandLine", "port_number", "suggestion"]
+__all__ = ["CommandLine", "given_options", "port_number", "suggestion"]
 
 _WRONG_USAGE: Final = 2
 
@@ -27,6 +27,18 @@ class CommandLine(argparse.ArgumentParser):
             known = [option for action in self._actions for option in action.option_strings]
             self.error(f"{unknown[0]} is not known here{suggestion(unknown[0].partition('=')[0], known)}")
         return found, unknown
+
+
+def given_options(chosen_options: argparse.Namespace, *names: str) -> Sequence[str]:
+    """Return those of the named options that were given, for the command line of another program."""
+    found: list[str] = []
+    for name in names:
+        value, option = getattr(chosen_options, name), f"--{name.replace('_', '-')}"
+        if value is True:
+            found.append(option)
+        elif value:
+            found += (option, str(value))
+    return found
 
 
 def port_number(text: str) -> int:

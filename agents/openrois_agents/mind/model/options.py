@@ -9,6 +9,7 @@ from typing import Final
 
 from openrois_body.services.address import read_address
 
+from openrois.cli.command_line import given_options
 from openrois.extras import install_command, missing_modules
 from openrois_agents.mind.limits import CONVERSATION, DAY, Budget, Limits
 from openrois_agents.mind.model.chat import PATH, ModelSettings
@@ -114,15 +115,8 @@ def budget_choice(chosen_options: argparse.Namespace) -> Budget:
 
 def model_arguments(chosen_options: argparse.Namespace) -> Sequence[str]:
     """Return the options of the model and the limits, for another command line."""
-    found: list[str] = []
-    names = ("llm_url", "llm_model", "llm_key_file", "llm_sees", "llm_unencrypted")
-    for name in (*names, "limit_turns", "limit_tokens", "limit_sound", "use_file"):
-        value, option = getattr(chosen_options, name), f"--{name.replace('_', '-')}"
-        if value is True:
-            found.append(option)
-        elif value:
-            found += (option, str(value))
-    return found
+    model = ("llm_url", "llm_model", "llm_key_file", "llm_sees", "llm_unencrypted")
+    return given_options(chosen_options, *model, "limit_turns", "limit_tokens", "limit_sound", "use_file")
 
 
 def _pair(text: str) -> _Pair:
