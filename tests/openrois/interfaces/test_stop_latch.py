@@ -305,7 +305,7 @@ async def test_each_stop_of_the_same_person_is_told_and_reaches_the_body(robot: 
         for app in (agent, bob):
             assert (await app.until("openrois.lease.stopped"))["by"] == "ann"
     assert [holds for _, holds, _ in robot.told.holders] == [True, False, False, False]
-    assert await records(robot) == [("ann", "openrois.stop_all", "robot", "programs wait")] * 3
+    assert await records(robot, 3) == [("ann", "openrois.stop_all", "robot", "programs wait")] * 3
 
 
 async def test_a_hand_back_that_comes_late_ends_no_later_stop(robot: Robot) -> None:
@@ -371,24 +371,28 @@ async def test_it_is_in_the_audit_trail(robot: Robot) -> None:
     assert await ann.code("openrois.stop_all", ROBOT) == "OK"
     for _ in range(2):
         assert await bob.code("openrois.lease.release_stop", ROBOT) == "OK"
-    assert await records(robot) == [
+    assert await records(robot, 3) == [
         ("ann", "openrois.stop_all", "robot", "programs wait"),
         ("bob", "openrois.lease.release_stop", "robot", "stopped by ann"),
         ("bob", "openrois.lease.release_stop", "robot", "it was not stopped"),
     ]
 
 
-async def records(robot: Robot) -> list[tuple[str, str, str, str]]:
-    """Return who did what about STOP."""
-    audit = robot.here.host.audit
-    audit.require()
+async def records(robot: Robot, count: int) -> list[tuple[str, str, str, str]]:
+    """Wait until a thread has written `count` lines about STOP; return who did what."""
+    robot.here.host.audit.require()
     async with asyncio.timeout(10):
-        while audit.waiting:
+        while len(told := written(robot.audit)) < count:
             await turn()
-    lines = [json.loads(line) for line in robot.audit.read_text().splitlines()]
+    return told
+
+
+def written(audit: Path) -> list[tuple[str, str, str, str]]:
+    """Return who did what about STOP, as far as whole lines of the file say it."""
+    whole = [json.loads(line) for line in audit.read_text().splitlines(keepends=True) if line.endswith("\n")]
     return [
         (line["who"], line["method"], line["subject"], line["detail"])
-        for line in lines
+        for line in whole
         if "stop" in line.get("method", "")
     ]
 
