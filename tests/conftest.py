@@ -22,6 +22,7 @@ from tests.support.kachaka_api import IS_THERE
 from tests.support.mono import Mono
 from tests.support.namespaces import hide_cables_of_others, missing
 from tests.support.nats_program import nats_program
+from tests.support.once import shared_folder
 from tests.support.vendor_daemon import PROGRAM, VendorDaemon
 
 if TYPE_CHECKING:
@@ -71,10 +72,7 @@ def firefox_program() -> Path:
 @pytest.fixture(scope="session")
 def csharp_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder for what is compiled of C#, once for all workers of a run."""
-    root = tmp_path_factory.getbasetemp()
-    shared = (root.parent if "PYTEST_XDIST_WORKER" in os.environ else root) / "csharp"
-    shared.mkdir(exist_ok=True)
-    return shared
+    return shared_folder(tmp_path_factory, "csharp")
 
 
 @pytest.fixture(scope="session")

@@ -74,11 +74,19 @@ class _Dialler(Client):
             raise Error("it does not encrypt: let it require TLS, or name it with nats://")
         await super()._process_info(info, initial_connection)
 
-    def abort(self) -> None:
-        """Cut a connection that did not become open."""
+    async def abort(self) -> None:
+        """Cut a connection that is not used."""
         if self._transport:
             writer = self._transport._io_writer  # type: ignore[attr-defined]
             writer.transport.abort()
+        await self._end_tasks()
+
+    async def _end_tasks(self) -> None:
+        working = [self._reading_task, self._ping_interval_task, self._flusher_task]
+        if tasks := [task for task in working if task is not None]:
+            for task in tasks:
+                task.cancel()
+            await asyncio.wait(tasks)
 
     async def hand_over(self, protocol: asyncio.Protocol) -> tuple[asyncio.Transport, bytes]:
         """Give the connection to another protocol; return it with what came meanwhile."""
@@ -86,14 +94,10 @@ class _Dialler(Client):
         reader: asyncio.StreamReader = self._transport._io_reader  # type: ignore[attr-defined]
         transport: asyncio.Transport = self._transport._io_writer.transport  # type: ignore[attr-defined]
         transport.set_protocol(protocol)
-        working = [self._reading_task, self._ping_interval_task, self._flusher_task]
-        tasks = [task for task in working if task is not None]
-        for task in tasks:
-            task.cancel()
-        # None of them has begun: nothing was awaited since they were made.
+        # None of its tasks has begun: nothing was awaited since they were made.
         reader.feed_eof()
         rest = await reader.read()
-        await asyncio.wait(tasks)
+        await self._end_tasks()
         return transport, rest
 
 
@@ -108,6 +112,9 @@ async def _dialler(settings: NatsSettings, server: str, name: str) -> AsyncItera
         shown = {"token": login.token} if login.token else {"user": login.user, "password": login.password}
     if server.startswith("tls:") or settings.names_tls:
         shown["tls"] = settings.context()
+    task = asyncio.current_task()
+    assert task is not None
+    asked_to_end = task.cancelling()
     try:
         await client.connect(
             [server],
@@ -117,9 +124,12 @@ async def _dialler(settings: NatsSettings, server: str, name: str) -> AsyncItera
             connect_timeout=OPEN_TIMEOUT,  # type: ignore[arg-type]
             **shown,
         )
+        # nats-py uses `asyncio.wait_for`, which loses a cancellation that comes with its result before Python 3.12.
+        if task.cancelling() > asked_to_end:
+            raise asyncio.CancelledError
         yield client
     except BaseException:
-        client.abort()
+        await client.abort()
         raise
 
 

@@ -1,4 +1,4 @@
-"""Distributions that are built once for the tests of a process."""
+"""Distributions that are built once for the tests of a run."""
 
 import shutil
 from pathlib import Path
@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.installations import Built, build_wheel
+from tests.support.once import once, shared_folder
 from tests.support.packages import ROOT, tracked
 from tools.release.contents import PAGE
 
@@ -22,8 +23,9 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def without_page(clone: Path, tmp_path_factory: pytest.TempPathFactory) -> Built:
-    """A wheel of a clone in which the page was not built."""
-    return build_wheel(clone, tmp_path_factory.mktemp("without_page"))
+    """A wheel of a clone in which the page was not built; a clone of another process is the same."""
+    shared = shared_folder(tmp_path_factory, "distributions")
+    return Built.read(once(shared / "without_page", lambda folder: build_wheel(clone, folder)))
 
 
 @pytest.fixture(scope="session")

@@ -120,7 +120,6 @@ def test_with_the_page_both_carry_it_and_are_bound_to_no_place(with_page: Path, 
     names = {name for name, _ in read_archive(sdist)}
     assert {"pyproject.toml", "hatch_build.py", "constraints.txt", "tests/conftest.py", f"web_demo/{PAGE}"} <= names
     # What is built from the sdist is the same.
-    (tmp_path / "again").mkdir()
     again = build_wheel(sdist, tmp_path / "again").wheel
     assert {name for name, _ in read_archive(again)} == {name for name, _ in read_archive(wheel)}
 

@@ -4,7 +4,6 @@ Each environment is filled from the package index, which takes up to a minute: o
 others are `long`.
 """
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
@@ -13,6 +12,7 @@ import pytest
 from openrois.extras import EXTRAS
 from openrois.version import __version__
 from tests.support.installations import TEST_TOOLS, Installation, files_marked_for, installed_size, new_installation
+from tests.support.once import once, shared_folder
 
 pytestmark = pytest.mark.timeout(600)
 
@@ -54,10 +54,10 @@ asyncio.run(main())
 
 
 @pytest.fixture(scope="module")
-def plain(wheel: Path) -> Iterator[Installation]:
-    with new_installation() as installation:
-        installation.install_product(wheel)
-        yield installation
+def plain(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installation:
+    """The product alone, which the workers of a run have in common."""
+    shared = shared_folder(tmp_path_factory, "installations")
+    return Installation(once(shared / "alone", lambda folder: Installation.new(folder).install_product(wheel)))
 
 
 def test_the_product_alone_is_small(plain: Installation) -> None:

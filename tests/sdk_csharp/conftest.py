@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from tests.support.json_program import JsonProgram, json_program
-from tests.support.mono import SDK, Mono, once
+from tests.support.mono import SDK, Mono
+from tests.support.once import once
 
 HERE = Path(__file__).parent
 

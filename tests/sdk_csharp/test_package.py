@@ -10,7 +10,8 @@ import pytest
 from openrois.catalog.actuation import REACTION, SPEECH_SYNTHESIS
 from tests.support.deployment import adapter, gateway
 from tests.support.fleet import Part
-from tests.support.mono import SDK, Mono, once, sdk_sources
+from tests.support.mono import SDK, Mono, sdk_sources
+from tests.support.once import once
 from tests.support.streams import Camera, FakeStreams
 from tests.support.upm import check_assemblies, check_identities
 

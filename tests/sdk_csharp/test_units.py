@@ -8,7 +8,8 @@ from typing import Final
 import pytest
 
 from tests.support.corpus import FOLDER
-from tests.support.mono import Mono, once, sdk_sources
+from tests.support.mono import Mono, sdk_sources
+from tests.support.once import once
 
 UNITS: Final = Path(__file__).with_name("units")
 

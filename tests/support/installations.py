@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Final
+from typing import Final, Self
 
 from openrois.extras import EXTRAS
 from tests.support.packages import ROOT
@@ -26,6 +26,7 @@ __all__ = [
 ]
 
 _CONSTRAINTS: Final = ROOT / "constraints.txt"
+_SAID: Final = "said.txt"
 APART: Final = {"livekit": "livekit-agents", "pipecat": "pipecat-ai"}
 """Extras with a list of versions of their own, `constraints-<extra>.txt`, and the distribution that each is for."""
 TEST_TOOLS: Final = ("pytest", "pytest-asyncio", "pytest-timeout", "hypothesis", "psutil")
@@ -67,18 +68,25 @@ class Built:
     wheel: Path
     said: str
 
+    @classmethod
+    def read(cls, folder: Path) -> Self:
+        """Return what `build_wheel` has put into a folder."""
+        (wheel,) = folder.glob("openrois-*.whl")
+        return cls(wheel, (folder / _SAID).read_text(encoding="utf-8"))
+
 
 def build_wheel(source: Path, folder: Path) -> Built:
-    """Build a wheel from a clone or an sdist, and put it into a folder.
+    """Build a wheel from a clone or an sdist, and put it into a new folder.
 
     Raises:
         AssertionError: it cannot be built.
     """
     words = (sys.executable, "-m", "pip", "wheel", "-v", "--disable-pip-version-check", "--no-deps", "-w", folder)
+    folder.mkdir()
     built = run(*words, source, cwd=folder)
     assert built.returncode == 0, built.stderr[-3000:]
-    (wheel,) = folder.glob("openrois-*.whl")
-    return Built(wheel, built.stdout + built.stderr)
+    (folder / _SAID).write_text(built.stdout + built.stderr, encoding="utf-8")
+    return Built.read(folder)
 
 
 class Installation:
@@ -90,8 +98,13 @@ class Installation:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+
+    @classmethod
+    def new(cls, folder: Path) -> Self:
+        """Make an empty environment."""
         made = run(sys.executable, "-m", "venv", folder, cwd=folder.parent)
         assert made.returncode == 0, made.stdout + made.stderr
+        return cls(folder)
 
     def program(self, name: str) -> Path:
         """Return the path of a program of it."""
@@ -136,7 +149,7 @@ class Installation:
 def new_installation() -> Iterator[Installation]:
     """Make an empty environment, which is removed with the block: some have hundreds of megabytes."""
     with TemporaryDirectory(prefix="openrois-installation-") as folder:
-        yield Installation(Path(folder) / "venv")
+        yield Installation.new(Path(folder) / "venv")
 
 
 def installed_size(folder: Path) -> int:

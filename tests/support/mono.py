@@ -2,12 +2,14 @@
 
 import shutil
 import subprocess
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-__all__ = ["SDK", "Mono", "once", "sdk_sources"]
+from tests.support.once import once
+
+__all__ = ["SDK", "Mono", "sdk_sources"]
 
 SDK = Path(__file__).parents[2] / "sdk" / "csharp"
 
@@ -20,17 +22,6 @@ _SERIALIZATION = "-r:System.Runtime.Serialization"
 def sdk_sources() -> list[Path]:
     """The sources of the SDK that need no game engine."""
     return sorted((SDK / "Runtime" / "OpenRoIS").rglob("*.cs"))
-
-
-def once(made: Path, make: Callable[[Path], None]) -> Path:
-    """Make a file where it is not there yet, also where several processes want it at the same time."""
-    import fcntl  # Only here: what this module says is needed also where there is none, and no Mono.
-
-    with made.with_suffix(".lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not made.exists():
-            make(made)
-    return made
 
 
 @dataclass(frozen=True, slots=True)

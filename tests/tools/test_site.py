@@ -1,7 +1,5 @@
 """The documentation site: it is built without a warning, and loads nothing from another host."""
 
-import fcntl
-import os
 import re
 import subprocess
 import sys
@@ -11,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.once import once, shared_folder
 from tools.site.hook import OUTSIDE, on_page_markdown
 
 ROOT = Path(__file__).parents[2]
@@ -29,13 +28,7 @@ LOADING = {
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Build the site, as `make docs` does: once for all processes of a run."""
-    shared = tmp_path_factory.getbasetemp()
-    shared = shared.parent if "PYTEST_XDIST_WORKER" in os.environ else shared
-    with (shared / "site.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not (shared / "site" / "index.html").is_file():
-            _build(shared / "site")
-    return shared / "site"
+    return once(shared_folder(tmp_path_factory, "documentation") / "site", _build)
 
 
 def _build(folder: Path) -> None:

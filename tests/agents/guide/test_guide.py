@@ -120,6 +120,7 @@ async def test_the_avatar_goes_on_where_the_robot_is_killed_on_the_way(tmp_path:
         await opened.is_free(AVATAR_VOICE)
 
 
+@pytest.mark.long
 async def test_the_robot_goes_on_where_the_avatar_is_lost(tmp_path: Path) -> None:
     async with house(tmp_path) as opened, guide(opened, tmp_path):
         await opened.hears()
@@ -236,6 +237,7 @@ async def test_where_the_network_is_cut_for_long_nothing_moves_or_stays_held_and
         await opened.tells("We go on to the plant.")
 
 
+@pytest.mark.long
 async def test_a_gateway_that_is_lost_while_the_robot_is_looked_for_is_told_and_the_guide_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -257,6 +259,7 @@ async def test_a_gateway_that_is_lost_while_the_robot_is_looked_for_is_told_and_
         await opened.tells("Here we are: the plant.")
 
 
+@pytest.mark.long
 async def test_what_no_body_could_say_is_told_when_one_is_free(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -279,6 +282,7 @@ async def test_what_no_body_could_say_is_told_when_one_is_free(
             await opened.tells("I can lead you to: ", by="avatar")
 
 
+@pytest.mark.long
 async def test_a_body_is_listened_to_again_where_that_failed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -299,6 +303,7 @@ async def test_a_body_is_listened_to_again_where_that_failed(
             await opened.tells("Hello!", by="avatar")
 
 
+@pytest.mark.long
 async def test_a_body_that_comes_after_the_start_is_listened_to(tmp_path: Path) -> None:
     async with house(tmp_path) as opened:
         opened.avatars.cut(refuse=True)

@@ -2,10 +2,13 @@
 
 import asyncio
 import socket
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
 import uvloop
+from nats.aio.client import Client
 
 from openrois.cluster.connection import NatsConnection
 from openrois.cluster.handshake import Unreachable
@@ -49,6 +52,25 @@ class TestTakingOver:
         assert await works(settings(shared_nats.url))
         # No task of nats-py is left to read, ping or flush.
         assert asyncio.all_tasks() == before
+
+    async def test_a_cancellation_that_it_loses_is_obeyed(
+        self, shared_nats: NatsServer, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        # It waits with `asyncio.wait_for`, which before Python 3.12 returns a result that comes with the cancellation.
+        connect = Client.connect
+
+        async def lose_a_cancellation(*given: Any, **named: Any) -> None:
+            await connect(*given, **named)
+            opening.cancel()
+            with suppress(asyncio.CancelledError):
+                await asyncio.sleep(0)
+
+        monkeypatch.setattr(Client, "connect", lose_a_cancellation)
+        before = asyncio.all_tasks()
+        opening = asyncio.create_task(connected(settings(shared_nats.url)))
+        await asyncio.wait({opening})
+        assert opening.cancelled()
+        assert asyncio.all_tasks() <= before
 
     async def test_what_came_with_the_admission_is_read(self) -> None:
         async def talk(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
