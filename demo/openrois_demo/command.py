@@ -214,9 +214,15 @@ async def _keep_running(demo: _Demo) -> None:
         for rank, path in demo.tokens.programs.items():
             print(f"for a program, as {rank}: {TOKEN_FILE_VARIABLE}={path}", flush=True)
         if demo.mind is not None:
-            tasks.create_task(demo.mind.keep_running())
-            await _in_time(demo.mind.ready.wait(), "mind is not ready")
-            print(demo.can_be_said, flush=True)
+            await _keep_conversing(demo.mind, demo.can_be_said)
+
+
+async def _keep_conversing(mind: Program, can_be_said: str) -> None:
+    """Keep a mind running. It ends before the gateway does, where it gives its body back and puts grammars back."""
+    async with asyncio.TaskGroup() as tasks:
+        tasks.create_task(mind.keep_running())
+        await _in_time(mind.ready.wait(), f"{mind.name} is not ready")
+        print(can_be_said, flush=True)
 
 
 async def _in_time(step: Awaitable[object], complaint: str) -> None:

@@ -25,6 +25,7 @@ from openrois.client.errors import ConnectionFailed
 from openrois.errors import OutOfResources
 from tests.support.certificates import Authority
 from tests.support.demo import PATIENCE, Demo, end, first_line, free_port, hand_back, running_demo, start
+from tests.support.streaming import settle
 
 pytestmark = pytest.mark.media
 
@@ -163,6 +164,44 @@ class Unready:
         if self.ends:
             raise ProgramFailed("it fell over")
         await self.ready.wait()
+
+
+class Lasting(Unready):
+    """Stands in for a program that is ready at once, and takes some turns of the loop to end; a mind takes more."""
+
+    ended: ClassVar[list[str]] = []
+
+    async def keep_running(self) -> None:
+        self.ready.set()
+        if self.name == "mind":
+            os.kill(os.getpid(), signal.SIGINT)
+        try:
+            await asyncio.Event().wait()
+        finally:
+            for _ in range(5 if self.name == "mind" else 1):
+                await settle()
+            self.ended.append(self.name)
+
+
+class Seeing:
+    """Stands in for a watchdog that sees all bodies."""
+
+    def __init__(self, *_arguments: object, **_options: object) -> None: ...
+
+    async def until_there(self) -> None: ...
+
+    async def watch(self, *_programs: object) -> None: ...
+
+
+def test_the_mind_ends_before_the_gateway_and_the_bodies_that_it_takes_leave_of(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(demo_module, "set_up_logging", lambda *, verbose: None)
+    monkeypatch.setattr(demo_module, "Program", Lasting)
+    monkeypatch.setattr(demo_module, "Watchdog", Seeing)
+    assert demo_module.main(["--port", str(free_port()), "--mind"]) == 0
+    assert Lasting.ended[0] == "mind"
+    assert sorted(Lasting.ended[1:]) == ["avatar", "gateway"]
 
 
 @pytest.mark.parametrize(
