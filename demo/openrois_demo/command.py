@@ -35,6 +35,7 @@ from openrois.transport.credential_options import add_credential_options, creden
 from openrois.transport.credentials import TOKEN_FILE_VARIABLE
 from openrois.transport.websocket import dial
 from openrois_demo.access import add_access_options, demo_access
+from openrois_demo.life_signs import LifeSigns
 from openrois_demo.program import Program, ProgramFailed
 from openrois_demo.tokens import DemoTokens
 from openrois_demo.watchdog import Watchdog
@@ -59,6 +60,7 @@ class _Demo:
         page: URL of its page.
         tokens: of its adapters, and of programs.
         mind: converses with visitors; None where there is none.
+        signs: of life, of the mind.
         can_be_said: to it, as a line.
     """
 
@@ -68,6 +70,7 @@ class _Demo:
     page: str
     tokens: DemoTokens
     mind: Program | None
+    signs: LifeSigns
     can_be_said: str
 
 
@@ -133,6 +136,7 @@ def main(arguments: Sequence[str]) -> int:
                 *(*session_arguments(chosen), *voice_arguments(chosen)),
             ),
         }
+        signs = LifeSigns(tokens.folder / "mind.signs")
         demo = _Demo(
             Program(gateway, announces="listening "),
             {
@@ -151,15 +155,18 @@ def main(arguments: Sequence[str]) -> int:
             Watchdog(url, engine_ids, connect=partial(dial, credentials=shown)),
             access.url("http", chosen.port),
             tokens,
-            _mind(chosen, url, (*_credentials(chosen, tokens.programs["agent"]), *of_mind, *more)),
+            _mind(chosen, url, (*_credentials(chosen, tokens.programs["agent"]), *of_mind, *more), signs),
+            signs,
             _can_be_said(chosen),
         )
         return asyncio.run(_run(demo))
 
 
-def _mind(chosen: argparse.Namespace, url: str, options: Sequence[str]) -> Program | None:
+def _mind(chosen: argparse.Namespace, url: str, options: Sequence[str], signs: LifeSigns) -> Program | None:
     """Return the program that converses with visitors, where it is wanted."""
-    return Program(("mind", "--gateway", url, *options), announces="ready ") if chosen.mind else None
+    if not chosen.mind:
+        return None
+    return Program(("mind", "--gateway", url, *options), announces="ready ", environment=signs.environment)
 
 
 def _can_be_said(chosen: argparse.Namespace) -> str:
@@ -214,12 +221,13 @@ async def _keep_running(demo: _Demo) -> None:
         for rank, path in demo.tokens.programs.items():
             print(f"for a program, as {rank}: {TOKEN_FILE_VARIABLE}={path}", flush=True)
         if demo.mind is not None:
-            await _keep_conversing(demo.mind, demo.can_be_said)
+            await _keep_conversing(demo.mind, demo.signs, demo.can_be_said)
 
 
-async def _keep_conversing(mind: Program, can_be_said: str) -> None:
+async def _keep_conversing(mind: Program, signs: LifeSigns, can_be_said: str) -> None:
     """Keep a mind running. It ends before the gateway does, where it gives its body back and puts grammars back."""
     async with asyncio.TaskGroup() as tasks:
+        tasks.create_task(signs.watch(mind))
         tasks.create_task(mind.keep_running())
         await _in_time(mind.ready.wait(), f"{mind.name} is not ready")
         print(can_be_said, flush=True)

@@ -5,8 +5,9 @@ import logging
 import os
 import signal
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
+from types import MappingProxyType
 from typing import Final
 
 from openrois_avatar.link.private_path import remove_abandoned
@@ -35,6 +36,7 @@ class Program:
     Args:
         arguments: the sub-command and its arguments.
         announces: beginning of the line that it prints when it is ready.
+        environment: added to the variables of this process.
 
     Attributes:
         name: the sub-command.
@@ -42,13 +44,18 @@ class Program:
         runs: number of starts.
     """
 
-    def __init__(self, arguments: tuple[str, ...], announces: str) -> None:
+    def __init__(
+        self, arguments: tuple[str, ...], announces: str, environment: Mapping[str, str] = MappingProxyType({})
+    ) -> None:
         self.name = arguments[0]
         self.ready = asyncio.Event()
         self.runs = 0
         self._process: asyncio.subprocess.Process | None = None
         self._arguments = arguments
         self._announces = announces
+        self._environment = environment
+        self._was_ready = False
+        """Whether the process that ran last was."""
 
     async def keep_running(self, sleep: Callable[[float], Awaitable[None]] = asyncio.sleep) -> None:
         """Run the program until cancelled; once it was ready, a process that ends is restarted after a delay.
@@ -64,7 +71,15 @@ class Program:
                 raise ProgramFailed(
                     f"{self.name} ended with status {status} before it was ready; its log above says why"
                 )
-            _log.warning("%s ended with status %s and is started again", self.name, status)
+            if self._was_ready:
+                _log.warning("%s ended with status %s and is started again", self.name, status)
+            else:
+                _log.warning(
+                    "%s ended with status %s before it was ready again, and is started once more; its log above says"
+                    " why: if it goes on like that end the demo with Ctrl-C, and mend what it says",
+                    self.name,
+                    status,
+                )
             await sleep(backoff.after(time.monotonic() - started))
 
     def kill(self) -> None:
@@ -79,17 +94,24 @@ class Program:
             stdin=asyncio.subprocess.DEVNULL,
             stdout=asyncio.subprocess.PIPE,
             start_new_session=True,
+            env={**os.environ, **self._environment},
         )
-        self._process = process
+        self._process, self._was_ready = process, False
         self.runs += 1
         try:
             assert process.stdout is not None
             async for line in process.stdout:
                 if line.decode(errors="replace").startswith(self._announces):
-                    self.ready.set()
+                    self._note_ready()
             return await process.wait()
         finally:
             await self._terminate_process(process)
+
+    def _note_ready(self) -> None:
+        if self.runs > 1 and not self._was_ready:
+            _log.warning("%s is ready again", self.name)
+        self._was_ready = True
+        self.ready.set()
 
     async def _terminate_process(self, process: asyncio.subprocess.Process) -> None:
         if process.returncode is None:

@@ -38,12 +38,14 @@ class DemoTokens:
 
     Attributes:
         key: signs them.
+        folder: has the files; this user alone can reach it.
         adapters: the file of each adapter.
         programs: the file of a program of each rank in `PROGRAMS`.
     """
 
     def __init__(self, key: Path, folder: Path, engine_ids: Iterable[str]) -> None:
         self.key = key
+        self.folder = folder
         self.adapters = {engine_id: folder / f"{engine_id}.token" for engine_id in engine_ids}
         self.programs = {rank: folder / f"{rank}.token" for rank in PROGRAMS}
         self._write()

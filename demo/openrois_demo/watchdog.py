@@ -2,9 +2,9 @@
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractAsyncContextManager
-from typing import Any, Final, Protocol
+from typing import Final, Protocol
 
 from websockets.exceptions import InvalidHandshake
 
@@ -12,6 +12,7 @@ from openrois.jsonrpc.session import RpcError, RpcSession, SessionClosed
 from openrois.transport.stream import MessageStream
 from openrois.transport.websocket import dial
 from openrois.types.profiles import HRIEngineProfile
+from openrois_demo.waiting import Sleep, happens
 
 __all__ = ["Restartable", "Watchdog"]
 
@@ -76,7 +77,7 @@ class Watchdog:
         engine_ids: Iterable[str],
         *,
         connect: Callable[[str], AbstractAsyncContextManager[MessageStream]] = dial,
-        sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
+        sleep: Sleep = asyncio.sleep,
     ) -> None:
         self._url = url
         self._connect = connect
@@ -137,21 +138,9 @@ class Watchdog:
         while True:
             await presence.missing.wait()
             runs = program.runs
-            if await self._happens(presence.excused, PATIENCE):
+            if await happens(presence.excused, PATIENCE, self._sleep):
                 continue
             if program.runs == runs:
                 _log.warning("%s runs but does not answer: it is killed, and started again", program.name)
                 program.kill()
-            await self._happens(presence.there, START)
-
-    async def _happens(self, event: asyncio.Event, within: float) -> bool:
-        """Wait for an event, for some seconds at most, and return whether it came."""
-        waiting, passing = asyncio.ensure_future(event.wait()), asyncio.ensure_future(self._sleep(within))
-        both: set[asyncio.Future[Any]] = {waiting, passing}
-        try:
-            await asyncio.wait(both, return_when=asyncio.FIRST_COMPLETED)
-            return waiting.done()
-        finally:
-            for each in both:
-                each.cancel()
-            await asyncio.wait(both)
+            await happens(presence.there, START, self._sleep)

@@ -155,7 +155,7 @@ class Unready:
     ends = True
     made: ClassVar[dict[str, tuple[str, ...]]] = {}
 
-    def __init__(self, arguments: tuple[str, ...], announces: str) -> None:
+    def __init__(self, arguments: tuple[str, ...], announces: str, **_more: object) -> None:
         self.name = arguments[0]
         self.made[self.name] = arguments
         self.ready = asyncio.Event()

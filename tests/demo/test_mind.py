@@ -62,6 +62,17 @@ def restarted(demo: Demo) -> psutil.Process:
     raise AssertionError(demo.log())
 
 
+@pytest.mark.long
+def test_a_mind_that_hangs_is_killed_and_started_again(tmp_path: Path) -> None:
+    with running_demo(tmp_path, more=("--mind",)) as demo:
+        lines_of(demo)
+        first = demo.program("mind")
+        first.send_signal(signal.SIGSTOP)
+        first.wait(PATIENCE)
+        assert restarted(demo).pid != first.pid
+        assert "mind runs but does not answer: it is killed, and started again" in demo.log()
+
+
 def test_options_of_a_mind_without_one_are_a_mistake() -> None:
     process = start("demo", "--wake-word", "computer")
     try:

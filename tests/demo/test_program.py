@@ -108,8 +108,27 @@ async def test_a_program_that_is_killed_is_started_again_and_ends_when_it_is_tol
         [second] = children.now()
         assert second != first
     assert [record.message for record in caplog.records if record.name == process.__name__] == [
-        "gateway ended with status -9 and is started again"
+        "gateway ended with status -9 and is started again",
+        "gateway is ready again",
     ]
+
+
+async def test_a_program_that_cannot_start_again_is_told_with_what_to_do(
+    caplog: pytest.LogCaptureFixture, tmp_path: Path
+) -> None:
+    # It fails once the file is gone.
+    file = tmp_path / "gateway.toml"
+    file.write_text("")
+    program, pauses = Program(("gateway", "--config", str(file), "--print-config"), announces=""), Pauses()
+    async with running(program, pauses), asyncio.timeout(60):
+        await pauses.begun.wait()
+        file.unlink()
+        pauses.begun.clear()
+        pauses.may_end.set()
+        await pauses.begun.wait()
+    told = [record.message for record in caplog.records if record.name == process.__name__][-1]
+    assert "gateway ended with status 2 before it was ready again" in told
+    assert "end the demo with Ctrl-C" in told
 
 
 async def test_a_program_that_does_not_end_by_itself_is_killed(

@@ -2,6 +2,7 @@
 
 import argparse
 import asyncio
+import os
 import signal
 import sys
 from collections.abc import Collection, Sequence
@@ -9,6 +10,8 @@ from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from typing import Final
 
+from openrois.aio.supervisor import Supervisor
+from openrois.aio.tasks import TaskScope
 from openrois.cli.command_line import CommandLine
 from openrois.extras import needing_extra
 from openrois.observability.logs import set_up_logging
@@ -126,8 +129,16 @@ async def _converse(chosen: _Chosen) -> int:
         ears = Ears(session, conversations.hear, expected if chosen.mind.model is None else None)
         await stack.enter_async_context(ears)
         print(f"ready {chosen.url}", flush=True)
+        tasks = await stack.enter_async_context(TaskScope())
+        tasks.start(_tell_supervisor(chosen.url))
         await conversations.run()
     return 0
+
+
+async def _tell_supervisor(url: str) -> None:
+    supervisor = Supervisor(os.environ)
+    supervisor.notify_state(f"READY=1\nSTATUS=converses at {url}")
+    await supervisor.watch()
 
 
 def _mind(chosen: _Chosen) -> tuple[Mind, ModelFigures | None]:

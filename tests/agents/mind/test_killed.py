@@ -1,7 +1,8 @@
-"""`openrois mind` that is killed in mid-conversation, and started again."""
+"""`openrois mind` as what supervises it sees it: killed in mid-conversation, started again, and alive."""
 
 import asyncio
 import os
+import socket
 import sys
 import time
 from asyncio.subprocess import Process
@@ -23,12 +24,14 @@ _MIND = "import sys; from openrois_agents.mind.command import main; sys.exit(mai
 
 
 @asynccontextmanager
-async def mind_process(site: ConversingSite, folder: Path) -> AsyncIterator[Process]:
+async def mind_process(site: ConversingSite, folder: Path, **environment: str) -> AsyncIterator[Process]:
     """Run a mind while the block runs, unless it is killed before; it listens when the block begins."""
     file = folder / "mind.token"
     file.write_text(issue(time.time(), sub="mind", scope=["*/*"], rank="agent"))
     command = [sys.executable, "-c", _MIND, "--gateway", site.url, "--token-file", str(file)]
-    process = await asyncio.create_subprocess_exec(*command, stdout=asyncio.subprocess.PIPE, env=dict(os.environ))
+    process = await asyncio.create_subprocess_exec(
+        *command, stdout=asyncio.subprocess.PIPE, env=os.environ | environment
+    )
     try:
         assert process.stdout is not None
         async with asyncio.timeout(60):
@@ -63,3 +66,14 @@ async def test_a_killed_mind_leaves_its_body_free_and_still_and_the_next_one_wor
             assert not (await person.bodies())[0].free
         assert len(actor.walking.did) == 1
         assert recognition.grammar == "default"
+
+
+async def test_a_mind_tells_its_supervisor_that_it_is_ready_and_goes_on(tmp_path: Path) -> None:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as supervisor:
+        supervisor.bind(str(tmp_path / "signs"))
+        supervisor.settimeout(PATIENCE)
+        told = {"NOTIFY_SOCKET": supervisor.getsockname(), "WATCHDOG_USEC": "100000"}
+        async with conversing_site(tmp_path) as site, mind_process(site, tmp_path, **told):
+            assert (await asyncio.to_thread(supervisor.recv, 100)).startswith(b"READY=1\nSTATUS=converses at ws://")
+            for _ in range(3):
+                assert await asyncio.to_thread(supervisor.recv, 100) == b"WATCHDOG=1"
