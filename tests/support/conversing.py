@@ -23,6 +23,7 @@ from tests.support.clock import Clock
 __all__ = [
     "MUCH",
     "PATIENCE",
+    "Consented",
     "Conversing",
     "Recognition",
     "ScriptedMind",

@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from openrois_agents.mind.contract import Allowed
 from openrois_agents.tools.answer import Answer
 from openrois_agents.tools.names import Vocabulary
 
@@ -23,6 +24,7 @@ class NotedStage:
         used: the tools that were used, with their arguments.
         running: how many tools run now, and how many have run at a time.
         goes_on: is cleared by a test that holds what is said.
+        may_go: what visitors let a model have.
     """
 
     def __init__(self, answers: Mapping[str, Answer | Callable[[], Any]] | None = None) -> None:
@@ -32,6 +34,7 @@ class NotedStage:
         self.goes_on = asyncio.Event()
         self.goes_on.set()
         self.names: Vocabulary | Exception = NAMES
+        self.may_go = Allowed(words=True, pictures=True)
         self._answers = answers or {}
         self._news = asyncio.Condition()
 
@@ -61,6 +64,9 @@ class NotedStage:
         if isinstance(self.names, Exception):
             raise self.names
         return self.names
+
+    async def allowed(self) -> Allowed:
+        return self.may_go
 
     async def _note(self) -> None:
         async with self._news:

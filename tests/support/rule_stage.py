@@ -5,7 +5,7 @@ from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from typing import Any
 
-from openrois_agents.mind.contract import Turn
+from openrois_agents.mind.contract import Allowed, Turn
 from openrois_agents.mind.rules import RuleMind
 from openrois_agents.tools.answer import Answer
 from openrois_agents.tools.failures import failure
@@ -45,6 +45,9 @@ class RuleStage:
 
     async def vocabulary(self) -> Vocabulary:
         return await self.session.vocabulary()
+
+    async def allowed(self) -> Allowed:
+        return Allowed(words=True, pictures=True)
 
     async def answer(self, mind: RuleMind, text: str) -> list[str]:
         """Return what a mind says to a text."""

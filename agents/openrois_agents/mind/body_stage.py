@@ -2,11 +2,12 @@
 
 import asyncio
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Any, Final, Self
 
 from openrois.aio.tasks import TaskScope
+from openrois_agents.mind.contract import Allowed
 from openrois_agents.mind.spoken import Spoken
 from openrois_agents.tools.answer import Answer
 from openrois_agents.tools.failures import failure
@@ -30,6 +31,8 @@ _OF_THE_CONVERSATION: Final = frozenset({"use_body", "give_back"})
 _MOVES: Final = frozenset({"gesture", "look_at", "go_to", "call"})
 """Tools that move: where one was asked for, no small gesture goes with the words."""
 
+_UNSEEN: Final = "Unsupported: no picture is taken while a visitor is here who does not consent to that"
+
 
 class BodyStage:
     """Where one answer is given: a `Stage`. Leaving the block stops what it began.
@@ -39,6 +42,7 @@ class BodyStage:
         spoken: how much of what is being said was heard.
         beats: small gestures of the body that go with speech, the first one that may be made; none where it has none.
         has_eyes: whether the body can look at the visitor.
+        allowed: asks what may go to a model now.
         count_sound: told of seconds of speech.
         cut: called when speech was broken off from outside, as a visitor began to speak.
     """
@@ -49,6 +53,7 @@ class BodyStage:
         spoken: Spoken,
         beats: Sequence[str],
         has_eyes: bool,
+        allowed: Callable[[], Awaitable[Allowed]],
         count_sound: Callable[[float], None],
         cut: Callable[[], None],
     ) -> None:
@@ -56,6 +61,7 @@ class BodyStage:
         self._spoken = spoken
         self._beats = beats
         self._has_eyes = has_eyes
+        self._allowed = allowed
         self._count_sound = count_sound
         self._cut = cut
         self._tasks = TaskScope()
@@ -92,6 +98,8 @@ class BodyStage:
         """Call a tool; one that fails is answered too."""
         if tool not in TOOLS or tool in _OF_THE_CONVERSATION:
             return Answer(f"Unsupported: there is no tool {tool!r} in a conversation", {"failed": "Unsupported"})
+        if tool == "look" and not (await self.allowed()).pictures:
+            return Answer(_UNSEEN, {"failed": "Unsupported"})
         if tool in _MOVES:
             self._is_moving = True
             await self._end_small_gesture()
@@ -106,6 +114,10 @@ class BodyStage:
     async def vocabulary(self) -> Vocabulary:
         """Return the names that can be chosen now."""
         return await self._session.vocabulary()
+
+    async def allowed(self) -> Allowed:
+        """Ask anew what may go to a model."""
+        return await self._allowed()
 
     async def _speak(self) -> None:
         while True:

@@ -1,14 +1,15 @@
 """Whether visitors have agreed that a mind gets what they say."""
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import Final
 
 from openrois.client import BodyInfo, Client, ConnectionFailed, ConnectionLost, RoISError, RpcError
 from openrois.types.codes import Purpose
 from openrois.types.profiles import component_urn
-from openrois_agents.mind.contract import Mind
+from openrois_agents.mind.contract import Allowed, Mind
 
 __all__ = ["Consents", "read_consents"]
 
@@ -23,7 +24,7 @@ class Consents:
 
     Attributes:
         needed: before a mind gets the words of a visitor.
-        given: by the references of visitors.
+        given: by the references of the visitors who are there.
     """
 
     needed: frozenset[str]
@@ -32,6 +33,11 @@ class Consents:
     def missing(self, visitor: str) -> tuple[str, ...]:
         """Return what a visitor has to consent to; none where nothing is missing."""
         return tuple(sorted(self.needed - self.given.get(visitor, frozenset())))
+
+    def allowed(self, remembered: Collection[str]) -> Allowed:
+        """Return what may go to a model that has the words of these visitors. A picture may show all who are there."""
+        words = not any(map(self.missing, remembered))
+        return Allowed(words, words and not any(map(self.missing, self.given)))
 
 
 async def read_consents(client: Client, body: BodyInfo, mind: Mind) -> Consents:
@@ -46,6 +52,8 @@ async def read_consents(client: Client, body: BodyInfo, mind: Mind) -> Consents:
         except (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError) as error:
             _log.warning("%s does not tell what visitors consent to: %s", body.engine_id, error)
             continue
-        told = zip(found.get("visitor_ref", ()), found.get("consent", ()), strict=False)
+        refs, consents = found.get("visitor_ref", ()), found.get("consent", ())
+        # A visitor of whom no consent is told has given none.
+        told = zip_longest(refs, consents[: len(refs)], fillvalue="")
         given = {visitor: frozenset(str(each).split()) for visitor, each in told}
     return Consents(needed, given)

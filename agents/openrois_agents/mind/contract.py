@@ -7,7 +7,7 @@ from typing import Any, Protocol, Self
 from openrois_agents.tools.answer import Answer
 from openrois_agents.tools.names import Vocabulary
 
-__all__ = ["Mind", "Stage", "Turn"]
+__all__ = ["Allowed", "Mind", "Stage", "Turn"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +23,19 @@ class Turn:
     text: str
     visitor: str
     number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Allowed:
+    """What may go to a model now, as visitors consent.
+
+    Attributes:
+        words: what was said in this conversation, and what tools told.
+        pictures: of the body's camera.
+    """
+
+    words: bool
+    pictures: bool
 
 
 class Stage(Protocol):
@@ -47,6 +60,10 @@ class Stage(Protocol):
 
     async def vocabulary(self) -> Vocabulary:
         """Return the names that can be chosen now."""
+        ...
+
+    async def allowed(self) -> Allowed:
+        """Ask anew what may go to a model: before each request to it, as visitors may have withdrawn it."""
         ...
 
 

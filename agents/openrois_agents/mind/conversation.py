@@ -11,7 +11,7 @@ from openrois.client import ConnectionFailed, ConnectionLost, RoISError, RpcErro
 from openrois.types.references import engine_of
 from openrois_agents.mind.body_stage import BodyStage
 from openrois_agents.mind.consenting import read_consents
-from openrois_agents.mind.contract import Mind, Turn
+from openrois_agents.mind.contract import Allowed, Mind, Turn
 from openrois_agents.mind.figures import MindFigures
 from openrois_agents.mind.limits import Budget
 from openrois_agents.mind.news import CutShort, Item, News, Over
@@ -270,8 +270,13 @@ class Conversations:
         def cut() -> None:
             self._news.post(CutShort(number))
 
+        async def allowed() -> Allowed:
+            if held is None:
+                return Allowed(words=False, pictures=False)
+            return (await read_consents(held.client, held.info, self._mind)).allowed(self._remembered)
+
         has_eyes = held is not None and "look_at" in held.tools
-        return BodyStage(self._session, self._spoken, self._beats, has_eyes, self._count_sound, cut)
+        return BodyStage(self._session, self._spoken, self._beats, has_eyes, allowed, self._count_sound, cut)
 
     def _count_sound(self, seconds: float) -> None:
         self._figures.sound += seconds

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from openrois_agents.mind.body_stage import BodyStage
-from openrois_agents.mind.contract import Turn
+from openrois_agents.mind.contract import Allowed, Turn
 from openrois_agents.mind.limits import Budget, Limits
 from openrois_agents.mind.model.chat import ModelSettings
 from openrois_agents.mind.model.model_mind import ModelMind
@@ -49,6 +49,10 @@ _PAUSE: Final = 1.0
 _LOUD: Final = 300
 """Of 32,767: a voice begins softly."""
 _PLENTY: Final = Limits(10**9, 10**9, 1e9)
+
+
+async def _allow() -> Allowed:
+    return Allowed(words=True, pictures=True)
 
 
 def _count(_seconds: float) -> None:
@@ -105,7 +109,7 @@ async def measure(runs: int) -> dict[str, Any]:
         session = await stack.enter_async_context(Session(lambda: Client(url), ToolSettings()))
         held = await session.use_body(None, ["say"], 10.0)
         voice = await stack.enter_async_context(yielding_voice(held))
-        stage = await stack.enter_async_context(BodyStage(session, voice, (), False, _count, _cut))
+        stage = await stack.enter_async_context(BodyStage(session, voice, (), False, _allow, _count, _cut))
         server = await stack.enter_async_context(chat_server())
         budget = Budget(_PLENTY, _PLENTY, date.today)
         mind = await stack.enter_async_context(ModelMind(ModelSettings(server.address, "scripted"), budget))

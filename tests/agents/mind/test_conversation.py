@@ -8,18 +8,20 @@ from typing import Any
 
 import pytest
 from openrois_agents.mind.body_stage import MAX_WAITING
-from openrois_agents.mind.contract import Stage, Turn
+from openrois_agents.mind.contract import Allowed, Stage, Turn
 from openrois_agents.mind.conversation import SILENCE
 from openrois_agents.mind.phrases import Phrases, make_phrases
 from openrois_agents.mind.words import Words
 from openrois_agents.tools.names import Vocabulary
 from openrois_body.components.dialogue import Dialogue
 
+from openrois.adapter import query
 from openrois.component.component import Component
 from openrois.testing import memory_gateway
 from tests.support.actors import Actor
 from tests.support.conversing import (
     MUCH,
+    Consented,
     Conversing,
     ScriptedMind,
     SpeechProgress,
@@ -373,6 +375,45 @@ async def test_words_of_a_visitor_whose_consent_ended_are_forgotten_before_anoth
         talking.hear("what did she say", visitor="v2")
         await until(lambda: talking.figures.answers == 3)
         assert talking.mind.forgotten == 1
+
+
+async def test_a_mind_asks_anew_what_may_go_to_a_model_and_no_picture_is_taken_without_the_consent_of_all() -> None:
+    visitors = Visitors({"v1": "agent", "v2": "agent"})
+    found: list[Any] = []
+
+    async def ask(_turn: Turn, stage: Stage) -> None:
+        for changes in ({}, {"v2": "live"}, {"v1": "live", "v2": "agent"}):
+            visitors.consents |= changes
+            found.append((await stage.allowed(), (await stage.use("look", {})).text))
+
+    async with talk(visitors, mind=ScriptedMind(needs_consent=True)) as talking:
+        talking.mind.script = ask
+        talking.hear("what do you see", visitor="v1")
+        await until(lambda: talking.figures.answers == 1)
+        refused = "Unsupported: no picture is taken while a visitor is here who does not consent to that"
+        assert found == [
+            (Allowed(words=True, pictures=True), "Unsupported: robot has no camera"),
+            (Allowed(words=True, pictures=False), refused),
+            (Allowed(words=False, pictures=False), refused),
+        ]
+
+
+async def test_a_visitor_of_whom_no_consent_is_told_has_given_none() -> None:
+    class Forgetful(Visitors):
+        @query
+        async def visitors(self) -> Consented:
+            return Consented(visitor_ref=("v1", "v2"), consent=("agent",))
+
+    found: list[Allowed] = []
+
+    async def ask(_turn: Turn, stage: Stage) -> None:
+        found.append(await stage.allowed())
+
+    async with talk(Forgetful({}), mind=ScriptedMind(needs_consent=True)) as talking:
+        talking.mind.script = ask
+        talking.hear("what do you see", visitor="v1")
+        await until(lambda: talking.figures.answers == 1)
+        assert found == [Allowed(words=True, pictures=False)]
 
 
 async def test_a_flood_of_words_that_are_being_said_pushes_nothing_else_out() -> None:

@@ -22,7 +22,7 @@ from openrois_media import Media, Purpose
 from openrois_media.client.sending import Sending
 
 from openrois.client import Client
-from tests.support.chat_server import Behaviour, ChatServer, chat_server, chunk, halting, says
+from tests.support.chat_server import Behaviour, ChatServer, call_chunk, chat_server, chunk, halting, says
 from tests.support.conversing import MUCH, PATIENCE, ScriptedMind, until
 from tests.support.guided import House, house, token
 from tests.support.hearing import voice
@@ -164,3 +164,20 @@ async def test_who_consents_is_answered_who_does_not_is_told_and_a_withdrawal_is
         assert "here I am again" in asked
         assert "secret" not in asked
         assert "good morning" not in asked
+
+
+async def test_a_withdrawal_while_an_answer_is_made_is_obeyed_before_the_next_request(tmp_path: Path) -> None:
+    script = (halting(chunk({"content": "A moment. I"}), rest=[call_chunk(0, "{}", "where")]), says("Never."))
+    async with (
+        model(*script) as (mind, server),
+        house(tmp_path) as opened,
+        conversation(opened, mind) as figures,
+        guest(opened, *CONSENT) as ann,
+    ):
+        opened.say("where is my secret", ann.ref)
+        await opened.tells("A moment.", by="avatar")
+        await ann.sending.consent(Purpose.RECOGNITION)
+        server.go_on.set()
+        await opened.tells("I stop here, as I cannot see your consent any more.", by="avatar")
+        await until(lambda: figures.answers == 1)
+        assert len(server.asked) == 1

@@ -19,17 +19,18 @@ MAX_RESULT: Final = 4_000
 """Characters of a tool's result; what is longer is cut."""
 
 _NOT_RUN: Final = "It was not run to its end: the visitor has interrupted."
+_WITHHELD: Final = "The picture is not shown: a visitor is here who does not consent to that."
 _CUT: Final = " ..."
 
 
 @dataclass(slots=True)
 class _Reply:
-    """A reply of the model: what was said of it, its calls, and their results by the ids of the calls."""
+    """A reply of the model: what was said of it, its calls, and their results and pictures by the ids of the calls."""
 
     said: list[str] = field(default_factory=list)
     calls: tuple[ToolCall, ...] = ()
     results: dict[str, str] = field(default_factory=dict)
-    pictures: list[str] = field(default_factory=list)
+    pictures: dict[str, str] = field(default_factory=dict)
 
     def messages(self, *, with_pictures: bool) -> list[dict[str, Any]]:
         text = " ".join(self.said)
@@ -52,7 +53,7 @@ class _Reply:
         if with_pictures and self.pictures:
             # The result of a tool is a text; a picture is taken as a visitor's.
             warning = {"type": "text", "text": PICTURE_WARNING}
-            found.append({"role": "user", "content": [warning, *map(_picture, self.pictures)]})
+            found.append({"role": "user", "content": [warning, *map(_picture, self.pictures.values())]})
         return found
 
 
@@ -100,11 +101,17 @@ class History:
         """Add the result of a call."""
         self._reply.results[call.call_id] = text if len(text) <= MAX_RESULT else f"{text[:MAX_RESULT]}{_CUT}"
 
-    def add_picture(self, address: str) -> None:
+    def add_picture(self, call: ToolCall, address: str) -> None:
         """Add a picture that a call has brought, as a `data:` address; the newest is told, during this turn alone."""
         for reply in self._turns[-1].replies:
             reply.pictures.clear()
-        self._reply.pictures.append(address)
+        self._reply.pictures[call.call_id] = address
+
+    def withhold_pictures(self) -> None:
+        """Tell no picture of this turn, and that it is not shown."""
+        for reply in self._turns[-1].replies:
+            reply.results |= dict.fromkeys(reply.pictures, _WITHHELD)
+            reply.pictures.clear()
 
     def go_on(self) -> None:
         """Begin another reply of the same turn, behind the results of calls."""

@@ -16,7 +16,7 @@ from openrois_agents.mind.model.chat import Chat, ModelSettings, ServerFailed
 from openrois_agents.mind.model.figures import ModelFigures
 from openrois_agents.mind.model.history import History
 from openrois_agents.mind.model.pacing import with_pauses
-from openrois_agents.mind.model.prompts import FAILED, INSTRUCTIONS, LOST_THREAD, NO_ANSWER, visitor_text
+from openrois_agents.mind.model.prompts import FAILED, INSTRUCTIONS, LOST_THREAD, NO_ANSWER, WITHDRAWN, visitor_text
 from openrois_agents.mind.model.reply import BadReply, Reply, ToolCall, estimate_tokens
 from openrois_agents.mind.model.sentences import Sentences
 from openrois_agents.mind.model.tool_choice import LOOK, USABLE, mistake_in, tool_schemas
@@ -104,6 +104,14 @@ class ModelMind:
         schemas = tool_schemas(self._tools, await _names(stage))
         has_acted = False
         for left in range(MAX_ROUNDS - 1, -1, -1):
+            allowed = await stage.allowed()
+            if not allowed.words:
+                # What waits to be sent is dropped.
+                self._history.forget_turns()
+                await stage.say(WITHDRAWN)
+                return True
+            if not allowed.pictures:
+                self._history.withhold_pictures()
             calls = await self._speak(stage, schemas, may_call=left > 0)
             if not calls or not left:
                 break
@@ -173,7 +181,7 @@ class ModelMind:
         self._history.add_result(call, answer.text)
         if answer.picture:
             picture = base64.b64encode(answer.picture).decode()
-            self._history.add_picture(f"data:image/jpeg;base64,{picture}")
+            self._history.add_picture(call, f"data:image/jpeg;base64,{picture}")
 
     def _refuse(self, call: ToolCall, reason: str) -> None:
         self.figures.refused_calls += 1

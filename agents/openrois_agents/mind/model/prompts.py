@@ -4,7 +4,7 @@ from typing import Final
 
 from openrois_agents.tools.untrusted import marked
 
-__all__ = ["FAILED", "INSTRUCTIONS", "LOST_THREAD", "NO_ANSWER", "visitor_text"]
+__all__ = ["FAILED", "INSTRUCTIONS", "LOST_THREAD", "NO_ANSWER", "WITHDRAWN", "visitor_text"]
 
 INSTRUCTIONS: Final = (
     "You are the mind of a body, a robot or an avatar, and converse with a visitor who stands before it. What you write"
@@ -24,6 +24,9 @@ LOST_THREAD: Final = "I am sorry, I have lost my thread. Please ask me again."
 
 NO_ANSWER: Final = "I have no answer to that."
 """Said where its answer is empty."""
+
+WITHDRAWN: Final = "I stop here, as I cannot see your consent any more."
+"""Said where a visitor does not consent any more, or the body does not tell."""
 
 
 def visitor_text(text: str, visitor: str) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from openrois_agents.mind.body_stage import BodyStage
-from openrois_agents.mind.contract import Stage, Turn
+from openrois_agents.mind.contract import Allowed, Stage, Turn
 from openrois_agents.mind.limits import CONVERSATION, DAY, Budget
 from openrois_agents.mind.model.chat import ModelSettings
 from openrois_agents.mind.model.model_mind import ModelMind
@@ -27,6 +27,10 @@ pytestmark = [pytest.mark.extra(name="speech"), pytest.mark.timeout(120)]
 TOOLS = ("say", "gesture", "look_at", "go_to")
 
 
+async def _allow() -> Allowed:
+    return Allowed(words=True, pictures=True)
+
+
 @dataclass
 class Scene:
     mind: ModelMind
@@ -36,7 +40,7 @@ class Scene:
 
     @asynccontextmanager
     async def stage(self) -> AsyncIterator[Stage]:
-        async with BodyStage(self.session, Spoken(), (), False, lambda _seconds: None, lambda: None) as stage:
+        async with BodyStage(self.session, Spoken(), (), False, _allow, lambda _seconds: None, lambda: None) as stage:
             yield stage
 
     async def ask(self, text: str) -> None:

@@ -120,7 +120,7 @@ def test_the_newest_picture_is_told_in_its_turn_alone() -> None:
     for name in ("old", "new"):
         history.add_calls((ToolCall(name, "look"),))
         history.add_result(ToolCall(name, "look"), "a picture")
-        history.add_picture(f"data:{name}")
+        history.add_picture(ToolCall(name, "look"), f"data:{name}")
         history.go_on()
     pictures = [content for role, content in told(history) if isinstance(content, list)]
     assert len(pictures) == 1
@@ -131,6 +131,18 @@ def test_the_newest_picture_is_told_in_its_turn_alone() -> None:
     assert "data:" not in json.dumps(history.messages("rules"))
 
 
+def test_a_picture_that_is_withheld_is_not_told_and_that_is_said() -> None:
+    history = History()
+    history.begin_turn("what do you see?")
+    history.add_calls((ToolCall("c1", "look"), WAVE))
+    history.add_result(ToolCall("c1", "look"), "a picture")
+    history.add_picture(ToolCall("c1", "look"), "data:x")
+    history.go_on()
+    history.withhold_pictures()
+    assert "data:" not in json.dumps(history.messages("rules"))
+    assert ("tool", "The picture is not shown: a visitor is here who does not consent to that.") in told(history)
+
+
 STEPS = st.lists(
     st.one_of(
         st.tuples(st.just("begin_turn"), st.text(max_size=20)),
@@ -139,7 +151,8 @@ STEPS = st.lists(
         st.tuples(st.just("add_result"), st.integers(0, 3)),
         st.tuples(st.just("go_on"), st.none()),
         st.tuples(st.just("cut"), st.text(max_size=20)),
-        st.tuples(st.just("add_picture"), st.just("data:x")),
+        st.tuples(st.just("add_picture"), st.integers(0, 3)),
+        st.tuples(st.just("withhold_pictures"), st.none()),
     ),
     max_size=40,
 )
@@ -155,8 +168,10 @@ def test_whatever_happens_each_call_has_one_result_directly_behind_it(steps: lis
                 history.add_calls([ToolCall(f"{number}-{each}", "where") for each in range(value)])
             case "add_result":
                 history.add_result(ToolCall(f"{number}-{value}", "where"), "done")
-            case "go_on":
-                history.go_on()
+            case "add_picture":
+                history.add_picture(ToolCall(f"{number}-{value}", "look"), "data:x")
+            case "go_on" | "withhold_pictures":
+                getattr(history, name)()
             case _:
                 getattr(history, name)(value)
         wanted: list[str] = []

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from openrois_agents.mind.contract import Mind, Turn
+from openrois_agents.mind.contract import Allowed, Mind, Turn
 from openrois_agents.mind.limits import DAY, Budget, Limits
 from openrois_agents.mind.model import chat
 from openrois_agents.mind.model.chat import MAX_ANSWER, ModelSettings
 from openrois_agents.mind.model.model_mind import MAX_AT_ONCE, MAX_ROUNDS, SETTLING, ModelMind
-from openrois_agents.mind.model.prompts import FAILED, LOST_THREAD, NO_ANSWER
+from openrois_agents.mind.model.prompts import FAILED, LOST_THREAD, NO_ANSWER, WITHDRAWN
 from openrois_agents.mind.model.reply import MAX_REPLY
 from openrois_agents.tools.answer import Answer
 from openrois_body.services import server as services
@@ -184,6 +184,35 @@ async def test_a_picture_is_shown_to_a_model_that_sees() -> None:
         assert "UNTRUSTED" in warning["text"]
         assert picture["image_url"]["url"] == "data:image/jpeg;base64,/9g="
         assert "look" in [each["function"]["name"] for each in server.asked[0]["tools"]]
+
+
+async def test_a_consent_that_is_withdrawn_while_a_tool_runs_ends_the_answer_and_nothing_more_is_sent() -> None:
+    async def withdraw() -> Answer:
+        stage.may_go = Allowed(words=False, pictures=False)
+        return Answer("done")
+
+    async with minded(calls(("where", {}), first="A moment."), says("Welcome back.")) as (mind, server):
+        stage = NotedStage({"where": withdraw})
+        await mind.answer(Turn("my secret", "ann", 1), stage)
+        assert stage.said == ["A moment.", WITHDRAWN]
+        assert len(server.asked) == 1
+        stage.may_go = Allowed(words=True, pictures=True)
+        await mind.answer(Turn("here I am again", "ann", 2), stage)
+        assert stage.said[2:] == ["Welcome back."]
+        assert "secret" not in json.dumps(server.asked[1])
+
+
+async def test_a_picture_is_not_sent_where_a_visitor_has_come_meanwhile_who_does_not_consent() -> None:
+    async def come() -> Answer:
+        stage.may_go = Allowed(words=True, pictures=False)
+        return Answer("done")
+
+    async with minded(calls(("look", {}), ("where", {})), says("I cannot look."), sees=True) as (mind, server):
+        stage = NotedStage({"look": Answer("a picture", picture=b"\xff\xd8"), "where": come})
+        await mind.answer(HELLO, stage)
+        assert stage.said == ["I cannot look."]
+        assert "image_url" not in json.dumps(server.asked[1])
+        assert "The picture is not shown" in json.dumps(server.asked[1])
 
 
 async def test_a_cancelled_answer_closes_the_connection_and_is_told_as_it_was_heard(
