@@ -1,7 +1,7 @@
 """The conversation as a language model is told it: bounded, and with what was heard, not with what was made. Pure."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from openrois_agents.mind.model.reply import ToolCall
@@ -13,13 +13,15 @@ MAX_TURNS: Final = 24
 """Turns that are told; the oldest is left out."""
 
 MAX_HISTORY: Final = 24_000
-"""Characters of the turns that are told, the newest of which is told however long it is."""
+"""Characters of the turns that are told, without pictures: the oldest turns are left out, then what tools told in the
+newest one, the oldest first. What the visitor said last is told however long it is."""
 
 MAX_RESULT: Final = 4_000
 """Characters of a tool's result; what is longer is cut."""
 
 _NOT_RUN: Final = "It was not run to its end: the visitor has interrupted."
 _WITHHELD: Final = "The picture is not shown: a visitor is here who does not consent to that."
+_LEFT_OUT: Final = "Left out: there was too much of it."
 _CUT: Final = " ..."
 
 
@@ -31,6 +33,20 @@ class _Reply:
     calls: tuple[ToolCall, ...] = ()
     results: dict[str, str] = field(default_factory=dict)
     pictures: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def size(self) -> int:
+        called = sum(2 * len(each.call_id) + len(each.name) + len(each.text) for each in self.calls)
+        return sum(map(len, self.said)) + called + sum(map(len, self.results.values()))
+
+    def leave_out_details(self) -> None:
+        """Tell no more than which tools were called."""
+        self.calls = tuple(replace(each, text="") for each in self.calls)
+        self.results = dict.fromkeys(self.results, _LEFT_OUT)
+
+    def leave_out_calls(self) -> None:
+        """Tell nothing of its calls."""
+        self.calls, self.results, self.pictures = (), {}, {}
 
     def messages(self, *, with_pictures: bool) -> list[dict[str, Any]]:
         text = " ".join(self.said)
@@ -66,13 +82,7 @@ class _Turn:
 
     @property
     def size(self) -> int:
-        replies = sum(
-            sum(map(len, each.said))
-            + sum(len(call.text) + len(call.name) for call in each.calls)
-            + sum(map(len, each.results.values()))
-            for each in self.replies
-        )
-        return len(self.text) + replies
+        return len(self.text) + sum(each.size for each in self.replies)
 
 
 class History:
@@ -85,9 +95,7 @@ class History:
         """Begin a turn with what a visitor said."""
         self._turns.append(_Turn(text, [_Reply()]))
         del self._turns[:-MAX_TURNS]
-        sizes = [each.size for each in self._turns]
-        while len(sizes) > 1 and sum(sizes) > MAX_HISTORY:
-            del self._turns[0], sizes[0]
+        self._leave_out_turns()
 
     def add_said(self, sentence: str) -> None:
         """Add a sentence of the reply that is arriving."""
@@ -115,6 +123,8 @@ class History:
 
     def go_on(self) -> None:
         """Begin another reply of the same turn, behind the results of calls."""
+        self._leave_out_turns()
+        self._leave_out_calls()
         self._turns[-1].replies.append(_Reply())
 
     def cut(self, heard: str) -> None:
@@ -140,6 +150,20 @@ class History:
             for reply in turn.replies:
                 found += reply.messages(with_pictures=turn is self._turns[-1])
         return found
+
+    def _leave_out_turns(self) -> None:
+        sizes = [each.size for each in self._turns]
+        while len(sizes) > 1 and sum(sizes) > MAX_HISTORY:
+            del self._turns[0], sizes[0]
+
+    def _leave_out_calls(self) -> None:
+        turn = self._turns[-1]
+        # Ids and names alone may be too much where a server means harm.
+        for leave_out in (_Reply.leave_out_details, _Reply.leave_out_calls):
+            for reply in turn.replies:
+                if turn.size <= MAX_HISTORY:
+                    return
+                leave_out(reply)
 
     @property
     def _reply(self) -> _Reply:

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from openrois_agents.mind.model.history import MAX_HISTORY, MAX_RESULT, MAX_TURNS, History
-from openrois_agents.mind.model.reply import ToolCall
+from openrois_agents.mind.model.model_mind import MAX_ROUNDS
+from openrois_agents.mind.model.reply import MAX_ARGUMENTS, MAX_REPLY, MAX_TOOL_CALLS, ToolCall
 
 WAVE = ToolCall("c1", "gesture", '{"name": "wave"}')
 BAD = ToolCall("c2", "where", "[")
@@ -112,6 +113,53 @@ def test_only_so_many_characters_are_told_of_older_turns() -> None:
     assert len(history.messages("rules")) == 1 + 3 * 2
     history.begin_turn("x" * (MAX_HISTORY * 2))
     assert [len(content) for _, content in told(history)[1:]] == [MAX_HISTORY * 2]
+
+
+def results(history: History) -> list[str]:
+    return [content for role, content in told(history) if role == "tool"]
+
+
+def test_of_what_tools_told_in_a_turn_the_oldest_is_left_out() -> None:
+    history = History()
+    history.begin_turn("look around")
+    for number in range(8):
+        call = ToolCall(f"c{number}", "where", json.dumps({"what": "x" * 500}))
+        history.add_said(f"Look {number}.")
+        history.add_calls((call,))
+        history.add_result(call, str(number) * MAX_RESULT)
+        history.go_on()
+    found = results(history)
+    assert found[:3] == ["Left out: there was too much of it."] * 3
+    assert [each[0] for each in found[3:]] == ["3", "4", "5", "6", "7"]
+    assert sum(len(json.dumps(each)) for each in history.messages("")) < MAX_HISTORY + 2_000
+    assert [content for role, content in told(history) if role == "assistant"] == [f"Look {n}." for n in range(8)]
+
+
+def test_a_turn_that_grows_leaves_out_older_turns_first() -> None:
+    history = History()
+    history.begin_turn("x" * (MAX_HISTORY // 2))
+    history.begin_turn("and now?")
+    for number in range(4):
+        call = ToolCall(f"c{number}", "where")
+        history.add_calls((call,))
+        history.add_result(call, "y" * MAX_RESULT)
+        history.go_on()
+    assert [content for role, content in told(history) if role == "user"] == ["and now?"]
+    assert [len(each) for each in results(history)] == [MAX_RESULT] * 4
+
+
+def test_replies_of_a_server_that_means_harm_are_told_without_their_calls() -> None:
+    history = History()
+    history.begin_turn("hello")
+    for number in range(MAX_ROUNDS - 1):
+        harm = [ToolCall(f"{number}-{each:0197}", "w" * 64, "x" * MAX_ARGUMENTS) for each in range(MAX_TOOL_CALLS)]
+        history.add_said("s" * MAX_REPLY)
+        history.add_calls(harm)
+        for call in harm:
+            history.add_result(call, "y" * MAX_RESULT)
+        history.go_on()
+        assert sum(len(json.dumps(each)) for each in history.messages("")) < MAX_HISTORY * 1.5
+    assert sum(len(content or "") for _, content in told(history)) <= MAX_HISTORY
 
 
 def test_the_newest_picture_is_told_in_its_turn_alone() -> None:
