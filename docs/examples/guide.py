@@ -25,7 +25,7 @@ SURROUNDINGS = "urn:x-rois:def:component:OpenRoIS::Surroundings"
 ATTEMPTS = 5
 """How often a way is gone that was broken off."""
 AGAIN = 5.0
-"""Seconds after which bodies that hear are looked for again, and listened to again where that failed."""
+"""Seconds after which bodies that hear, and a voice for what was not said, are looked for again."""
 IDLE = 60.0
 """Seconds from the last words of a visit to its end."""
 
@@ -48,6 +48,7 @@ class Guide:
         """Serve visitors until cancelled."""
         async with asyncio.TaskGroup() as tasks:
             tasks.create_task(self._tell_changes())
+            tasks.create_task(self._tell_late())
             tasks.create_task(self._find_ears(tasks))
             print("ready", flush=True)
             if self._note.exists():
@@ -98,6 +99,13 @@ class Guide:
                     await self._voice.say("What may I do for you?")
                 case Connected() if self._voice.body is not None:
                     await self._voice.say("I was cut off for a moment. I am here again.")
+
+    async def _tell_late(self) -> None:
+        """Tell the visitor what no body was free to say, as soon as one is."""
+        while True:
+            await asyncio.sleep(AGAIN)
+            with suppress(*FAILED):
+                await self._voice.say_late()
 
     async def _visit(self, tasks: asyncio.TaskGroup, greeting: str, words: str, visitor: str) -> None:
         """Serve a visitor until goodbye. A body is held meanwhile; the note stays where this process dies before."""

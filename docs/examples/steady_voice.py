@@ -56,9 +56,11 @@ class Voice:
         return self.body is not None and (self._broke_off or self.body.error is not None)
 
     async def say(self, text: str) -> None:
-        """Return when a text was heard; what was broken off is said again, and what no body could say with the next."""
+        """Return when a text was heard; what was broken off is said again, and what no body could say before it."""
         async with self._turn:
             whole = f"{self._late} {text}".strip()
+            if not whole:
+                return
             for _ in range(ATTEMPTS):
                 if self.body is not None and self.is_lost:
                     whole = f"I had to leave the {self.body.engine_id}, and go on here. {whole}"
@@ -80,7 +82,14 @@ class Voice:
                     print(f"{self.body.engine_id} said: {whole}", flush=True)
                     self._late = ""
                     return
-            self._late = text
+            self._late = text or self._late
+
+    async def say_late(self) -> None:
+        """Say what no body could say, if there is such a thing, and a voice is free for it now."""
+        if self._late:
+            voices = [(info, ref) for info in await self._client.bodies() for ref in info.refs(SpeechSynthesis)]
+            if any(each.free for info, ref in voices for each in info.components if each.component_ref == ref):
+                await self.say("")
 
     async def rest(self) -> None:
         """Give the body back."""

@@ -278,8 +278,10 @@ async def test_what_no_body_could_say_is_told_when_one_is_free(
 
             await until(has_given_up)
             await ann.release(AVATAR_VOICE)
-            opened.say("take me to the plant")
             await opened.tells("I can lead you to: ", by="avatar")
+            opened.say("take me to the plant")
+            await opened.tells("Please follow the robot to the plant.", by="avatar")
+            assert not [text for _, text in opened.told if "I can lead" in text]
 
 
 @pytest.mark.long
