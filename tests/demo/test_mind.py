@@ -63,14 +63,19 @@ def restarted(demo: Demo) -> psutil.Process:
 
 
 @pytest.mark.long
-def test_a_mind_that_hangs_is_killed_and_started_again(tmp_path: Path) -> None:
+def test_a_mind_that_hangs_is_killed_and_started_again_and_does_not_hold_the_end_up(tmp_path: Path) -> None:
     with running_demo(tmp_path, more=("--mind",)) as demo:
         lines_of(demo)
         first = demo.program("mind")
         first.send_signal(signal.SIGSTOP)
         first.wait(PATIENCE)
-        assert restarted(demo).pid != first.pid
+        again = restarted(demo)
+        assert again.pid != first.pid
         assert "mind runs but does not answer: it is killed, and started again" in demo.log()
+        again.send_signal(signal.SIGSTOP)
+        os.killpg(demo.process.pid, signal.SIGINT)
+        assert demo.process.wait(20) == 0
+        assert "mind did not end within 2.0 s and is killed" in demo.log()
 
 
 def test_options_of_a_mind_without_one_are_a_mistake() -> None:

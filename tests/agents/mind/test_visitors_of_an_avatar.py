@@ -178,6 +178,6 @@ async def test_a_withdrawal_while_an_answer_is_made_is_obeyed_before_the_next_re
         await opened.tells("A moment.", by="avatar")
         await ann.sending.consent(Purpose.RECOGNITION)
         server.go_on.set()
-        await opened.tells("I stop here, as I cannot see your consent any more.", by="avatar")
+        await opened.tells("I am sorry, I stop here: the consent that I need is not there any more.", by="avatar")
         await until(lambda: figures.answers == 1)
         assert len(server.asked) == 1

@@ -25,8 +25,8 @@ LOST_THREAD: Final = "I am sorry, I have lost my thread. Please ask me again."
 NO_ANSWER: Final = "I have no answer to that."
 """Said where its answer is empty."""
 
-WITHDRAWN: Final = "I stop here, as I cannot see your consent any more."
-"""Said where a visitor does not consent any more, or the body does not tell."""
+WITHDRAWN: Final = "I am sorry, I stop here: the consent that I need is not there any more."
+"""Said where a visitor whose words it has does not consent any more, or the body does not tell."""
 
 
 def visitor_text(text: str, visitor: str) -> str:
