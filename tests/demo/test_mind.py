@@ -114,6 +114,9 @@ async def test_a_body_waves_and_answers_when_it_is_spoken_to(tmp_path: Path) -> 
                 # The page sends its microphone as a visitor, and the mind keeps all that it acts with.
                 for component_ref in (*avatar.refs(Reaction), "avatar/speech_synthesizer", "avatar/dialogue"):
                     assert (await client.control.status(component_ref)).holder == "agent"
+        assert demo.interrupt() == 0
+        # It puts its grammar back at a gateway that is still there.
+        assert "mind did not end" not in demo.log()
         assert "Traceback" not in demo.log()
 
 
@@ -156,5 +159,3 @@ def test_a_mind_that_dies_is_started_again_and_ends_with_the_demo(tmp_path: Path
         assert demo.process.wait(20) == 0
         assert not psutil.wait_procs([again], timeout=PATIENCE)[1]
         assert "mind ended with status -9 and is started again" in demo.log()
-        # It takes leave of a gateway that is still there.
-        assert "mind did not end" not in demo.log()
