@@ -51,6 +51,13 @@ def lines_of(demo: Demo) -> list[str]:
     return lines
 
 
+def until_logged(demo: Demo, line: str) -> None:
+    """Wait until the demo's log has a line."""
+    until = time.monotonic() + PATIENCE
+    while line not in demo.log():
+        assert time.monotonic() < until, demo.log()
+
+
 def restarted(demo: Demo) -> psutil.Process:
     """Wait until the mind's process is there again."""
     until = time.monotonic() + PATIENCE
@@ -69,10 +76,10 @@ def test_a_mind_that_hangs_is_killed_and_started_again_and_does_not_hold_the_end
         first = demo.program("mind")
         first.send_signal(signal.SIGSTOP)
         first.wait(PATIENCE)
-        again = restarted(demo)
-        assert again.pid != first.pid
+        until_logged(demo, "mind is ready again")
         assert "mind runs but does not answer: it is killed, and started again" in demo.log()
-        again.send_signal(signal.SIGSTOP)
+        # It takes no signal now.
+        demo.program("mind").send_signal(signal.SIGSTOP)
         os.killpg(demo.process.pid, signal.SIGINT)
         assert demo.process.wait(20) == 0
         assert "mind did not end within 2.0 s and is killed" in demo.log()
