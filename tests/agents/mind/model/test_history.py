@@ -112,6 +112,7 @@ def test_only_so_many_characters_are_told_of_older_turns() -> None:
         history.add_calls((WAVE,))
     assert len(history.messages("rules")) == 1 + 3 * 2
     history.begin_turn("x" * (MAX_HISTORY * 2))
+    history.go_on()
     assert [len(content) for _, content in told(history)[1:]] == [MAX_HISTORY * 2]
 
 
