@@ -225,8 +225,9 @@ class ClientStream:
         self.news.notify()
 
     async def _rest(self) -> None:
-        """Wait for a change, or for the next attempt."""
-        at = self.state.retry_at if self.state.pending is not None else None
+        """Wait for a change, or for the next attempt; while the gateway is away, for `retry_now`."""
+        waits = self.state.pending is not None and self._operations.ready()
+        at = self.state.retry_at if waits else None
         try:
             async with asyncio.timeout(None if at is None else max(at - self._clock.now(), 0.0)):
                 await self._wake.wait()
