@@ -6,9 +6,10 @@ from collections.abc import AsyncIterator
 from typing import Any
 
 import numpy as np
-from livekit.agents import Agent, AgentSession, StopResponse, llm, stt
+from livekit.agents import Agent, AgentSession, ConversationItemAddedEvent, StopResponse, llm, stt
 from livekit.rtc import AudioFrame
 from openrois_agents.livekit import embodied
+from openrois_agents.voice.process import run_agent
 from openrois_media import Media, Purpose
 
 from openrois.client import Client
@@ -59,11 +60,22 @@ async def main(body: str = "avatar", url: str = "ws://127.0.0.1:8765/") -> None:
     """Put the session into the body until Ctrl-C."""
     ears = Ears(capabilities=stt.STTCapabilities(streaming=True, interim_results=False))
     session = AgentSession(stt=ears, vad=None, turn_handling={"turn_detection": "stt"})
-    session.on("conversation_item_added", lambda event: print(event.item.role, event.item.text_content, flush=True))
-    async with Client(url) as app, Media(app) as media, embodied(session, app, media, body, purposes=[Purpose.AGENT]):
+    session.on("conversation_item_added", show)
+    async with (
+        Client(url) as app,
+        Media(app) as media,
+        embodied(session, app, media, body, purposes=[Purpose.AGENT]),
+        session,
+    ):
         await session.start(Parrot(instructions=""))
         await asyncio.Event().wait()
 
 
+def show(event: ConversationItemAddedEvent) -> None:
+    """Print what was said."""
+    if isinstance(event.item, llm.ChatMessage):
+        print(event.item.role, event.item.text_content, flush=True)
+
+
 if __name__ == "__main__":
-    asyncio.run(main(*sys.argv[1:]))
+    run_agent(main(*sys.argv[1:]))

@@ -1,20 +1,32 @@
-"""A visitor who whistles to an agent, and what a viewer hears of the avatar through which it speaks."""
+"""A visitor who whistles to an agent, what a viewer hears of the avatar that speaks for it, and agents as processes."""
 
 import asyncio
 import itertools
+import re
+import signal
+import sys
+from asyncio.subprocess import PIPE, Process
 from collections import deque
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 from openrois_media import Media
 from openrois_media.client.stream import News
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.source.source import SAMPLE_RATE, RawAudio
 
-__all__ = ["Ear", "Mouth", "hearing", "tone"]
+from openrois.client import Client
+from openrois.types.codes import Purpose
+from tests.support.loopback import PATIENCE
+from tests.support.operated import operated_avatar
+from tests.support.packages import ROOT
+
+__all__ = ["Ear", "Mouth", "end_agent", "hear_parrot", "hearing", "running_agent", "tone"]
 
 _LOUD = 1_000
 _NEAR = 120
@@ -153,3 +165,70 @@ class Mouth:
                 self._quiet.set()
             block = self._blocks.popleft() if self._blocks else silence
             yield RawAudio(block[:, np.newaxis], due)
+
+
+@asynccontextmanager
+async def running_agent(*words: str) -> AsyncIterator[Process]:
+    """Run a program of Python, which is asked to end at the end of the block.
+
+    Raises:
+        AssertionError: it has not ended well.
+    """
+    process = await asyncio.create_subprocess_exec(sys.executable, *words, stdout=PIPE)
+    try:
+        yield process
+    finally:
+        status = await end_agent(process)
+        assert status == 0, f"the agent has ended with status {status}"
+
+
+async def end_agent(process: Process, patience: float = PATIENCE) -> int:
+    """Ask a process to end, by SIGINT, and return its exit status.
+
+    Raises:
+        AssertionError: it had to be killed.
+    """
+    if process.returncode is None:
+        process.send_signal(signal.SIGINT)
+    try:
+        async with asyncio.timeout(patience):
+            return await process.wait()
+    except TimeoutError:
+        process.kill()
+        await process.wait()
+        raise AssertionError(f"the agent was killed: it went on for {patience:g} s after SIGINT") from None
+
+
+async def hear_parrot(folder: Path, example: str, answer: str) -> None:
+    """Whistle to an example that repeats what it hears, as a person runs it, and hear it through an avatar.
+
+    Args:
+        folder: for the avatar.
+        example: name of a file in `docs/examples`.
+        answer: regular expression of the first line that it prints, with the seconds that it has heard in a group.
+    """
+    async with (
+        operated_avatar(folder) as (running, _),
+        asyncio.timeout(2 * PATIENCE),
+        running_agent(str(ROOT / "docs/examples" / example), "avatar", running.url.replace("http", "ws")) as process,
+    ):
+        assert process.stdout is not None
+        mouth = Mouth()
+        async with (
+            Client(running.url.replace("http", "ws")) as client,
+            Media(client) as media,
+            hearing(media) as ear,
+            media.send(microphone=mouth, consent=[Purpose.AGENT]),
+        ):
+            # The program may not listen yet: it is spoken to until it has heard.
+            line = asyncio.ensure_future(process.stdout.readline())
+            while not line.done():
+                mouth.say(500, 0.6)
+                await mouth.until_said()
+                await asyncio.wait({line}, timeout=2)
+            # It may have begun to listen in the middle of a tone.
+            said = re.fullmatch(answer, (await line).decode().rstrip())
+            assert said
+            assert 0 < float(said[1]) < 1
+            await ear.until_loud(0.05)
+            assert ear.heard[0].pitch == pytest.approx(500, abs=100)
