@@ -2,7 +2,7 @@
 
 from collections.abc import AsyncIterator, Collection
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
-from typing import Any, Final
+from typing import Any
 
 from livekit.agents import AgentSession
 from livekit.agents.voice.transcription import TranscriptSynchronizer
@@ -12,13 +12,9 @@ from openrois.client import Client, ComponentProxy
 from openrois.types.codes import Purpose
 from openrois_agents.livekit.audio_input import VisitorAudioInput
 from openrois_agents.livekit.audio_output import BodyAudioOutput
-from openrois_agents.voice.speech_writer import SpeechWriter
-from openrois_agents.voice.visitor_sound import VisitorSound
+from openrois_agents.voice.voice_and_ears import open_voice_and_ears
 
 __all__ = ["embodied"]
-
-_SPOKEN_RATE: Final = 24_000
-_HEARD_RATE: Final = 16_000
 
 
 @asynccontextmanager
@@ -51,19 +47,15 @@ async def embodied(
         RoISError: the engine refuses.
         TimeoutError: it is not connected in time.
     """
-    async with AsyncExitStack() as stack:
-        speech = await stack.enter_async_context(media.speech(body, rate=_SPOKEN_RATE))
-        writer = await stack.enter_async_context(SpeechWriter(speech))
+    async with open_voice_and_ears(client, media, body, purposes) as (writer, sound), AsyncExitStack() as stack:
         writer.broken_off.add(lambda _reason: _interrupt(session))
         output = BodyAudioOutput(writer)
         # The history of the conversation gets what was heard of an answer, and not all that was meant.
         texts = session.output.transcription
         synchronizer = TranscriptSynchronizer(next_in_chain_audio=output, next_in_chain_text=texts)
         stack.push_async_callback(synchronizer.aclose)
-        if purposes:
-            sound = VisitorSound(client, media, body, purposes=purposes, rate=_HEARD_RATE)
+        if sound is not None:
             sound.heard_changed.add(lambda heard: None if heard else _forget_turn(session))
-            await stack.enter_async_context(sound)
             session.input.audio = VisitorAudioInput(sound)
         session.output.audio = synchronizer.audio_output
         session.output.transcription = synchronizer.text_output

@@ -1,10 +1,11 @@
 """A pipeline of Pipecat in a body."""
 
 from collections.abc import AsyncIterator, Collection
-from contextlib import AsyncExitStack, asynccontextmanager
+from contextlib import asynccontextmanager
 from typing import Final
 
 from openrois_media import Media
+from openrois_streaming.source.downsample import SPEECH_RATE
 from pipecat.transports.base_transport import BaseTransport, TransportParams
 
 from openrois.client import Client, ComponentProxy
@@ -13,11 +14,10 @@ from openrois_agents.pipecat.input_transport import VisitorInputTransport
 from openrois_agents.pipecat.output_transport import BodyOutputTransport
 from openrois_agents.voice.speech_writer import SpeechWriter
 from openrois_agents.voice.visitor_sound import VisitorSound
+from openrois_agents.voice.voice_and_ears import open_voice_and_ears
 
 __all__ = ["BodyTransport", "embodied"]
 
-_SPOKEN_RATE: Final = 24_000
-_HEARD_RATE: Final = 16_000
 _CONNECTED: Final = "on_client_connected"
 _DISCONNECTED: Final = "on_client_disconnected"
 
@@ -43,7 +43,7 @@ class BodyTransport(BaseTransport):
             # A body plays to the end what it has.
             audio_out_end_silence_secs=0,
             audio_in_enabled=sound is not None,
-            audio_in_sample_rate=_HEARD_RATE if sound is None else sound.rate,
+            audio_in_sample_rate=SPEECH_RATE if sound is None else sound.rate,
         )
         self._heard = ""
         self._input = VisitorInputTransport(sound, params, self._tell_change)
@@ -90,11 +90,5 @@ async def embodied(
         RoISError: the engine refuses.
         TimeoutError: it is not connected in time.
     """
-    async with AsyncExitStack() as stack:
-        speech = await stack.enter_async_context(media.speech(body, rate=_SPOKEN_RATE))
-        writer = await stack.enter_async_context(SpeechWriter(speech))
-        sound = None
-        if purposes:
-            sound = VisitorSound(client, media, body, purposes=purposes, rate=_HEARD_RATE)
-            await stack.enter_async_context(sound)
+    async with open_voice_and_ears(client, media, body, purposes) as (writer, sound):
         yield BodyTransport(writer, sound)
