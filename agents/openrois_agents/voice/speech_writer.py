@@ -3,7 +3,8 @@
 import asyncio
 import logging
 from collections import deque
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from types import TracebackType
 from typing import Final, Self
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from openrois_media.client.speaking import Speaking, Spoken
 from openrois_media.client.stream import News
-from openrois_streaming.input.speech import Finished, Refused, Started
+from openrois_streaming.input.speech import Finished, Refused, Started, Starved
 
 from openrois.aio.listeners import Listeners
 from openrois.aio.tasks import TaskScope
@@ -46,6 +47,7 @@ class _Utterance:
         was_started: whether its first sound was told of.
         was_cleared: whether the agent has silenced it.
         cut: why no more of it is spoken; empty while it is.
+        failure: the mistake for which it was broken off; empty for none.
         is_given_up: whether its end is not waited for.
         is_over: whether its end was told of.
         heard: seconds that were heard of it, once it is over.
@@ -57,6 +59,7 @@ class _Utterance:
     was_started: bool = False
     was_cleared: bool = False
     cut: str = ""
+    failure: str = ""
     is_given_up: bool = False
     is_over: bool = False
     heard: float = 0.0
@@ -91,7 +94,7 @@ class SpeechWriter:
     Attributes:
         started: told when viewers hear the first sound of an utterance.
         broken_off: told when an utterance ends early, and not by `clear`, with why: the body was stopped, taken or
-            lost. `finished` is told right after it.
+            lost, or there was a mistake, which is logged. `finished` is told right after it.
         finished: told once for each utterance, in their order, what became of it; `started` was told before if anything
             of it was heard.
     """
@@ -138,12 +141,12 @@ class SpeechWriter:
     @property
     def waiting(self) -> float:
         """Seconds of sound that were written and are not sent."""
-        return self._seconds(sum(len(each.sound) for each in self._utterances))
+        return _seconds(sum(len(each.sound) for each in self._utterances), self.rate)
 
     @property
     def written(self) -> float:
         """Seconds that were written of the present utterance; 0 between two of them."""
-        return 0.0 if self._writing is None else self._seconds(self._written)
+        return 0.0 if self._writing is None else _seconds(self._written, self.rate)
 
     @property
     def position(self) -> float:
@@ -228,15 +231,12 @@ class SpeechWriter:
             playing.cancel()
 
     async def _until_room(self, utterance: _Utterance, size: int) -> None:
-        await self._news.until(lambda: utterance.cut or self._has_room(utterance, size))
+        def has_room() -> bool:
+            # Each of the others counts, however short it is, so that their number is bounded, too.
+            others = sum(max(len(each.sound), self._piece) for each in self._utterances if each is not utterance)
+            return others + len(utterance.sound) + size <= self._most
 
-    def _has_room(self, utterance: _Utterance, size: int) -> bool:
-        # Each of the others counts, however short it is, so that their number is bounded, too.
-        others = sum(max(len(each.sound), self._piece) for each in self._utterances if each is not utterance)
-        return others + len(utterance.sound) + size <= self._most
-
-    def _seconds(self, size: int) -> float:
-        return size / _SAMPLE / self._speaking.rate
+        await self._news.until(lambda: utterance.cut or has_room())
 
     async def _speak_all(self) -> None:
         while True:
@@ -250,7 +250,6 @@ class SpeechWriter:
 
     async def _speak(self, utterance: _Utterance) -> Spoken:
         """Speak one utterance to its end, and return what was heard of it."""
-        failure = ""
         try:
             while not utterance.cut:
                 piece = bytes(utterance.sound[: self._piece])
@@ -270,16 +269,11 @@ class SpeechWriter:
             # There is none where a speech has begun.
             utterance.cut_off(str(error))
         except Exception as error:
-            _log.exception("an utterance is broken off")
-            failure = _reason(error)
-            utterance.cut_off(failure)
-            # `write` may wait for room, and the body still speak what it has.
-            self._news.notify()
-            await self._silence((utterance,))
+            await self._break_off(utterance, error)
         if utterance.number is None:
             return Spoken(0.0, utterance.cut)
         spoken = await self._heard(utterance)
-        return Spoken(spoken.seconds, failure) if failure else spoken
+        return Spoken(spoken.seconds, utterance.failure) if utterance.failure else spoken
 
     async def _heard(self, utterance: _Utterance) -> Spoken:
         """Return what was heard of an utterance of which all was sent that will be."""
@@ -289,12 +283,20 @@ class SpeechWriter:
             await self._news.until(lambda: finishing.done() or utterance.is_given_up)
             return finishing.result() if finishing.done() else Spoken(self._speaking.played, _INTERRUPTED)
         except Exception as error:
-            _log.exception("the end of an utterance is not known")
             # Else the next utterance would go on with this speech.
-            await self._silence((utterance,))
-            return Spoken(self._speaking.played, _reason(error))
+            await self._break_off(utterance, error)
+            return Spoken(self._speaking.played, utterance.failure)
         finally:
             finishing.cancel()
+
+    async def _break_off(self, utterance: _Utterance, error: Exception) -> None:
+        """Speak no more of an utterance, for a mistake."""
+        _log.error("an utterance is broken off", exc_info=error)
+        utterance.failure = utterance.failure or str(error) or type(error).__name__
+        utterance.cut_off(utterance.failure)
+        # `write` may wait for room, and the body still speak what it has.
+        self._news.notify()
+        await self._silence((utterance,))
 
     async def _silence(self, utterances: tuple[_Utterance, ...]) -> None:
         try:
@@ -310,38 +312,65 @@ class SpeechWriter:
         self._news.notify()
 
     async def _follow(self) -> None:
-        """Read what the body tells of the utterance that is spoken."""
-        async for step in self._speaking.events():
-            utterance = self._utterances[0] if self._utterances else None
-            if utterance is None or utterance.number != step.utterance:
-                continue
-            if isinstance(step, Started):
-                self._tell_started(utterance)
-            elif isinstance(step, Finished | Refused) and step.reason:
-                # More of it may be waited for.
-                utterance.cut_off(step.reason)
-                self._news.notify()
+        """Read what the body tells of each utterance; a mistake in that breaks off the one that is spoken."""
+        while True:
+            await self._news.until(lambda: self._utterances)
+            try:
+                async for step in self._speaking.events():
+                    self._handle(step)
+                return
+            except Exception as error:
+                if self._utterances:
+                    mark = Mark(self._utterances[0], 0.0)
+                    await self._break_off(mark.utterance, error)
+                    # A mistake that comes again ends each utterance once.
+                    await self.until_ended(mark)
+                else:
+                    _log.exception("what the body tells of its last utterance cannot be read")
+
+    def _handle(self, step: Started | Starved | Finished | Refused) -> None:
+        utterance = self._utterances[0] if self._utterances else None
+        if utterance is None or utterance.number != step.utterance:
+            return
+        if isinstance(step, Started):
+            self._tell_started(utterance)
+        elif isinstance(step, Finished | Refused) and step.reason:
+            # More of it may be waited for.
+            utterance.cut_off(step.reason)
+            self._news.notify()
 
     def _tell_started(self, utterance: _Utterance) -> None:
         if not utterance.was_started:
             utterance.was_started = True
-            self.started.notify_all()
             self._news.notify()
+            self.started.notify_all()
 
     def _tell_over(self, utterance: _Utterance, spoken: Spoken) -> None:
         self._utterances.popleft()
         utterance.cut_off(spoken.reason)
         utterance.is_over, utterance.heard = True, spoken.seconds
-        if spoken.seconds:
-            self._tell_started(utterance)
-        if spoken.interrupted and not utterance.was_cleared:
-            self.broken_off.notify_all(spoken.reason)
-        self.finished.notify_all(spoken)
         self._news.notify()
+        if spoken.seconds:
+            with _logged():
+                self._tell_started(utterance)
+        if spoken.interrupted and not utterance.was_cleared:
+            with _logged():
+                self.broken_off.notify_all(spoken.reason)
+        with _logged():
+            self.finished.notify_all(spoken)
 
 
-def _reason(error: Exception) -> str:
-    return str(error) or type(error).__name__
+@contextmanager
+def _logged() -> Iterator[None]:
+    """Log what a listener raises: the next utterance is spoken all the same."""
+    try:
+        yield
+    except Exception:
+        _log.exception("the end of an utterance was not told")
+
+
+def _seconds(size: int, rate: int) -> float:
+    return size / _SAMPLE / rate
 
 
 def _bytes(sound: bytes | NDArray[np.int16]) -> bytes:

@@ -1,6 +1,7 @@
 """Utterances of an agent through a real avatar: what is told of them is what was heard."""
 
 import asyncio
+import itertools
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -14,6 +15,7 @@ from openrois_media import Media
 from openrois_media.client.speaking import Speaking, Spoken
 from openrois_media.client.stream import News
 
+from openrois.aio.listeners import Listeners
 from openrois.client import Client
 from tests.support.loopback import PATIENCE
 from tests.support.operated import operated_avatar
@@ -267,3 +269,88 @@ async def test_a_mistake_breaks_an_utterance_off_and_the_next_one_is_spoken(
             writer.end_utterance()
             await writer.until_over()
         assert told.ends[-1] == Spoken(0.2)
+
+
+def failing_events(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the first step that the body tells end its reading with a mistake."""
+    events, calls = Speaking.events, itertools.count()
+
+    async def read(speech: Speaking) -> AsyncIterator[Any]:
+        async for step in events(speech):
+            if next(calls) == 0:
+                raise ValueError("a mistake")
+            yield step
+
+    monkeypatch.setattr(Speaking, "events", read)
+
+
+def failing_listener(told: Listeners[*tuple[Any, ...]]) -> None:
+    """Let a listener fail with a mistake, once."""
+    calls = itertools.count()
+
+    def listen(*what: Any) -> None:
+        if next(calls) == 0:
+            raise ValueError("a mistake")
+
+    told.add(listen)
+
+
+@pytest.mark.parametrize("where", ["events", "started"])
+async def test_a_mistake_in_following_the_body_breaks_an_utterance_off_and_the_next_one_is_spoken(
+    url: str, monkeypatch: pytest.MonkeyPatch, where: str
+) -> None:
+    if where == "events":
+        failing_events(monkeypatch)
+    async with speaking(url) as (_, _, writer, told):
+        if where == "started":
+            failing_listener(writer.started)
+        await writer.write(sound(6.0))
+        writer.end_utterance()
+        await writer.until_over()
+        (end,) = told.ends
+        assert end.reason == "a mistake"
+        assert end.seconds < 6.0
+        assert told.broken_off == ["a mistake"]
+        await writer.write(sound(0.2))
+        writer.end_utterance()
+        await writer.until_over()
+        assert told.steps[-2:] == ["started", Spoken(0.2)]
+
+
+async def test_a_body_that_does_not_fall_silent_does_not_hold_up_the_end_of_what_cannot_be_followed(
+    url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    failing_events(monkeypatch)
+    hang = asyncio.Event()
+
+    async def clear(speech: Speaking) -> Spoken:
+        await hang.wait()
+        return Spoken(0.0)
+
+    async with speaking(url) as (_, _, writer, told):
+        monkeypatch.setattr(Speaking, "clear", clear)
+        await writer.write(sound(6.0))
+        writer.end_utterance()
+        await told.until(lambda: told.ends)
+        assert told.ends[0].reason == "a mistake"
+        assert told.ends[0].seconds < 6.0
+        monkeypatch.undo()
+
+
+@pytest.mark.parametrize("name", ["broken_off", "finished"])
+async def test_a_listener_that_fails_at_the_end_of_an_utterance_does_not_end_the_next_one(url: str, name: str) -> None:
+    async with speaking(url) as (_, _, writer, told):
+        failing_listener(getattr(writer, name))
+        await writer.write(sound(1.5))
+        await told.until(lambda: told.steps)
+        failing = writer.mark()
+        # The body breaks it off.
+        for sender in writer._speaking._spoken:
+            sender.clear()
+        await writer.until_ended(failing)
+        writer.end_utterance()
+        await writer.write(sound(0.2))
+        writer.end_utterance()
+        await writer.until_over()
+        assert told.ends[-1] == Spoken(0.2)
+        assert [each.interrupted for each in told.ends] == [True, False]
