@@ -3,13 +3,11 @@
 import asyncio
 import sys
 from collections.abc import AsyncIterator
-from typing import Any
 
 import numpy as np
-from livekit.agents import Agent, AgentSession, ConversationItemAddedEvent, StopResponse, llm, stt
+from livekit.agents import Agent, AgentSession, StopResponse, llm, stt
 from livekit.rtc import AudioFrame
-from openrois_agents.livekit import embodied
-from openrois_agents.voice.process import run_agent
+from openrois_agents.livekit import embodied, run_agent
 from openrois_media import Media, Purpose
 
 from openrois.client import Client
@@ -21,7 +19,7 @@ class Ears(stt.STT):
     said: tuple[AudioFrame, ...] = ()
     _recognize_impl = None  # It recognises streams alone.
 
-    def stream(self, **options: Any) -> "Listening":
+    def stream(self, **options: object) -> "Listening":
         """Listen from now on."""
         return Listening(stt=self, conn_options=options["conn_options"])
 
@@ -48,6 +46,7 @@ class Parrot(Agent):
 
     async def on_user_turn_completed(self, turn_ctx: llm.ChatContext, new_message: llm.ChatMessage) -> None:
         """Repeat what was said last."""
+        print(new_message.text_content, flush=True)
         self.session.say(new_message.text_content, audio=self._sound(self.session.stt.said))
         raise StopResponse
 
@@ -59,22 +58,10 @@ class Parrot(Agent):
 async def main(body: str = "avatar", url: str = "ws://127.0.0.1:8765/") -> None:
     """Put the session into the body until Ctrl-C."""
     ears = Ears(capabilities=stt.STTCapabilities(streaming=True, interim_results=False))
-    session = AgentSession(stt=ears, vad=None, turn_handling={"turn_detection": "stt"})
-    session.on("conversation_item_added", show)
-    async with (
-        Client(url) as app,
-        Media(app) as media,
-        embodied(session, app, media, body, purposes=[Purpose.AGENT]),
-        session,
-    ):
-        await session.start(Parrot(instructions=""))
+    bot = AgentSession(stt=ears, vad=None, turn_handling={"turn_detection": "stt"})
+    async with Client(url) as app, Media(app) as media, embodied(bot, app, media, body, purposes=[Purpose.AGENT]), bot:
+        await bot.start(Parrot(instructions=""))
         await asyncio.Event().wait()
-
-
-def show(event: ConversationItemAddedEvent) -> None:
-    """Print what was said."""
-    if isinstance(event.item, llm.ChatMessage):
-        print(event.item.role, event.item.text_content, flush=True)
 
 
 if __name__ == "__main__":

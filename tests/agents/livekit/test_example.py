@@ -10,5 +10,4 @@ pytestmark = [pytest.mark.agents, pytest.mark.media]
 
 
 async def test_the_parrot_repeats_what_a_visitor_says(tmp_path: Path) -> None:
-    # Of an answer that the next tone interrupts the history has the words that were heard.
-    await hear_parrot(tmp_path, "livekit_agent.py", r"assistant (\d\.\d) s( of( sound)?)?")
+    await hear_parrot(tmp_path, "livekit_agent.py")

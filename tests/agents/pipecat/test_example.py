@@ -10,4 +10,4 @@ pytestmark = [pytest.mark.agents, pytest.mark.media]
 
 
 async def test_the_parrot_repeats_what_a_visitor_says(tmp_path: Path) -> None:
-    await hear_parrot(tmp_path, "pipecat_agent.py", r"(\d\.\d) s of sound")
+    await hear_parrot(tmp_path, "pipecat_agent.py")
