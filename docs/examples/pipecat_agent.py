@@ -1,10 +1,9 @@
 """Repeats what a visitor of a body says, as a pipeline without any model: `pipecat_agent.py [BODY [URL]]`."""
 
-import asyncio
 import sys
 
 import numpy as np
-from openrois_agents.pipecat import embodied
+from openrois_agents.pipecat import embodied, run_agent
 from openrois_media import Media, Purpose
 from pipecat.frames.frames import Frame, TTSAudioRawFrame, TTSStoppedFrame, UserAudioRawFrame
 from pipecat.pipeline.pipeline import Pipeline
@@ -48,10 +47,10 @@ async def main(body: str = "avatar", url: str = "ws://127.0.0.1:8765/") -> None:
         embodied(app, media, body, purposes=[Purpose.AGENT]) as transport,
     ):
         pipeline = Pipeline([transport.input(), Parrot(), transport.output()])
-        runner = WorkerRunner()
+        runner = WorkerRunner(handle_sigint=False)
         await runner.add_workers(PipelineWorker(pipeline, idle_timeout_secs=None))
         await runner.run()
 
 
 if __name__ == "__main__":
-    asyncio.run(main(*sys.argv[1:]))
+    run_agent(main(*sys.argv[1:]))

@@ -4,5 +4,6 @@ from openrois.extras import needing_extra
 
 with needing_extra("pipecat"):
     from openrois_agents.pipecat.body_transport import BodyTransport, embodied
+    from openrois_agents.voice.process import run_agent
 
-__all__ = ["BodyTransport", "embodied"]
+__all__ = ["BodyTransport", "embodied", "run_agent"]
