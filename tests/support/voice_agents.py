@@ -8,7 +8,7 @@ import sys
 from asyncio.subprocess import PIPE, Process
 from collections import deque
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -194,40 +194,48 @@ async def end_agent(process: Process, patience: float = PATIENCE) -> int:
         async with asyncio.timeout(patience):
             return await process.wait()
     except TimeoutError:
-        process.kill()
-        await process.wait()
         raise AssertionError(f"the agent was killed: it went on for {patience:g} s after SIGINT") from None
+    finally:
+        if process.returncode is None:
+            process.kill()
+            await process.wait()
 
 
-async def hear_parrot(folder: Path, example: str) -> None:
-    """Whistle to an example that repeats what it hears, as a person runs it, and hear it through an avatar.
+async def hear_parrot(folder: Path, example: str, *, gateway_leaves: bool) -> None:
+    """Whistle to an example that repeats what it hears, as a person runs it, hear it through an avatar, and end it.
 
     Args:
         folder: for the avatar.
         example: name of a file in `docs/examples`.
+        gateway_leaves: whether gateway and avatar are gone before the example is asked to end.
     """
+    async with AsyncExitStack() as house, asyncio.timeout(3 * PATIENCE):
+        gateway, _ = await house.enter_async_context(operated_avatar(folder))
+        url = gateway.url.replace("http", "ws")
+        async with running_agent(str(ROOT / "docs/examples" / example), "avatar", url) as process:
+            await _hear_answer(process, url)
+            if gateway_leaves:
+                await house.aclose()
+
+
+async def _hear_answer(process: Process, url: str) -> None:
+    assert process.stdout is not None
+    mouth = Mouth()
     async with (
-        operated_avatar(folder) as (running, _),
-        asyncio.timeout(2 * PATIENCE),
-        running_agent(str(ROOT / "docs/examples" / example), "avatar", running.url.replace("http", "ws")) as process,
+        Client(url) as client,
+        Media(client) as media,
+        hearing(media) as ear,
+        media.send(microphone=mouth, consent=[Purpose.AGENT]),
     ):
-        assert process.stdout is not None
-        mouth = Mouth()
-        async with (
-            Client(running.url.replace("http", "ws")) as client,
-            Media(client) as media,
-            hearing(media) as ear,
-            media.send(microphone=mouth, consent=[Purpose.AGENT]),
-        ):
-            # The program may not listen yet: it is spoken to until it has heard.
-            line = asyncio.ensure_future(process.stdout.readline())
-            while not line.done():
-                mouth.say(500, 0.6)
-                await mouth.until_said()
-                await asyncio.wait({line}, timeout=2)
-            # It may have begun to listen in the middle of a tone.
-            heard = re.fullmatch(r"(\d\.\d) s of sound\n", (await line).decode())
-            assert heard
-            assert 0 < float(heard[1]) < 1
-            await ear.until_loud(0.05)
-            assert ear.heard[0].pitch == pytest.approx(500, abs=100)
+        # The program may not listen yet: it is spoken to until it has heard.
+        line = asyncio.ensure_future(process.stdout.readline())
+        while not line.done():
+            mouth.say(500, 0.6)
+            await mouth.until_said()
+            await asyncio.wait({line}, timeout=2)
+        # It may have begun to listen in the middle of a tone.
+        heard = re.fullmatch(r"(\d\.\d) s of sound\n", (await line).decode())
+        assert heard
+        assert 0 < float(heard[1]) < 1
+        await ear.until_loud(0.05)
+        assert ear.heard[0].pitch == pytest.approx(500, abs=100)

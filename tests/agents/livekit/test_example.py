@@ -9,5 +9,6 @@ from tests.support.voice_agents import hear_parrot
 pytestmark = [pytest.mark.agents, pytest.mark.media]
 
 
-async def test_the_parrot_repeats_what_a_visitor_says(tmp_path: Path) -> None:
-    await hear_parrot(tmp_path, "livekit_agent.py")
+@pytest.mark.parametrize("gateway_leaves", [False, True])
+async def test_the_parrot_repeats_what_a_visitor_says_and_ends(tmp_path: Path, gateway_leaves: bool) -> None:
+    await hear_parrot(tmp_path, "livekit_agent.py", gateway_leaves=gateway_leaves)
