@@ -6,6 +6,7 @@ from openrois_bench.streams.visitors.__main__ import CASES, Case, measure, told
 pytestmark = pytest.mark.media
 
 
+@pytest.mark.long
 async def test_a_visitor_who_is_listened_to_and_recognised() -> None:
     case = Case(1, "microphone", 1, recognised=True)
     found = await measure(case, (160, 90), 5.0, 0.0, 1.0)

@@ -288,6 +288,7 @@ async def test_a_program_that_shows_what_the_demo_has_written_is_called_by_its_r
         assert demo.interrupt() == 0
 
 
+@pytest.mark.long
 @pytest.mark.engine
 def test_a_robot_beside_the_avatar_is_started_again_when_it_is_killed(tmp_path: Path) -> None:
     with running_demo(tmp_path, more=("--with", "robot")) as demo:

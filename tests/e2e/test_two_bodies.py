@@ -91,6 +91,7 @@ async def test_both_are_seen_and_driven_and_stop_stops_them(bodies: TwoBodies) -
         )
 
 
+@pytest.mark.long
 async def test_a_map_sends_the_body_whose_map_it_is(bodies: TwoBodies) -> None:
     back = bodies.card.get_by_test_id("map-back")
     if not await back.is_visible():

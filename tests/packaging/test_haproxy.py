@@ -156,6 +156,7 @@ async def test_where_none_is_ready_connections_stay_and_new_ones_come_to_gateway
         await front.spread([1, 1, 1].__eq__)
 
 
+@pytest.mark.long
 async def test_connections_of_a_gateway_that_does_not_answer_are_cut() -> None:
     async with standing() as (gateways, front), AsyncExitStack() as stack:
         there = [await stack.enter_async_context(Application.connected(front)) for _ in "abc"]

@@ -10,6 +10,7 @@ from tests.support.kachaka_api import needs_kachaka
 pytestmark = pytest.mark.timeout(120)
 
 
+@pytest.mark.long
 @needs_kachaka
 async def test_a_kachaka_is_told_to_stop_when_its_gateway_hangs() -> None:
     async with stage("kachaka") as robot:

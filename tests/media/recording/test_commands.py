@@ -48,7 +48,7 @@ async def finish(process: asyncio.subprocess.Process) -> tuple[int, str]:
     return process.returncode, said.decode()
 
 
-@pytest.mark.parametrize("ending", ["mp4", "webm"])
+@pytest.mark.parametrize("ending", ["mp4", pytest.param("webm", marks=pytest.mark.long)])
 async def test_a_film_is_in_sync(robot: Body, tmp_path: Path, ending: str) -> None:
     path = tmp_path / f"film.{ending}"
     status, said = await finish(await begin("record", path, "--gateway", robot.url, "--seconds", "3.5"))

@@ -261,7 +261,7 @@ async def test_goals_of_another_distribution_are_said_to_be_of_another_definitio
 
 
 @pytest.mark.media
-@pytest.mark.parametrize("camera", ["video_streaming", "raw"])
+@pytest.mark.parametrize("camera", ["video_streaming", pytest.param("raw", marks=pytest.mark.long)])
 async def test_a_viewer_sees_what_its_camera_sees(camera: str) -> None:
     async with house() as home, simulated(home), application(home.url) as app:
         await app.hello()
