@@ -4,7 +4,7 @@ import asyncio
 from dataclasses import dataclass, field
 from datetime import datetime
 
-from openrois.adapter import Component, Payload, command, components, event, parameter, query
+from openrois.adapter import Component, ComponentFailed, Payload, command, components, event, parameter, query
 from openrois.component.component import DEAD_MAN
 
 
@@ -106,6 +106,52 @@ class Hearing(Component, authority="OpenRoIS", function="sensing"):
     ) -> None: ...
 
 
+class Words(components.SpeechRecognition):
+    async def recognizable_languages(self) -> tuple[str, ...]:
+        return ("en",)
+
+    async def start(self) -> None: ...
+
+    async def stop(self) -> None: ...
+
+    async def suspend(self) -> None: ...
+
+    async def resume(self) -> None: ...
+
+
+class Consented(Payload):
+    visitor_ref: tuple[str, ...]
+    consent: tuple[str, ...]
+    attended: str = ""
+
+
+class Visitors(Component, authority="OpenRoIS", function="sensing"):
+    """Tells of the visitors that a test lets come.
+
+    Attributes:
+        consents: what each consents to, in the order of their coming.
+        attended_ref: of the one whom the senses follow.
+        is_broken: whether it fails when it is asked.
+    """
+
+    def __init__(self, consents: dict[str, str]) -> None:
+        super().__init__()
+        self.consents = consents
+        self.attended_ref = ""
+        self.is_broken = False
+
+    @query
+    async def visitors(self) -> Consented:
+        if self.is_broken:
+            raise ComponentFailed("the visitors are not known")
+        return Consented(
+            visitor_ref=tuple(self.consents), consent=tuple(self.consents.values()), attended=self.attended_ref
+        )
+
+    @event
+    def visitor_changed(self, visitor_ref: str, devices: str, consent: str) -> None: ...
+
+
 class Things(Payload):
     thing_ref: tuple[str, ...]
     kind: tuple[str, ...]
@@ -160,6 +206,7 @@ class Actor:
     gaze: Gaze = field(default_factory=Gaze)
     surroundings: Surroundings = field(default_factory=Surroundings)
     door: Door = field(default_factory=Door)
+    visitors: Visitors | None = None
 
     def __post_init__(self) -> None:
         self.speaking, self.gesturing, self.walking = (Act(self.at_once) for _ in range(3))
@@ -171,4 +218,5 @@ class Actor:
             self.hearing,
             self.surroundings,
             self.door,
+            *(() if self.visitors is None else (self.visitors,)),
         )

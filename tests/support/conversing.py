@@ -15,7 +15,7 @@ from openrois_agents.mind.limits import Budget, Limits
 from openrois_agents.tools.session import Session
 from openrois_agents.tools.settings import ToolSettings
 
-from openrois.adapter import Component, Payload, components, event, parameter, query
+from openrois.adapter import Component, components, event, parameter
 from openrois.client import Client
 from tests.support.actors import Actor
 from tests.support.clock import Clock
@@ -23,12 +23,10 @@ from tests.support.clock import Clock
 __all__ = [
     "MUCH",
     "PATIENCE",
-    "Consented",
     "Conversing",
     "Recognition",
     "ScriptedMind",
     "SpeechProgress",
-    "Visitors",
     "conversing",
     "until",
 ]
@@ -42,22 +40,6 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation", part
 
     @event
     def word_spoken(self, speech_id: str, word: str, position: int, length: int, spoken_at: datetime) -> None: ...
-
-
-class Consented(Payload):
-    visitor_ref: tuple[str, ...]
-    consent: tuple[str, ...]
-
-
-class Visitors(Component, authority="OpenRoIS", function="sensing"):
-    """Visitors, each with a consent that a test changes."""
-
-    def __init__(self, consents: dict[str, str]) -> None:
-        self.consents = consents
-
-    @query
-    async def visitors(self) -> Consented:
-        return Consented(visitor_ref=tuple(self.consents), consent=tuple(self.consents.values()))
 
 
 class Recognition(components.SpeechRecognition):

@@ -16,7 +16,7 @@ from openrois_agents.tools.settings import ToolSettings
 
 from openrois.client import Client
 from openrois.testing import MemoryGateway, memory_gateway
-from tests.support.actors import Actor
+from tests.support.actors import Actor, Visitors
 
 PATIENCE = 30.0
 """Seconds after which a test gives up waiting for something that comes at once."""
@@ -102,7 +102,7 @@ async def table(
     mode: Generation = "auto",
 ) -> AsyncIterator[Table]:
     """Run a host with a body behind a gateway in memory."""
-    actor = actor or Actor()
+    actor = actor or Actor(visitors=Visitors({}))
     async with (
         memory_gateway(*actor.parts) as gateway,
         session_at(gateway.client, settings) as session,

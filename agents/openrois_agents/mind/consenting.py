@@ -1,21 +1,14 @@
 """Whether visitors have agreed that a mind gets what they say."""
 
-import logging
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from itertools import zip_longest
-from typing import Final
 
-from openrois.client import BodyInfo, Client, ConnectionFailed, ConnectionLost, RoISError, RpcError
+from openrois.client import BodyInfo, Client
 from openrois.types.codes import Purpose
-from openrois.types.profiles import component_urn
 from openrois_agents.mind.contract import Allowed, Mind
+from openrois_agents.tools.consents import read_visitors
 
 __all__ = ["Consents", "read_consents"]
-
-_log = logging.getLogger(__name__)
-
-_VISITORS: Final = component_urn("Visitors", "OpenRoIS")
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,19 +34,8 @@ class Consents:
 
 
 async def read_consents(client: Client, body: BodyInfo, mind: Mind) -> Consents:
-    """Ask a body what its visitors consent to; where it does not tell that, none of it is taken for granted."""
+    """Return what a mind needs consent to, and what visitors have consented to."""
     if not mind.needs_consent:
         return Consents(frozenset(), {})
-    needed = frozenset({Purpose.AGENT.value, *((Purpose.TRANSFER.value,) if mind.sends_to else ())})
-    given: dict[str, frozenset[str]] = {}
-    for component_ref in body.refs(_VISITORS)[:1]:
-        try:
-            found = await client.component(component_ref).query("visitors")
-        except (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError) as error:
-            _log.warning("%s does not tell what visitors consent to: %s", body.engine_id, error)
-            continue
-        refs, consents = found.get("visitor_ref", ()), found.get("consent", ())
-        # A visitor of whom no consent is told has given none.
-        told = zip_longest(refs, consents[: len(refs)], fillvalue="")
-        given = {visitor: frozenset(str(each).split()) for visitor, each in told}
-    return Consents(needed, given)
+    needed = {Purpose.AGENT.value, *((Purpose.TRANSFER.value,) if mind.sends_to else ())}
+    return Consents(frozenset(needed), (await read_visitors(client, body)).consents)

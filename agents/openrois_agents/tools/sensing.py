@@ -1,16 +1,18 @@
 """Tools by which an agent sees, hears and waits."""
 
 from collections.abc import Collection
+from functools import partial
 from typing import Any, Final
 
 from openrois.catalog.sensing import SPEECH_RECOGNITION
 from openrois.catalog.streaming import VIDEO_STREAMING
 from openrois.catalog.system_information import SYSTEM_INFORMATION
-from openrois.client import BadParameter, BodyInfo, ComponentProxy, RoISError, RpcError, Unsupported, where
+from openrois.client import BadParameter, BodyInfo, Client, ComponentProxy, RoISError, RpcError, Unsupported, where
 from openrois.types.profiles import component_urn
 from openrois_agents.tools import acting
 from openrois_agents.tools.answer import Answer
 from openrois_agents.tools.arguments import AskVisitor, Listen, Look, Say, WaitForEvent, Where
+from openrois_agents.tools.consents import may_be_told, read_visitors
 from openrois_agents.tools.event_log import LoggedEvent
 from openrois_agents.tools.failures import failure
 from openrois_agents.tools.picture import take_picture
@@ -63,7 +65,7 @@ async def listen(session: Session, given: Listen, progress: Progress) -> Answer:
     """Return what a visitor says next."""
     info = await session.body_info(given.body)
     event = await _hear(session, info)
-    return await _heard(session, event, session.log.last, given.seconds, progress)
+    return await _heard(session, info, event, given.seconds, progress)
 
 
 async def ask_visitor(session: Session, given: AskVisitor, progress: Progress) -> Answer:
@@ -71,7 +73,7 @@ async def ask_visitor(session: Session, given: AskVisitor, progress: Progress) -
     held = session.require_body()
     event = await _hear(session, held.info)
     await acting.say(session, Say(text=given.question), progress)
-    return await _heard(session, event, session.log.last, given.seconds, progress)
+    return await _heard(session, held.info, event, given.seconds, progress)
 
 
 async def _hear(session: Session, info: BodyInfo) -> str:
@@ -79,14 +81,15 @@ async def _hear(session: Session, info: BodyInfo) -> str:
     client = await session.link.client()
     for urn, event in ((_HEARING, "heard"), (SPEECH_RECOGNITION.urn, "speech_recognized")):
         for component_ref in info.refs(urn)[:1]:
-            await session.watching.watch(client.component(component_ref), event)
+            allows = partial(may_be_told, client, info, component_ref)
+            await session.watching.watch(client.component(component_ref), event, allows)
             return event
     raise Unsupported(f"{info.engine_id} does not hear words")
 
 
-async def _heard(session: Session, event: str, after: int, seconds: float, progress: Progress) -> Answer:
-    """Return the first words behind an event of the log that stay as they are."""
-    clock = session.clock
+async def _heard(session: Session, info: BodyInfo, event: str, seconds: float, progress: Progress) -> Answer:
+    """Return the next words that stay as they are."""
+    clock, after = session.clock, session.log.last
     deadline = clock() + seconds
     await progress(0.0, "listening")
     while True:
@@ -96,7 +99,15 @@ async def _heard(session: Session, event: str, after: int, seconds: float, progr
                 data = {"heard": plain_text(words), "visitor": each.data.get("visitor_ref"), "number": each.number}
                 return Answer(marked(data), data)
         if clock() >= deadline:
-            return Answer(f"No words were heard within {seconds:g} s.", {"heard": None})
+            return await _silence(session, info, seconds)
+
+
+async def _silence(session: Session, info: BodyInfo, seconds: float) -> Answer:
+    without = (await read_visitors(await session.link.client(), info)).without_agents
+    told = f"No words were heard within {seconds:g} s."
+    if without:
+        told += f" What {', '.join(without)} may have said is not told: they do not consent to agents."
+    return Answer(told, {"heard": None, "without_consent": without})
 
 
 def _words(event: LoggedEvent) -> str:
@@ -112,8 +123,10 @@ async def wait_for_event(session: Session, given: WaitForEvent, progress: Progre
     after = session.log.last if given.after is None else given.after
     if given.events:
         info = await session.body_info(given.body)
-        for component, event in await _sources(session, info, given.events):
-            await session.watching.watch(component, event)
+        client = await session.link.client()
+        for component, event in await _sources(client, info, given.events):
+            allows = partial(may_be_told, client, info, component.component_ref)
+            await session.watching.watch(component, event, allows)
     await progress(0.0, "waiting")
     found = await session.log.wait(after, given.events, given.seconds)
     data = {"events": [each.as_json() for each in found], "last": session.log.last}
@@ -122,13 +135,12 @@ async def wait_for_event(session: Session, given: WaitForEvent, progress: Progre
     return Answer(marked(data), data)
 
 
-async def _sources(session: Session, info: BodyInfo, events: Collection[str]) -> list[tuple[ComponentProxy, str]]:
+async def _sources(client: Client, info: BodyInfo, events: Collection[str]) -> list[tuple[ComponentProxy, str]]:
     """Return the components of a body that announce these events.
 
     Raises:
         BadParameter: none announces one of them.
     """
-    client = await session.link.client()
     found: list[tuple[ComponentProxy, str]] = []
     for each in info.components:
         answer = await client.get_profile(where(component_ref=each.component_ref))

@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
@@ -33,6 +33,9 @@ __all__ = ["Watching"]
 
 _log = logging.getLogger(__name__)
 
+MayBeTold = Callable[[dict[str, Any]], Awaitable[bool]]
+"""Says of the data of an event whether a caller may have it."""
+
 MAX_SUBSCRIPTIONS: Final = 16
 """Events that a caller may watch at a time."""
 
@@ -52,8 +55,13 @@ class Watching:
         self._tasks = TaskScope()
         self._watched: dict[tuple[str, str], Subscription[dict[str, Any]]] = {}
 
-    async def watch(self, component: ComponentProxy, event: str) -> None:
+    async def watch(self, component: ComponentProxy, event: str, may_be_told: MayBeTold) -> None:
         """Log an event of a component from now on, until the task is over; again is no mistake.
+
+        Args:
+            component: announces it.
+            event: its type.
+            may_be_told: says of the data of each event whether the caller may have it.
 
         Raises:
             OutOfResources: too many are watched.
@@ -71,13 +79,16 @@ class Watching:
         except BaseException:
             del self._watched[key]
             raise
-        self._tasks.start(self._read(key, subscription))
+        self._tasks.start(self._read(key, subscription, may_be_told))
 
-    async def _read(self, key: tuple[str, str], subscription: Subscription[dict[str, Any]]) -> None:
+    async def _read(
+        self, key: tuple[str, str], subscription: Subscription[dict[str, Any]], may_be_told: MayBeTold
+    ) -> None:
         component_ref, event = key
         try:
             async for data in subscription:
-                self._event_log.add(event, component_ref, plain_text(data))
+                if await may_be_told(data):
+                    self._event_log.add(event, component_ref, plain_text(data))
         except (ConnectionLost, RoISError, RpcError) as error:
             _log.info("%s of %s is watched no more: %s", event, component_ref, error)
         finally:

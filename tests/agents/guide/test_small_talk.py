@@ -12,7 +12,7 @@ from aiohttp import web
 from openrois.adapter import query
 from openrois.testing import memory_gateway
 from openrois.types.codes import Purpose
-from tests.support.conversing import Consented, Visitors
+from tests.support.actors import Consented, Visitors
 from tests.support.demo import free_port
 from tests.support.guided import example, guide, house, visitor
 

@@ -16,7 +16,7 @@ from openrois.adapter.running import serve
 from openrois.catalog.system_information import RobotPositionResult
 from openrois.client import Client
 from openrois.testing import memory_gateway
-from tests.support.actors import Act, Actor, Voice
+from tests.support.actors import Act, Actor, Voice, Words
 from tests.support.mcp_hosts import Finder, Table, session_at, table
 from tests.support.mcp_site import site
 
@@ -25,19 +25,6 @@ class Here(components.SystemInformation):
     async def robot_position(self) -> RobotPositionResult:
         now = datetime(2026, 1, 2, tzinfo=UTC)
         return RobotPositionResult(timestamp=now, robot_ref=("robot",), position_data=("1.0,2.0,0.5",))
-
-
-class Words(components.SpeechRecognition):
-    async def recognizable_languages(self) -> tuple[str, ...]:
-        return ("en",)
-
-    async def start(self) -> None: ...
-
-    async def stop(self) -> None: ...
-
-    async def suspend(self) -> None: ...
-
-    async def resume(self) -> None: ...
 
 
 class Locations(Payload):

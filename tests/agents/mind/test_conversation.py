@@ -18,14 +18,12 @@ from openrois_body.components.dialogue import Dialogue
 from openrois.adapter import query
 from openrois.component.component import Component
 from openrois.testing import memory_gateway
-from tests.support.actors import Actor
+from tests.support.actors import Actor, Consented, Visitors
 from tests.support.conversing import (
     MUCH,
-    Consented,
     Conversing,
     ScriptedMind,
     SpeechProgress,
-    Visitors,
     conversing,
     until,
 )

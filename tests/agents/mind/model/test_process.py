@@ -13,11 +13,10 @@ from pathlib import Path
 import aiohttp
 import pytest
 
-from openrois.adapter import Component, Payload, query
 from openrois.adapter.running import serve
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
-from tests.support.actors import Actor
+from tests.support.actors import Actor, Visitors
 from tests.support.chat_server import Behaviour, ChatServer, breaking, calls, chat_server, chunk, floods, halting, says
 from tests.support.chat_server import event as sent
 from tests.support.conversing import until
@@ -27,19 +26,6 @@ pytestmark = [pytest.mark.extra(name="speech"), pytest.mark.timeout(180)]
 
 KEY = "secret-0123456789"
 MIND = "import sys; from openrois_agents.mind.command import main; sys.exit(main(sys.argv[1:]))"
-
-
-class Present(Payload):
-    visitor_ref: tuple[str, ...]
-    consent: tuple[str, ...]
-
-
-class Visitors(Component, authority="OpenRoIS", function="sensing"):
-    """Two visitors, of whom one consents."""
-
-    @query
-    async def visitors(self) -> Present:
-        return Present(visitor_ref=("ann", "bob"), consent=("presence agent", "presence"))
 
 
 @dataclass
@@ -73,13 +59,15 @@ class Scene:
 async def scene(
     folder: Path, *script: Behaviour, at_once: bool = True, more: tuple[str, ...] = ()
 ) -> AsyncIterator[Scene]:
-    actor, there = Actor(at_once=at_once), asyncio.Event()
+    # One of them consents.
+    visitors = Visitors({"ann": "presence agent", "bob": "presence"})
+    actor, there = Actor(at_once=at_once, visitors=visitors), asyncio.Event()
     key_file = folder / "key"
     key_file.write_text(f"{KEY}\n")
     async with run_gateway(GatewaySettings(port=0)) as gateway, chat_server(KEY) as server:
         url = gateway.url.replace("http", "ws", 1)
         gateway.engine.on_change(there.set)
-        async with serve(*actor.parts, Visitors(), engine_id="robot", gateway=f"{url}adapter"):
+        async with serve(*actor.parts, engine_id="robot", gateway=f"{url}adapter"):
             async with asyncio.timeout(60):
                 await there.wait()
             server.script.extend(script)
