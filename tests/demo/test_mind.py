@@ -105,7 +105,7 @@ async def test_a_body_waves_and_answers_when_it_is_spoken_to(tmp_path: Path) -> 
             words = client.component(avatar.refs(component_urn("Hearing", "OpenRoIS"))[0])
             voice = client.component(avatar.refs(component_urn("SpeechProgress", "OpenRoIS"))[0])
             reaction = client.component(avatar.refs(Reaction)[0])
-            consent = [Purpose.LIVE, Purpose.RECOGNITION]
+            consent = [Purpose.LIVE, Purpose.RECOGNITION, Purpose.AGENT]
             async with (
                 words.event("heard") as heard,
                 voice.event("speech_began") as began,
@@ -144,7 +144,7 @@ async def test_a_language_model_answers_a_visitor_of_the_page_who_agrees(tmp_pat
                     media.send(microphone=microphone, consent=consent, to="avatar") as sending,
                 ):
                     microphone.say(spoken("good morning to you all"))
-                    assert "consent to agent" in (await happens(began))["text"]
+                    assert "agree that a program" in (await happens(began))["text"]
                     assert not server.asked
                     await sending.consent(*consent, Purpose.AGENT)
                     microphone.say(spoken("good morning to you all"))

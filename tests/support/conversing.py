@@ -60,9 +60,9 @@ class Recognition(components.SpeechRecognition):
 class ScriptedMind:
     """A `Mind` that calls a function of a test."""
 
-    def __init__(self, sends_to: str = "", needs_consent: bool = False) -> None:
+    def __init__(self, sends_to: str = "", needs_visitor: bool = False) -> None:
         self.sends_to = sends_to
-        self.needs_consent = needs_consent
+        self.needs_visitor = needs_visitor
         self.turns: list[Turn] = []
         self.cut: list[str] = []
         self.forgotten = 0

@@ -18,13 +18,17 @@ class Consents:
     Attributes:
         needed: before a mind gets the words of a visitor.
         given: by the references of the visitors who are there.
+        needs_visitor: whether words of which a body tells no visitor need consent, too.
     """
 
-    needed: frozenset[str]
+    needed: frozenset[Purpose]
     given: Mapping[str, frozenset[str]]
+    needs_visitor: bool
 
-    def missing(self, visitor: str) -> tuple[str, ...]:
+    def missing(self, visitor: str) -> tuple[Purpose, ...]:
         """Return what a visitor has to consent to; none where nothing is missing."""
+        if not visitor and not self.needs_visitor:
+            return ()
         return tuple(sorted(self.needed - self.given.get(visitor, frozenset())))
 
     def allowed(self, remembered: Collection[str]) -> Allowed:
@@ -35,7 +39,5 @@ class Consents:
 
 async def read_consents(client: Client, body: BodyInfo, mind: Mind) -> Consents:
     """Return what a mind needs consent to, and what visitors have consented to."""
-    if not mind.needs_consent:
-        return Consents(frozenset(), {})
-    needed = {Purpose.AGENT.value, *((Purpose.TRANSFER.value,) if mind.sends_to else ())}
-    return Consents(frozenset(needed), (await read_visitors(client, body)).consents)
+    needed = {Purpose.AGENT, *((Purpose.TRANSFER,) if mind.sends_to else ())}
+    return Consents(frozenset(needed), (await read_visitors(client, body)).consents, mind.needs_visitor)

@@ -72,11 +72,12 @@ class Mind(Protocol):
 
     Attributes:
         sends_to: where words of visitors are sent, as `https://host`; empty where they stay on this machine.
-        needs_consent: whether words of visitors go to a model: each visitor is asked for consent first.
+        needs_visitor: whether it takes the words of visitors alone, who can consent, and none that a body hears with a
+            microphone of its own.
     """
 
     sends_to: str
-    needs_consent: bool
+    needs_visitor: bool
 
     async def __aenter__(self) -> Self: ...
 

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
 from openrois.client import ConnectionFailed, ConnectionLost, RoISError, RpcError
+from openrois.types.codes import Purpose
 from openrois.types.references import engine_of
 from openrois_agents.mind.body_stage import BodyStage
 from openrois_agents.mind.consenting import read_consents
@@ -38,6 +39,10 @@ _LOOK: Final = 1.0
 _BEATS: Final = ("beat", "explain", "nod", "tilt")
 """Small gestures that go with speech, the best first."""
 _FAILURES: Final = (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError)
+_ASKED: Final = {
+    Purpose.AGENT: "a program that answers gets your words",
+    Purpose.TRANSFER: "they are sent to another machine",
+}
 _HERE_NOW: Final = "I go on here."
 _WENT_WRONG: Final = "I am sorry, something went wrong."
 
@@ -216,8 +221,10 @@ class Conversations:
         if missing := consents.missing(words.visitor):
             self._figures.refusals["consent"] += 1
             self._forget()
-            asked = " and ".join(missing)
-            self._start_saying(f"I may only answer you if you consent to {asked}, where your microphone is set.")
+            asked = " and that ".join(_ASKED[each] for each in missing)
+            self._start_saying(
+                f"I may only answer you if you agree that {asked}: please do so where your microphone is."
+            )
             return
         self._remembered.add(words.visitor)
         self._budget.count_turn()

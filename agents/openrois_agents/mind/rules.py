@@ -29,7 +29,7 @@ class RuleMind:
     """
 
     sends_to = ""
-    needs_consent = False
+    needs_visitor = False
 
     def __init__(
         self,

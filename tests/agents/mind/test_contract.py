@@ -44,7 +44,7 @@ kinds = pytest.mark.parametrize("kind", ["rules", "model"])
 async def test_a_mind_says_where_words_go(kind: str) -> None:
     async with minded(kind) as mind:
         assert mind.sends_to == ""
-        assert mind.needs_consent is (kind == "model")
+        assert mind.needs_visitor is (kind == "model")
 
 
 @kinds

@@ -226,13 +226,26 @@ async def test_a_limit_is_said_once_and_ends_the_conversation() -> None:
 
 @pytest.mark.parametrize("sends_to", ["", "https://model.example.org"])
 async def test_a_visitor_who_does_not_consent_is_asked_and_no_words_go_to_the_mind(sends_to: str) -> None:
-    async with talk(mind=ScriptedMind(sends_to, needs_consent=True)) as talking:
+    async with talk(mind=ScriptedMind(sends_to, needs_visitor=True)) as talking:
         talking.hear("good morning", visitor="v1")
         await until(lambda: len(talking.actor.speaking.did) == 1)
         (said,) = talking.actor.speaking.did
-        assert ("agent and transfer" if sends_to else "agent,") in said
+        assert "a program that answers gets your words" in said
+        assert ("another machine" in said) is (sends_to != "")
         assert not talking.mind.turns
         assert talking.figures.refusals["consent"] == 1
+
+
+async def test_rules_answer_a_visitor_who_consents_and_what_a_body_hears_itself() -> None:
+    visitors = Visitors({"v1": "recognition", "v2": "agent recognition"})
+    async with talk(visitors, mind=ScriptedMind()) as talking:
+        talking.hear("good morning", visitor="v1")
+        await until(lambda: talking.figures.refusals["consent"] == 1)
+        talking.hear("good day", visitor="v2")
+        await until(lambda: talking.figures.answers == 1)
+        talking.hear("good evening")
+        await until(lambda: talking.figures.answers == 2)
+        assert [each.text for each in talking.mind.turns] == ["good day", "good evening"]
 
 
 async def test_a_body_that_another_application_has_is_not_answered_with() -> None:
@@ -363,7 +376,7 @@ async def test_a_body_shows_where_words_go_and_the_wake_word_in_a_conversation()
 
 async def test_words_of_a_visitor_whose_consent_ended_are_forgotten_before_another_is_answered() -> None:
     visitors = Visitors({"v1": "agent", "v2": "agent"})
-    async with talk(visitors, mind=ScriptedMind(needs_consent=True)) as talking:
+    async with talk(visitors, mind=ScriptedMind(needs_visitor=True)) as talking:
         talking.hear("my name is Ann", visitor="v1")
         await until(lambda: talking.figures.answers == 1)
         talking.hear("good morning", visitor="v2")
@@ -384,7 +397,7 @@ async def test_a_mind_asks_anew_what_may_go_to_a_model_and_no_picture_is_taken_w
             visitors.consents |= changes
             found.append((await stage.allowed(), (await stage.use("look", {})).text))
 
-    async with talk(visitors, mind=ScriptedMind(needs_consent=True)) as talking:
+    async with talk(visitors, mind=ScriptedMind(needs_visitor=True)) as talking:
         talking.mind.script = ask
         talking.hear("what do you see", visitor="v1")
         await until(lambda: talking.figures.answers == 1)
@@ -407,7 +420,7 @@ async def test_a_visitor_of_whom_no_consent_is_told_has_given_none() -> None:
     async def ask(_turn: Turn, stage: Stage) -> None:
         found.append(await stage.allowed())
 
-    async with talk(Forgetful({}), mind=ScriptedMind(needs_consent=True)) as talking:
+    async with talk(Forgetful({}), mind=ScriptedMind(needs_visitor=True)) as talking:
         talking.mind.script = ask
         talking.hear("what do you see", visitor="v1")
         await until(lambda: talking.figures.answers == 1)

@@ -45,7 +45,7 @@ async def test_it_is_a_mind_from_which_nothing_leaves() -> None:
     async with RuleMind() as made:
         mind: Mind = made
         assert mind.sends_to == ""
-        assert not mind.needs_consent
+        assert not mind.needs_visitor
         mind.interrupted("Hello! How")
 
 

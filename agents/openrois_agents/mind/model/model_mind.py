@@ -50,7 +50,7 @@ class ModelMind:
         figures: as above.
     """
 
-    needs_consent = True
+    needs_visitor = True
 
     def __init__(
         self,

@@ -109,7 +109,8 @@ async def test_its_figures_are_served_as_they_are_documented(tmp_path: Path) -> 
         there.hear("hello")
         await there.until_said("Welcome.")
         there.hear("hello", "bob")
-        await there.until_said("I may only answer you if you consent to agent, where your microphone is set.")
+        asked = "I may only answer you if you agree that a program that answers gets your words"
+        await there.until_said(f"{asked}: please do so where your microphone is.")
         async with aiohttp.ClientSession() as http, http.get(there.figures) as answer:
             assert answer.status == 200
             text = await answer.text()
