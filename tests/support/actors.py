@@ -100,6 +100,12 @@ class Gaze(Component, authority="OpenRoIS", function="actuation", part="gaze"):
 
 
 class Hearing(Component, authority="OpenRoIS", function="sensing"):
+    last = ""
+
+    @query(result="text")
+    async def last_heard(self) -> str:
+        return self.last
+
     @event
     def heard(
         self, text: str, final: bool, timestamp: datetime | None = None, visitor_ref: str | None = None

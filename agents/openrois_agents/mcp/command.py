@@ -40,7 +40,7 @@ def main(arguments: Sequence[str]) -> int:
         parser.error("--allow-host and --allow-origin are for --http")
     if chosen.http and chosen.token_file:
         parser.error("--token-file is not for --http: each caller shows a token of its own")
-    tools = ToolSettings(chosen.idle, frozenset(chosen.tools), chosen.movements)
+    tools = ToolSettings(chosen.idle, frozenset(chosen.tools), chosen.movements, chosen.pictures)
     with needing_extra("mcp"):
         import mcp_types as _  # noqa: F401 - says at once what is missing
     # Standard output carries the protocol.
@@ -127,6 +127,7 @@ def _parser() -> CommandLine:
         metavar="NAME[,NAME]",
         help=f"what tasks may have of {', '.join(ACTING)}; all unless given",
     )
+    parser.add_argument("--no-pictures", dest="pictures", action="store_false", help="let no camera be looked through")
     parser.add_argument(
         "--movements",
         type=_count,

@@ -1,21 +1,45 @@
 """What the visitors of a body consent to, and what an agent may be told of them."""
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any, Final
 
-from openrois.catalog.sensing import SPEECH_RECOGNITION
+from openrois.catalog import sensing
 from openrois.client import BodyInfo, Client, ConnectionFailed, ConnectionLost, RoISError, RpcError
 from openrois.types.codes import Purpose
 from openrois.types.profiles import component_urn
 
-__all__ = ["VisitorsNow", "may_be_told", "read_visitors"]
+__all__ = ["TELLING_QUERIES", "Consents", "VisitorsNow", "read_visitors"]
 
 _log = logging.getLogger(__name__)
 
 _VISITORS: Final = component_urn("Visitors", "OpenRoIS")
+_HEARING: Final = component_urn("Hearing", "OpenRoIS")
+_SENSES: Final = (
+    sensing.PERSON_DETECTION.urn,
+    sensing.PERSON_LOCALIZATION.urn,
+    sensing.PERSON_IDENTIFICATION.urn,
+    sensing.FACE_DETECTION.urn,
+    sensing.FACE_LOCALIZATION.urn,
+    sensing.SOUND_DETECTION.urn,
+    sensing.SOUND_LOCALIZATION.urn,
+    sensing.SPEECH_RECOGNITION.urn,
+    sensing.GESTURE_RECOGNITION.urn,
+    _HEARING,
+    component_urn("Sight", "OpenRoIS"),
+)
+"""Types whose events tell of persons; those of the standard do not say of whom."""
+
+_COMING_AND_GOING: Final = frozenset({"visitor_changed", "attended"})
+"""Events of Visitors that tell no more of a visitor than the query that anyone may make."""
+
+TELLING_QUERIES: Final = frozenset({"last_heard"})
+"""Queries of Hearing whose results tell of visitors."""
+
+MAX_REMEMBERED: Final = 64
+"""Visitors of a body whose consent is remembered; the one that was there longest ago is forgotten."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,12 +48,10 @@ class VisitorsNow:
 
     Attributes:
         consents: what each of them consents to, by their references.
-        attended: the reference of the one whom the senses follow; empty for none.
         are_known: whether the body tells its visitors; what it does not tell is not assumed.
     """
 
     consents: Mapping[str, frozenset[str]]
-    attended: str = ""
     are_known: bool = True
 
     @property
@@ -49,21 +71,70 @@ async def read_visitors(client: Client, body: BodyInfo) -> VisitorsNow:
         refs, consents = found.get("visitor_ref", ()), found.get("consent", ())
         # A visitor of whom no consent is told has given none.
         told = zip_longest(refs, consents[: len(refs)], fillvalue="")
-        given = {visitor: frozenset(str(each).split()) for visitor, each in told}
-        return VisitorsNow(given, str(found.get("attended", "")))
+        return VisitorsNow({visitor: frozenset(str(each).split()) for visitor, each in told})
     return VisitorsNow({})
 
 
-async def may_be_told(client: Client, body: BodyInfo, component_ref: str, data: Mapping[str, Any]) -> bool:
-    """Tell whether an agent may have an event: what a visitor said or did, with that visitor's consent to agents.
+class Consents:
+    """Asks whether an agent may be told what visitors of a body say and do. A visitor who leaves withdraws nothing.
 
-    Who comes and goes, and consents to what, is told in any case. An event of `SpeechRecognition` names no visitor: its
-    words are those of the one whom the senses follow.
+    Args:
+        client: asks.
+        body: whose visitors.
+
+    Attributes:
+        withheld: whether something was not told since that was last set to False.
     """
-    named = data.get("visitor_ref")
-    has_words = component_ref in body.refs(SPEECH_RECOGNITION.urn)
-    if component_ref in body.refs(_VISITORS) or not (named or has_words):
-        return True
-    now = await read_visitors(client, body)
-    visitor = named or now.attended
-    return Purpose.AGENT in now.consents.get(visitor, ()) if visitor else now.are_known
+
+    def __init__(self, client: Client, body: BodyInfo) -> None:
+        self.withheld = False
+        self._client = client
+        self._body = body
+        self._stated: dict[str, frozenset[str]] = {}
+        self._senses = {ref for urn in _SENSES for ref in body.refs(urn)}
+
+    def are_of(self, client: Client, body: BodyInfo) -> bool:
+        """Return whether these are asked by that client, of the body as it is."""
+        return self._client is client and _refs(self._body) == _refs(body)
+
+    async def _read(self) -> VisitorsNow:
+        """Ask for the visitors who are there."""
+        now = await read_visitors(self._client, self._body)
+        for visitor, given in now.consents.items():
+            self._stated.pop(visitor, None)
+            self._stated[visitor] = given
+        while len(self._stated) > MAX_REMEMBERED:
+            del self._stated[next(iter(self._stated))]
+        return now
+
+    def concern(self, component_ref: str, event: str, data: Mapping[str, Any]) -> bool:
+        """Return whether an event tells of persons."""
+        if component_ref in self._body.refs(_VISITORS) and event in _COMING_AND_GOING:
+            return False
+        return component_ref in self._senses or bool(data.get("visitor_ref"))
+
+    def concern_query(self, component_ref: str, query: str) -> bool:
+        """Return whether the results of a query tell of persons."""
+        return component_ref in self._body.refs(_HEARING) and query in TELLING_QUERIES
+
+    async def ask(self) -> Callable[[Mapping[str, Any]], bool]:
+        """Ask once; return what says of the data of events whether they may be told.
+
+        What names a visitor needs the consent of that one, what names none that of all who are there.
+        """
+        now = await self._read()
+
+        def may_be_told(data: Mapping[str, Any]) -> bool:
+            visitor = data.get("visitor_ref")
+            if isinstance(visitor, str) and visitor:
+                agrees = Purpose.AGENT in self._stated.get(visitor, ())
+            else:
+                agrees = not now.without_agents
+            self.withheld |= not (agrees and now.are_known)
+            return agrees and now.are_known
+
+        return may_be_told
+
+
+def _refs(body: BodyInfo) -> list[str]:
+    return [each.component_ref for each in body.components]

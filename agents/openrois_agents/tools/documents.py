@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from openrois.client import BadParameter, where
 from openrois.types.profiles import HRIComponentProfile, ParameterProfile
+from openrois_agents.tools.event_log import tellable
 from openrois_agents.tools.session import Session
 from openrois_agents.tools.tasks import describe
 from openrois_agents.tools.untrusted import marked
@@ -39,7 +40,8 @@ async def read_document(session: Session, address: str) -> str:
         RoISError, ConnectionLost: the gateway does not tell.
     """
     if address == EVENTS:
-        return marked({"events": [each.as_json() for each in session.log.after(0)], "last": session.log.last})
+        last, events = session.log.last, await tellable(session.log.after(0))
+        return marked({"events": [each.as_json() for each in events], "last": last})
     if address == BODIES:
         held = session.held.engine_id if session.held is not None else ""
         bodies = await (await session.link.client()).bodies()

@@ -2,17 +2,25 @@
 
 import asyncio
 from collections import deque
-from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from openrois.aio.listeners import Listeners
 
-__all__ = ["EventLog", "LoggedEvent"]
+__all__ = ["EventLog", "Guard", "LoggedEvent", "tellable"]
 
 MAX_EVENTS: Final = 256
 """Events that a log keeps; the oldest makes room for the newest."""
+
+
+class Guard(Protocol):
+    """Asks persons whether what tells of them may be told."""
+
+    async def ask(self) -> Callable[[Mapping[str, Any]], bool]:
+        """Ask now; return what says so of the data of events."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +33,7 @@ class LoggedEvent:
         name: its type.
         source: the component that announced it; the body, where it is about control.
         data: what it tells.
+        guard: asks whether it may be told; None where it may in any case.
     """
 
     number: int
@@ -32,6 +41,7 @@ class LoggedEvent:
     name: str
     source: str
     data: dict[str, Any]
+    guard: "Guard | None" = field(default=None, compare=False, repr=False)
 
     def as_json(self) -> dict[str, Any]:
         """Return it as an object of JSON."""
@@ -56,10 +66,10 @@ class EventLog:
         """The number of the newest event; 0 before the first."""
         return self._last
 
-    def add(self, name: str, source: str, data: dict[str, Any]) -> None:
+    def add(self, name: str, source: str, data: dict[str, Any], guard: Guard | None = None) -> None:
         """Add an event, and tell those who wait for it."""
         self._last += 1
-        event = LoggedEvent(self._last, self._now().isoformat(timespec="milliseconds"), name, source, data)
+        event = LoggedEvent(self._last, self._now().isoformat(timespec="milliseconds"), name, source, data, guard)
         self._events.append(event)
         self.added.notify_all(event)
 
@@ -81,3 +91,11 @@ class EventLog:
             return self.after(number, names)
         finally:
             remove()
+
+
+async def tellable(events: Iterable[LoggedEvent]) -> list[LoggedEvent]:
+    """Return the events that may be told now: consent may have ended since they came. Each guard is asked once."""
+    events = list(events)
+    guards = {id(each.guard): each.guard for each in events if each.guard is not None}
+    allows = {key: await guard.ask() for key, guard in guards.items()}
+    return [each for each in events if each.guard is None or allows[id(each.guard)](each.data)]

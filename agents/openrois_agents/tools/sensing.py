@@ -1,7 +1,6 @@
 """Tools by which an agent sees, hears and waits."""
 
 from collections.abc import Collection
-from functools import partial
 from typing import Any, Final
 
 from openrois.catalog.sensing import SPEECH_RECOGNITION
@@ -12,8 +11,7 @@ from openrois.types.profiles import component_urn
 from openrois_agents.tools import acting
 from openrois_agents.tools.answer import Answer
 from openrois_agents.tools.arguments import AskVisitor, Listen, Look, Say, WaitForEvent, Where
-from openrois_agents.tools.consents import may_be_told, read_visitors
-from openrois_agents.tools.event_log import LoggedEvent
+from openrois_agents.tools.event_log import LoggedEvent, tellable
 from openrois_agents.tools.failures import failure
 from openrois_agents.tools.picture import take_picture
 from openrois_agents.tools.running import Progress
@@ -28,6 +26,8 @@ _HEARING: Final = component_urn("Hearing", "OpenRoIS")
 
 async def look(session: Session, given: Look, progress: Progress) -> Answer:
     """Return a picture of a body's camera."""
+    if not session.settings.pictures:
+        raise Unsupported("look is withheld from all tasks here (--no-pictures)")
     info = await session.body_info(given.body)
     cameras = info.refs(VIDEO_STREAMING)
     camera = given.camera or next(iter(cameras), None)
@@ -81,33 +81,26 @@ async def _hear(session: Session, info: BodyInfo) -> str:
     client = await session.link.client()
     for urn, event in ((_HEARING, "heard"), (SPEECH_RECOGNITION.urn, "speech_recognized")):
         for component_ref in info.refs(urn)[:1]:
-            allows = partial(may_be_told, client, info, component_ref)
-            await session.watching.watch(client.component(component_ref), event, allows)
+            await session.watching.watch(client.component(component_ref), event, await session.consents(info))
             return event
     raise Unsupported(f"{info.engine_id} does not hear words")
 
 
 async def _heard(session: Session, info: BodyInfo, event: str, seconds: float, progress: Progress) -> Answer:
     """Return the next words that stay as they are."""
-    clock, after = session.clock, session.log.last
-    deadline = clock() + seconds
+    clock, after, consents = session.clock, session.log.last, await session.consents(info)
+    deadline, consents.withheld = clock() + seconds, False
     await progress(0.0, "listening")
     while True:
-        for each in await session.log.wait(after, (event,), max(deadline - clock(), 0.0)):
-            after = each.number
+        found, after = await _next(session, after, (event,), deadline - clock())
+        for each in found:
             if words := _words(each):
                 data = {"heard": plain_text(words), "visitor": each.data.get("visitor_ref"), "number": each.number}
                 return Answer(marked(data), data)
         if clock() >= deadline:
-            return await _silence(session, info, seconds)
-
-
-async def _silence(session: Session, info: BodyInfo, seconds: float) -> Answer:
-    without = (await read_visitors(await session.link.client(), info)).without_agents
-    told = f"No words were heard within {seconds:g} s."
-    if without:
-        told += f" What {', '.join(without)} may have said is not told: they do not consent to agents."
-    return Answer(told, {"heard": None, "without_consent": without})
+            told = f"No words were heard within {seconds:g} s"
+            why = " that may be told: a visitor does not consent to agents" if consents.withheld else ""
+            return Answer(f"{told}{why}.", {"heard": None})
 
 
 def _words(event: LoggedEvent) -> str:
@@ -123,16 +116,26 @@ async def wait_for_event(session: Session, given: WaitForEvent, progress: Progre
     after = session.log.last if given.after is None else given.after
     if given.events:
         info = await session.body_info(given.body)
-        client = await session.link.client()
+        client, consents = await session.link.client(), await session.consents(info)
         for component, event in await _sources(client, info, given.events):
-            allows = partial(may_be_told, client, info, component.component_ref)
-            await session.watching.watch(component, event, allows)
+            await session.watching.watch(component, event, consents)
     await progress(0.0, "waiting")
-    found = await session.log.wait(after, given.events, given.seconds)
-    data = {"events": [each.as_json() for each in found], "last": session.log.last}
+    found, last = await _next(session, after, given.events, given.seconds)
+    data = {"events": [each.as_json() for each in found], "last": last}
     if not found:
         return Answer(f"Nothing happened within {given.seconds:g} s.", data)
     return Answer(marked(data), data)
+
+
+async def _next(session: Session, after: int, events: Collection[str], seconds: float) -> tuple[list[LoggedEvent], int]:
+    """Return the events behind a number as soon as one may be told, or the seconds are over; and the last number."""
+    deadline = session.clock() + seconds
+    while True:
+        came = await session.log.wait(after, events, max(deadline - session.clock(), 0.0))
+        last = session.log.last
+        if (found := await tellable(came)) or session.clock() >= deadline:
+            return found, last
+        after = last
 
 
 async def _sources(client: Client, info: BodyInfo, events: Collection[str]) -> list[tuple[ComponentProxy, str]]:

@@ -12,6 +12,7 @@ from openrois.aio.listeners import Listeners
 from openrois.aio.tasks import TaskScope
 from openrois.client import BadParameter, BodyInfo, Client, OutOfResources, Unsupported
 from openrois_agents.tools.abilities import ABILITIES
+from openrois_agents.tools.consents import Consents
 from openrois_agents.tools.event_log import EventLog
 from openrois_agents.tools.gateway_link import GatewayLink
 from openrois_agents.tools.held_body import HeldBody
@@ -26,6 +27,9 @@ __all__ = ["Session"]
 
 MAX_CALLS: Final = 16
 """Calls of one caller that may run at a time."""
+
+MAX_ASKED: Final = 16
+"""Bodies whose visitors' consent is remembered."""
 
 _NAMES: Final = 4.0
 """Seconds that reading names may take; a list of tools goes without them then."""
@@ -62,6 +66,7 @@ class Session:
         self.watching = Watching(self.log, self.profile_changed.notify_all)
         self.link.connected.add(self.watching.follow_notices)
         self._vocabulary = VocabularyReader(clock)
+        self._consents: dict[str, Consents] = {}
         self._changing = asyncio.Lock()
         self._reserving: asyncio.Task[Any] | None = None
         self._releasing: asyncio.Task[None] | None = None
@@ -258,6 +263,17 @@ class Session:
         if not found:
             raise BadParameter(f"there is no body {wanted!r}: there are {there}")
         return found[0]
+
+    async def consents(self, info: BodyInfo) -> Consents:
+        """Return what asks the visitors of a body."""
+        client = await self.link.client()
+        known = self._consents.pop(info.engine_id, None)
+        if known is None or not known.are_of(client, info):
+            known = Consents(client, info)
+        self._consents[info.engine_id] = known
+        if len(self._consents) > MAX_ASKED:
+            del self._consents[next(iter(self._consents))]
+        return known
 
 
 def _pattern(engine_id: str) -> str:

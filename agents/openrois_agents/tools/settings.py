@@ -26,8 +26,10 @@ class ToolSettings:
         idle: seconds without a call after which a body is given back.
         allowed: the tools of `ACTING` that a task may have.
         movements: how many a task may begin in a minute.
+        pictures: whether `look` takes any.
     """
 
     idle: float = IDLE
     allowed: frozenset[str] = frozenset(ACTING)
     movements: int = MOVEMENTS
+    pictures: bool = True

@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
@@ -26,15 +26,13 @@ from openrois.client import (
     Subscription,
 )
 from openrois.types.references import engine_of
+from openrois_agents.tools.consents import Consents
 from openrois_agents.tools.event_log import EventLog
 from openrois_agents.tools.untrusted import plain_text
 
 __all__ = ["Watching"]
 
 _log = logging.getLogger(__name__)
-
-MayBeTold = Callable[[dict[str, Any]], Awaitable[bool]]
-"""Says of the data of an event whether a caller may have it."""
 
 MAX_SUBSCRIPTIONS: Final = 16
 """Events that a caller may watch at a time."""
@@ -55,13 +53,13 @@ class Watching:
         self._tasks = TaskScope()
         self._watched: dict[tuple[str, str], Subscription[dict[str, Any]]] = {}
 
-    async def watch(self, component: ComponentProxy, event: str, may_be_told: MayBeTold) -> None:
+    async def watch(self, component: ComponentProxy, event: str, consents: Consents) -> None:
         """Log an event of a component from now on, until the task is over; again is no mistake.
 
         Args:
             component: announces it.
             event: its type.
-            may_be_told: says of the data of each event whether the caller may have it.
+            consents: of the visitors of that body, without whom nothing is told of them.
 
         Raises:
             OutOfResources: too many are watched.
@@ -79,16 +77,16 @@ class Watching:
         except BaseException:
             del self._watched[key]
             raise
-        self._tasks.start(self._read(key, subscription, may_be_told))
+        self._tasks.start(self._read(key, subscription, consents))
 
-    async def _read(
-        self, key: tuple[str, str], subscription: Subscription[dict[str, Any]], may_be_told: MayBeTold
-    ) -> None:
+    async def _read(self, key: tuple[str, str], subscription: Subscription[dict[str, Any]], consents: Consents) -> None:
         component_ref, event = key
         try:
             async for data in subscription:
-                if await may_be_told(data):
+                if not consents.concern(component_ref, event, data):
                     self._event_log.add(event, component_ref, plain_text(data))
+                elif await _agree(consents, data):
+                    self._event_log.add(event, component_ref, plain_text(data), consents)
         except (ConnectionLost, RoISError, RpcError) as error:
             _log.info("%s of %s is watched no more: %s", event, component_ref, error)
         finally:
@@ -135,6 +133,15 @@ class Watching:
                 self._on_profile_changed()
             case ProfileChanged():
                 self._on_profile_changed()
+
+
+async def _agree(consents: Consents, data: dict[str, Any]) -> bool:
+    try:
+        return (await consents.ask())(data)
+    except Exception:
+        # What an odd body tells must not end the watch, and is no consent.
+        _log.exception("consent could not be asked for, and an event is not told")
+        return False
 
 
 async def _close(subscription: Subscription[dict[str, Any]]) -> None:

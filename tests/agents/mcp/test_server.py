@@ -189,10 +189,13 @@ async def test_words_of_a_visitor_who_does_not_consent_to_agents_are_not_told(at
     at_table.actor.hearing.heard("this is private", True, None, "ann")
     at_table.actor.hearing.heard("hello", True, None, "bob")
     assert '"heard": "hello"' in await listening
-    at_table.actor.hearing.heard("this too", True, None, "ann")
-    assert await at_table.said("listen", seconds=0.01) == (
-        "No words were heard within 0.01 s. What ann may have said is not told: they do not consent to agents."
-    )
+    at_table.progress.clear()
+    listening = asyncio.ensure_future(at_table.said("listen", seconds=2))
+    await at_table.until("listening")
+    at_table.actor.hearing.heard("nor this", True, None, "ann")
+    assert await listening == "No words were heard within 2 s that may be told: a visitor does not consent to agents."
+
+    at_table.progress.clear()
     waiting = asyncio.ensure_future(at_table.said("wait_for_event", events=["heard", "visitor_changed"], seconds=30))
     await at_table.until("waiting")
     at_table.actor.hearing.heard("and this", True, None, "ann")
@@ -203,7 +206,28 @@ async def test_words_of_a_visitor_who_does_not_consent_to_agents_are_not_told(at
     assert "heard" not in told
     log = await at_table.document("openrois://events")
     assert "hello" in log
-    assert not [words for words in ("this is private", "this too", "and this") if words in log]
+    visitors.consents = {"bob": "live recognition"}
+    assert "hello" not in await at_table.document("openrois://events")
+    assert "hello" not in await at_table.said("wait_for_event", events=["heard"], seconds=0, after=0)
+    assert not [words for words in ("this is private", "nor this", "and this") if words in log]
+
+
+@seated
+async def test_last_words_are_told_with_the_consent_of_all_who_are_there(at_table: Table) -> None:
+    visitors, last = at_table.actor.visitors, {"component": "robot/hearing", "kind": "query", "name": "last_heard"}
+    assert visitors is not None
+    at_table.actor.hearing.last = "this is private"
+    visitors.consents = {"ann": "live recognition"}
+    assert await at_table.refused("call", **last) == (
+        "Unsupported: last_heard tells of a visitor who does not consent to agents"
+    )
+    visitors.consents = {"ann": "agent live recognition"}
+    assert "this is private" in await at_table.said("call", **last)
+
+
+async def test_pictures_may_be_withheld() -> None:
+    async with table(settings=ToolSettings(pictures=False)) as at_table:
+        assert await at_table.refused("look") == ("Unsupported: look is withheld from all tasks here (--no-pictures)")
 
 
 @seated

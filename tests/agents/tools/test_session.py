@@ -1,8 +1,10 @@
 """A caller's session: whatever is cancelled when, its body is given back."""
 
 import asyncio
+from dataclasses import replace
 
 import pytest
+from openrois_agents.tools import session as session_module
 from openrois_agents.tools.held_body import HeldBody
 
 from openrois.client import OutOfResources
@@ -64,3 +66,13 @@ async def test_a_session_that_ends_waits_for_no_body() -> None:
                     await third.use_body(None, ["gesture"], 0)
         await asyncio.wait({waiting}, timeout=PATIENCE)
         assert waiting.cancelled()
+
+
+async def test_of_only_so_many_bodies_the_consents_are_remembered(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session_module, "MAX_ASKED", 1)
+    async with memory_gateway(*Actor().parts) as gateway, session_at(gateway.client) as session:
+        info = await session.body_info(None)
+        first = await session.consents(info)
+        assert await session.consents(info) is first
+        await session.consents(replace(info, engine_id="another"))
+        assert await session.consents(info) is not first
