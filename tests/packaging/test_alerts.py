@@ -5,7 +5,6 @@ from collections.abc import Iterator
 from itertools import chain
 from typing import Any
 
-import pytest
 import yaml
 
 from openrois.federation.counts import Counts
@@ -14,8 +13,6 @@ from openrois.ownership.memory_store import MemoryStore
 from tests.support.clock import Clock
 from tests.support.packages import ROOT
 from tools.pages.figures import adapter_figures, cluster_figures, gateway_figures
-
-pytestmark = pytest.mark.extra(name="cluster")
 
 GROUPS: list[dict[str, Any]] = yaml.safe_load((ROOT / "packaging/alerts.yml").read_text(encoding="utf-8"))["groups"]
 

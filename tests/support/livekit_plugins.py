@@ -8,7 +8,7 @@ import numpy as np
 from livekit.agents import APIConnectOptions, llm, stt, tts
 from livekit.agents.types import DEFAULT_API_CONNECT_OPTIONS
 
-from tests.support.voice_agents import tone
+from tests.support.sounds import tone
 
 __all__ = ["Beeps", "Pitches", "Rules"]
 

@@ -29,7 +29,7 @@ from pipecat.services.settings import TTSSettings
 from pipecat.services.tts_service import TTSService
 
 from tests.support.loopback import PATIENCE
-from tests.support.voice_agents import tone
+from tests.support.sounds import tone
 
 __all__ = ["Beeps", "Downstream", "Note", "Pitches", "Rules"]
 

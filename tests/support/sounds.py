@@ -12,3 +12,9 @@ def bursts(*starts: int, length: int = 2 * SAMPLE_RATE, amplitude: int = 16_000)
     for start in starts:
         sound[start : start + len(wave)] = wave[: length - start]
     return sound
+
+
+def tone(seconds: float, rate: int, pitch: float = 300) -> NDArray[np.int16]:
+    """Return a tone, mono."""
+    wave = np.sin(2 * np.pi * pitch * np.arange(round(seconds * rate)) / rate)
+    return np.asarray(wave * 16_000, np.int16)

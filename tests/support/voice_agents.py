@@ -25,8 +25,9 @@ from openrois.types.codes import Purpose
 from tests.support.loopback import PATIENCE
 from tests.support.operated import operated_avatar
 from tests.support.packages import ROOT
+from tests.support.sounds import tone
 
-__all__ = ["Ear", "Mouth", "end_agent", "hear_parrot", "hearing", "running_agent", "tone"]
+__all__ = ["Ear", "Mouth", "end_agent", "hear_parrot", "hearing", "running_agent"]
 
 _LOUD = 1_000
 _NEAR = 120
@@ -35,12 +36,6 @@ _PAUSE = 0.5
 """Seconds without sound that are between two tones, and not what a busy machine lost of one."""
 _QUIET_BLOCKS = 30
 """Blocks without sound, 20 ms each, likewise."""
-
-
-def tone(seconds: float, rate: int, pitch: float = 300) -> NDArray[np.int16]:
-    """Return a tone, mono."""
-    wave = np.sin(2 * np.pi * pitch * np.arange(round(seconds * rate)) / rate)
-    return np.asarray(wave * 16_000, np.int16)
 
 
 @dataclass

@@ -28,7 +28,7 @@ from tests.support.guided import House, house, token
 from tests.support.hearing import voice
 from tests.support.microphone import Microphone
 
-pytestmark = [pytest.mark.media, pytest.mark.extra(name="speech"), pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.media, pytest.mark.timeout(180)]
 
 STORY = "Once there was a robot who liked to talk with all of its visitors."
 CONSENT = (Purpose.RECOGNITION, Purpose.AGENT)

@@ -35,7 +35,8 @@ from openrois.types.codes import Purpose
 from tests.support.agent_house import house, token
 from tests.support.loopback import PATIENCE
 from tests.support.pipecat_services import Beeps, Downstream, Note, Pitches, Rules
-from tests.support.voice_agents import Ear, Mouth, hearing, tone
+from tests.support.sounds import tone
+from tests.support.voice_agents import Ear, Mouth, hearing
 
 pytestmark = [pytest.mark.agents, pytest.mark.media]
 

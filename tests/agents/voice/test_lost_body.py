@@ -15,7 +15,8 @@ from openrois.types.codes import Purpose
 from tests.support.deployment import gateway, until
 from tests.support.loopback import PATIENCE
 from tests.support.operated import noting_avatar
-from tests.support.voice_agents import Mouth, tone
+from tests.support.sounds import tone
+from tests.support.voice_agents import Mouth
 
 pytestmark = pytest.mark.media
 

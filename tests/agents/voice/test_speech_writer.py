@@ -19,7 +19,8 @@ from openrois.aio.listeners import Listeners
 from openrois.client import Client
 from tests.support.loopback import PATIENCE
 from tests.support.operated import operated_avatar
-from tests.support.voice_agents import hearing, tone
+from tests.support.sounds import tone
+from tests.support.voice_agents import hearing
 
 pytestmark = pytest.mark.media
 

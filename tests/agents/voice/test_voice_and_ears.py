@@ -14,7 +14,8 @@ from openrois.types.codes import Purpose
 from tests.support.loopback import PATIENCE
 from tests.support.media_body import body as plain_body
 from tests.support.operated import operated_avatar
-from tests.support.voice_agents import Mouth, hearing, tone
+from tests.support.sounds import tone
+from tests.support.voice_agents import Mouth, hearing
 
 pytestmark = pytest.mark.media
 

@@ -22,7 +22,7 @@ from tests.support.chat_server import event as sent
 from tests.support.conversing import until
 from tests.support.packages import ROOT
 
-pytestmark = [pytest.mark.extra(name="speech"), pytest.mark.timeout(180)]
+pytestmark = pytest.mark.timeout(180)
 
 KEY = "secret-0123456789"
 MIND = "import sys; from openrois_agents.mind.command import main; sys.exit(main(sys.argv[1:]))"
