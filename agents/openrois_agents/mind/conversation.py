@@ -8,10 +8,9 @@ from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
 from openrois.client import ConnectionFailed, ConnectionLost, RoISError, RpcError
-from openrois.types.codes import Purpose
 from openrois.types.references import engine_of
 from openrois_agents.mind.body_stage import BodyStage
-from openrois_agents.mind.consenting import read_consents
+from openrois_agents.mind.consenting import Asked, Consents, Remembered, request_consent
 from openrois_agents.mind.contract import Allowed, Mind, Turn
 from openrois_agents.mind.figures import MindFigures
 from openrois_agents.mind.limits import Budget
@@ -39,10 +38,6 @@ _LOOK: Final = 1.0
 _BEATS: Final = ("beat", "explain", "nod", "tilt")
 """Small gestures that go with speech, the best first."""
 _FAILURES: Final = (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError)
-_ASKED: Final = {
-    Purpose.AGENT: "a program that answers gets your words",
-    Purpose.TRANSFER: "they are sent to another machine",
-}
 _HERE_NOW: Final = "I go on here."
 _WENT_WRONG: Final = "I am sorry, something went wrong."
 
@@ -91,8 +86,8 @@ class Conversations:
         self._refused = ""
         """The refusal that was said last; it is said once."""
         self._stopped_bodies: set[str] = set()
-        self._remembered: set[str] = set()
-        """Visitors whose words the mind has."""
+        self._remembered = Remembered(mind)
+        self._asked = Asked(session.clock, SILENCE, figures)
 
     def hear(self, words: Words) -> None:
         """Take what a body has heard; what is still being said pushes nothing out."""
@@ -151,10 +146,13 @@ class Conversations:
                 # Speech to others silences the body, too, and begins nothing.
                 await self._interrupt()
             return
+        await self._interrupt()
+        consents = await self._remembered.read_consents_at(self._session, words.body)
+        if consents is None or self._asked.passes_over(words, consents.missing(words.visitor), lasts=held is not None):
+            return
         if held is None and not await self._begin(words.body):
             return
-        await self._interrupt()
-        await self._answer_turn(words)
+        await self._answer_turn(words, consents)
 
     def _are_for_it(self, words: Words) -> bool:
         """Return whether words are for the mind.
@@ -200,34 +198,37 @@ class Conversations:
         self._beats = tuple(each for each in _BEATS if each in gestures)
         await self._show(held)
         self._voice = AsyncExitStack()
+        await self._voice.enter_async_context(self._remembered.following(held.client, held.info))
         self._spoken = await self._voice.enter_async_context(yielding_voice(held))
 
-    async def _answer_turn(self, words: Words) -> None:
-        self._turns += 1
+    async def _answer_turn(self, words: Words, consents: Consents) -> None:
         self._figures.turns += 1
         self._last_words = self._session.clock()
         if refusal := self._budget.refusal():
             self._figures.refusals["limit"] += 1
             self._refused = refusal
-            self._start_saying(refusal, ends=True)
+            self._start_saying(refusal, lambda: self._news.post(Over(self._answers)))
             return
         self._refused = ""
-        held = self._session.held
-        assert held is not None
-        consents = await read_consents(held.client, held.info, self._mind)
-        if any(consents.missing(each) for each in self._remembered):
+        if not self._remembered.may_stay(consents, words.visitor):
             # The words of one visitor are told again with those of another one.
             self._forget()
         if missing := consents.missing(words.visitor):
             self._figures.refusals["consent"] += 1
             self._forget()
-            asked = " and that ".join(_ASKED[each] for each in missing)
-            self._start_saying(
-                f"I may only answer you if you agree that {asked}: please do so where your microphone is."
-            )
+
+            def is_said() -> None:
+                self._asked.add(words.visitor, missing)
+                if not self._turns:
+                    # No body is held only to have asked.
+                    self._news.post(Over(self._answers))
+
+            self._start_saying(request_consent(missing), is_said)
             return
-        self._remembered.add(words.visitor)
+        self._asked.discard(words.visitor)
+        self._remembered.add(words.visitor, consents)
         self._budget.count_turn()
+        self._turns += 1
         turn = Turn(words.text, words.visitor, self._turns)
         self._start(self._answer(turn, is_goodbye(words.text, self._wake_word)))
 
@@ -257,13 +258,12 @@ class Conversations:
         await stage.all_said()
         return True
 
-    def _start_saying(self, text: str, ends: bool = False) -> None:
+    def _start_saying(self, text: str, is_said: Callable[[], None] = lambda: None) -> None:
         async def say() -> None:
             async with self._stage() as stage:
                 await stage.say(text)
                 await stage.all_said()
-            if ends:
-                self._news.post(Over(self._answers))
+            is_said()
 
         self._start(say())
 
@@ -280,7 +280,7 @@ class Conversations:
         async def allowed() -> Allowed:
             if held is None:
                 return Allowed(words=False, pictures=False)
-            return (await read_consents(held.client, held.info, self._mind)).allowed(self._remembered)
+            return self._remembered.allowed(await self._remembered.read_consents(held.client, held.info))
 
         has_eyes = held is not None and "look_at" in held.tools
         return BodyStage(self._session, self._spoken, self._beats, has_eyes, allowed, self._count_sound, cut)
@@ -349,8 +349,6 @@ class Conversations:
             await self._end(f"{lost} was lost")
             return
         _log.info("%s was lost: the conversation goes on with %s", lost, now.engine_id)
-        # Another body does not know them: what they consented to there was asked when they spoke.
-        self._remembered.clear()
         self._figures.moves += 1
         await self._settle(now)
         self._start_saying(_HERE_NOW)
@@ -370,7 +368,7 @@ class Conversations:
 
     def _forget(self) -> None:
         self._mind.forget()
-        self._remembered.clear()
+        self._remembered.forget_visitors()
 
     async def _watch_silence(self) -> None:
         while True:

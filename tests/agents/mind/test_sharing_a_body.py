@@ -7,7 +7,7 @@ from pathlib import Path
 from openrois_body.components.dialogue import Dialogue
 
 from openrois.client.components import SpeechSynthesis
-from tests.support.actors import Actor
+from tests.support.actors import Actor, Visitors
 from tests.support.conversing import PATIENCE, Conversing, ScriptedMind, SpeechProgress, conversing, until
 from tests.support.conversing_site import conversing_site
 
@@ -52,6 +52,27 @@ async def test_a_conversation_goes_on_with_another_body_when_its_own_dies(tmp_pa
         await until(lambda: talking.figures.answers == 2)
         assert (talking.figures.conversations, talking.figures.moves) == (1, 1)
         assert talking.mind.turns[-1].number == 2
+
+
+async def test_another_body_has_other_visitors_and_what_those_of_the_lost_one_said_is_forgotten_before_one_is_answered(
+    tmp_path: Path,
+) -> None:
+    first = Actor(visitors=Visitors({"v1": "agent"}))
+    second = Actor(visitors=Visitors({"v2": "agent"}))
+    async with conversing_site(tmp_path) as site, AsyncExitStack() as stack, AsyncExitStack() as dying:
+        await stack.enter_async_context(site.body("first", first))
+        await dying.enter_async_context(site.body("second", second))
+        mind = ScriptedMind(needs_visitor=True)
+        talking = await stack.enter_async_context(conversing(site.client, second, mind=mind))
+        talking.hear("my name is Ann", visitor="v2")
+        await until(lambda: talking.figures.answers == 1)
+        await dying.aclose()
+        await until(lambda: first.speaking.did == ["I go on here."])
+        assert talking.mind.forgotten == 0
+        first.hearing.heard("who was here", True, None, "v1")
+        await until(lambda: talking.figures.answers == 2)
+        assert talking.mind.forgotten == 1
+        assert (talking.figures.conversations, talking.mind.turns[-1].number) == (1, 2)
 
 
 def _held(talking: Conversing) -> str:

@@ -181,3 +181,23 @@ async def test_a_withdrawal_while_an_answer_is_made_is_obeyed_before_the_next_re
         await opened.tells("I am sorry, I stop here: the consent that I need is not there any more.", by="avatar")
         await until(lambda: figures.answers == 1)
         assert len(server.asked) == 1
+
+
+async def test_a_visitor_who_lets_go_of_the_microphone_is_answered_to_the_end(tmp_path: Path) -> None:
+    script = (halting(chunk({"content": "A moment. I"}), rest=[call_chunk(0, "{}", "where")]), says("At the plant."))
+    async with (
+        model(*script) as (mind, server),
+        house(tmp_path) as opened,
+        conversation(opened, mind) as figures,
+        AsyncExitStack() as talked,
+    ):
+        ann = await talked.enter_async_context(guest(opened, *CONSENT))
+        opened.say("where are you", ann.ref)
+        await opened.tells("A moment.", by="avatar")
+        await talked.aclose()
+        visitors = opened.client.component("avatar/visitors")
+        assert (await visitors.query("visitors"))["visitor_ref"] == []
+        server.go_on.set()
+        await opened.tells("At the plant.", by="avatar")
+        await until(lambda: figures.answers == 1)
+        assert len(server.asked) == 2
