@@ -100,12 +100,23 @@ class Consents:
     async def _read(self) -> VisitorsNow:
         """Ask for the visitors who are there."""
         now = await read_visitors(self._client, self._body)
-        for visitor, given in now.consents.items():
+        self._note(now.consents)
+        return now
+
+    async def follow(self) -> None:
+        """Note what visitors state until cancelled: one may withdraw everything and leave at once."""
+        for component_ref in self._body.refs(_VISITORS)[:1]:
+            async for data in self._client.component(component_ref).event("visitor_changed"):
+                # Of a visitor who has left it tells no devices, and no consent: that is no withdrawal.
+                if data.get("devices"):
+                    self._note({str(data.get("visitor_ref")): frozenset(str(data.get("consent", "")).split())})
+
+    def _note(self, consents: Mapping[str, frozenset[str]]) -> None:
+        for visitor, given in consents.items():
             self._stated.pop(visitor, None)
             self._stated[visitor] = given
         while len(self._stated) > MAX_REMEMBERED:
             del self._stated[next(iter(self._stated))]
-        return now
 
     def concern(self, component_ref: str, event: str, data: Mapping[str, Any]) -> bool:
         """Return whether an event tells of persons."""

@@ -52,6 +52,7 @@ class Watching:
         self._notices = TaskScope()
         self._tasks = TaskScope()
         self._watched: dict[tuple[str, str], Subscription[dict[str, Any]]] = {}
+        self._followed: dict[Consents, asyncio.Task[None]] = {}
 
     async def watch(self, component: ComponentProxy, event: str, consents: Consents) -> None:
         """Log an event of a component from now on, until the task is over; again is no mistake.
@@ -77,7 +78,17 @@ class Watching:
         except BaseException:
             del self._watched[key]
             raise
+        if consents not in self._followed:
+            self._followed[consents] = self._tasks.start(self._follow(consents))
         self._tasks.start(self._read(key, subscription, consents))
+
+    async def _follow(self, consents: Consents) -> None:
+        try:
+            await consents.follow()
+        except (ConnectionLost, RoISError, RpcError) as error:
+            _log.info("what visitors state is followed no more: %s", error)
+        finally:
+            self._followed.pop(consents, None)
 
     async def _read(self, key: tuple[str, str], subscription: Subscription[dict[str, Any]], consents: Consents) -> None:
         component_ref, event = key
@@ -94,6 +105,8 @@ class Watching:
 
     async def stop(self) -> None:
         """Watch no event any more."""
+        for each in self._followed.values():
+            each.cancel()
         await asyncio.gather(*map(_close, tuple(self._watched.values())))
 
     async def close(self) -> None:

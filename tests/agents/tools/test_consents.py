@@ -1,5 +1,6 @@
 """What an agent may be told of visitors."""
 
+import asyncio
 from collections.abc import AsyncIterator
 from typing import Any
 
@@ -74,6 +75,20 @@ async def test_a_visitor_who_leaves_withdraws_nothing_and_one_who_stays_may(body
     assert not await body.told("hearing", visitor_ref="bob")
     del body.visitors.consents["bob"]
     assert not await body.told("hearing", visitor_ref="bob")
+
+
+async def test_a_visitor_who_withdraws_everything_and_leaves_at_once_has_withdrawn(body: Body) -> None:
+    following = asyncio.ensure_future(body.consents.follow())
+    try:
+        assert await body.told("hearing", visitor_ref="bob")
+        async with body.client.component("robot/visitors").event("visitor_changed") as changes:
+            body.visitors.visitor_changed("bob", "microphone", "")
+            del body.visitors.consents["bob"]
+            body.visitors.visitor_changed("bob", "", "")
+            await anext(changes), await anext(changes)
+        assert not await body.told("hearing", visitor_ref="bob")
+    finally:
+        following.cancel()
 
 
 async def test_only_so_many_visitors_are_remembered(body: Body, monkeypatch: pytest.MonkeyPatch) -> None:
