@@ -43,10 +43,20 @@ class LifeSigns(asyncio.DatagramProtocol):
         self._heard.set()
 
     async def watch(self, program: Restartable) -> None:
-        """Kill the program whenever it is silent for too long, until cancelled."""
-        transport, _ = await asyncio.get_running_loop().create_datagram_endpoint(
-            lambda: self, local_addr=str(self._path), family=socket.AF_UNIX
-        )
+        """Kill the program whenever it is silent for too long, until cancelled; return where no sign can come."""
+        try:
+            transport, _ = await asyncio.get_running_loop().create_datagram_endpoint(
+                lambda: self, local_addr=str(self._path), family=socket.AF_UNIX
+            )
+        except OSError as error:
+            # The path of a socket has 107 bytes at most, whatever folder is for temporary files.
+            _log.warning(
+                "a %s that hangs is not noticed: no socket can be made at %s (%s); set TMPDIR to a short path",
+                program.name,
+                self._path,
+                error.strerror or error,
+            )
+            return
         try:
             while True:
                 # One that begins is silent for as long as that takes.

@@ -81,3 +81,18 @@ async def test_a_program_that_begins_again_may_be_silent_for_that_time(tmp_path:
         supervisor.notify_state("WATCHDOG=1")
         await until(lambda: time.waiting == 2)
         assert program.kills == 0
+
+
+async def test_without_a_socket_it_is_told_what_is_lost_and_the_program_runs_on(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    program, path = Watched(), tmp_path / ("long" * 30) / "signs"
+    path.parent.mkdir()
+    signs = LifeSigns(path)
+    await signs.watch(program)
+    (told,) = caplog.messages
+    assert told.startswith(f"a mind that hangs is not noticed: no socket can be made at {path} (AF_UNIX path too long)")
+    assert "set TMPDIR to a short path" in told
+    # The program sends its signs to where nothing is.
+    Supervisor(signs.environment).notify_state("WATCHDOG=1")
+    assert program.kills == 0
