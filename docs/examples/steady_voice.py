@@ -13,6 +13,8 @@ ATTEMPTS = 5
 """How often a sentence is said that was broken off."""
 WAIT = 120.0
 """Seconds until a body is free."""
+LATE = 3
+"""Texts that wait for a body; of more only the last ones are said."""
 LOAN = 600.0
 """Seconds until a person has given a part back."""
 
@@ -43,7 +45,7 @@ class Voice:
         self._held = AsyncExitStack()
         self._turn = asyncio.Lock()
         self._broke_off = False
-        self._late = ""
+        self._late: list[str] = []
 
     @property
     def component_ref(self) -> str:
@@ -58,9 +60,10 @@ class Voice:
     async def say(self, text: str) -> None:
         """Return when a text was heard; what was broken off is said again, and what no body could say before it."""
         async with self._turn:
-            whole = f"{self._late} {text}".strip()
-            if not whole:
+            late = [*self._late, text] if text else self._late
+            if not late:
                 return
+            whole = " ".join(late)
             for _ in range(ATTEMPTS):
                 if self.body is not None and self.is_lost:
                     whole = f"I had to leave the {self.body.engine_id}, and go on here. {whole}"
@@ -80,19 +83,22 @@ class Voice:
                     self._broke_off = not await has_again(self._client, speech.component_ref)
                 else:
                     print(f"{self.body.engine_id} said: {whole}", flush=True)
-                    self._late = ""
+                    self._late = []
                     return
-            self._late = text or self._late
+            self._late = late[-LATE:]
 
     async def say_late(self) -> None:
         """Say what no body could say, if there is such a thing, and a voice is free for it now."""
-        if self._late:
+        if not self._late:
+            return
+        if self.body is None or self.is_lost:
             voices = [(info, ref) for info in await self._client.bodies() for ref in info.refs(SpeechSynthesis)]
-            if any(each.free for info, ref in voices for each in info.components if each.component_ref == ref):
-                await self.say("")
+            if not any(each.free for info, ref in voices for each in info.components if each.component_ref == ref):
+                return
+        await self.say("")
 
     async def rest(self) -> None:
-        """Give the body back."""
-        self.body, self._broke_off, self._late = None, False, ""
+        """Give the body back, and forget what it could not say."""
+        self.body, self._broke_off, self._late = None, False, []
         with suppress(*FAILED):
             await self._held.aclose()

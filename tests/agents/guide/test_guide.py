@@ -3,6 +3,8 @@
 import asyncio
 import signal
 import sys
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,7 @@ import pytest
 from openrois.client import Client, ComponentProxy, ConnectionLost, ControlRequested, OutOfResources
 from openrois.client.components import Navigation
 from tests.support.conversing import until
-from tests.support.guided import AVATAR_VOICE, LEGS, ROBOT_VOICE, House, guide, guide_process, house, token
+from tests.support.guided import AVATAR_VOICE, LEGS, ROBOT_VOICE, House, example, guide, guide_process, house, token
 
 FAR = -4.0, -2.5
 """From where the robot takes some seconds to the plant."""
@@ -282,6 +284,81 @@ async def test_what_no_body_could_say_is_told_when_one_is_free(
             opened.say("take me to the plant")
             await opened.tells("Please follow the robot to the plant.", by="avatar")
             assert not [text for _, text in opened.told if "I can lead" in text]
+
+
+@asynccontextmanager
+async def voice_of_guide(opened: House) -> AsyncIterator[Any]:
+    """Open the guide's voice alone."""
+    async with Client(opened.guides.url, token=token("guide", rank="agent")) as client:
+        voice = example("steady_voice").Voice(client)
+        try:
+            yield voice
+        finally:
+            await voice.rest()
+
+
+@pytest.mark.parametrize("then", ["", "What may I do for you?"])
+async def test_what_a_body_did_not_say_that_was_lost_is_said_by_the_next_one_that_is_free(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, then: str
+) -> None:
+    async with (
+        house(tmp_path) as opened,
+        Client(opened.url, token=token("ann", rank="person")) as ann,
+        voice_of_guide(opened) as voice,
+    ):
+        await ann.bind(AVATAR_VOICE)
+        await ann.bind(ROBOT_VOICE)
+        with monkeypatch.context() as short:
+            short.setattr("steady_voice.WAIT", 0.2)
+            await voice.say("Hello!")
+        await ann.release(AVATAR_VOICE)
+        opened.synthesizer.seconds = 60.0
+        saying = asyncio.ensure_future(voice.say(then))
+        await opened.tells("Hello!", by="avatar")
+        monkeypatch.setattr("steady_voice.WAIT", 0.2)
+        opened.avatars.cut(refuse=True)
+        await saying
+        monkeypatch.undo()
+        opened.synthesizer.seconds = 0.2
+        await voice.say_late()
+        assert opened.told == []
+        await ann.release(ROBOT_VOICE)
+        await voice.say_late()
+        await opened.tells(f"Hello! {then}".strip(), by="robot")
+
+
+async def test_what_the_guides_own_body_could_not_say_it_says_later(tmp_path: Path) -> None:
+    async with (
+        house(tmp_path) as opened,
+        Client(opened.url, token=token("ann", rank="person")) as ann,
+        voice_of_guide(opened) as voice,
+    ):
+        await ann.bind(ROBOT_VOICE)
+        opened.synthesizer.refuses = True
+        await voice.say("Hello!")
+        opened.synthesizer.refuses = False
+        assert voice.component_ref == AVATAR_VOICE
+        await voice.say_late()
+        await opened.tells("Hello!", by="avatar")
+
+
+async def test_of_many_texts_that_no_body_could_say_the_last_ones_are_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with (
+        house(tmp_path) as opened,
+        Client(opened.url, token=token("ann", rank="person")) as ann,
+        voice_of_guide(opened) as voice,
+    ):
+        await ann.bind(AVATAR_VOICE)
+        await ann.bind(ROBOT_VOICE)
+        with monkeypatch.context() as short:
+            short.setattr("steady_voice.WAIT", 0.2)
+            for text in ("One.", "Two.", "Three.", "Four."):
+                await voice.say(text)
+        await ann.release(AVATAR_VOICE)
+        await voice.say_late()
+        assert "avatar said: Two. Three. Four.\n" in capsys.readouterr().out
 
 
 @pytest.mark.long
