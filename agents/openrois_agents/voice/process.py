@@ -2,8 +2,11 @@
 
 import asyncio
 import faulthandler
+import os
 import signal
+import threading
 from collections.abc import Coroutine
+from functools import partial
 from types import FrameType
 from typing import Any, Final
 
@@ -18,13 +21,16 @@ def run_agent(work: Coroutine[Any, Any, None], *, within: float = 15.0) -> None:
     """Run an agent until it ends, or SIGINT or SIGTERM cancels it; the last call of a program.
 
     The process is over in time then, also where a task does not let itself be cancelled, a thread does not return, or
-    a library computes on: it writes to standard error where it hangs, and has exit status 1. A second signal ends it at
-    once. Signals count also where the process was started with SIGINT ignored, as in the background of a script.
+    a library waits or computes on in C: it writes to standard error where it hangs, and has exit status 1. A second
+    signal ends it at once. Signals count also where the process was started with SIGINT ignored, as in the background
+    of a script. While a library holds the interpreter, so that no thread of Python runs, only SIGQUIT or SIGKILL ends
+    the process. A library that has signal handlers of its own, or adds some to the event loop, takes this away.
 
     Args:
         work: the agent; what it raises is raised here.
         within: seconds that the end of the process may take.
     """
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
     try:
         asyncio.run(_until_stopped(work, within))
     finally:
@@ -43,11 +49,34 @@ async def _until_stopped(work: Coroutine[Any, Any, None], within: float) -> None
         _let_signals_end_it()
         loop.call_soon_threadsafe(running.cancel)
 
+    _end_without_handlers(within)
     for name in _SIGNALS:
         signal.signal(name, stop)
     await asyncio.wait({running})
     if not running.cancelled():
         running.result()
+
+
+def _end_without_handlers(within: float) -> None:
+    """Let a thread end the process, too: while the main thread is in C no handler runs, and signals are only noted."""
+    noted, note = os.pipe()
+    os.set_blocking(note, False)
+    signal.set_wakeup_fd(note, warn_on_full_buffer=False)
+    # A process that is forked would note its signals here.
+    os.register_at_fork(after_in_child=partial(signal.set_wakeup_fd, -1))
+    threading.Thread(target=_end_when_noted, args=(noted, within), name="ends the agent", daemon=True).start()
+
+
+def _end_when_noted(noted: int, within: float) -> None:
+    is_ending = False
+    while True:
+        for number in os.read(noted, 64):
+            if number in _SIGNALS:
+                if is_ending:
+                    # As a shell has it of a process that a signal has ended.
+                    os._exit(128 + number)
+                is_ending = True
+                _end_within(within)
 
 
 def _let_signals_end_it() -> None:
@@ -60,5 +89,4 @@ def _end_within(seconds: float) -> None:
     if signal.getitimer(signal.ITIMER_REAL)[0] == 0.0:
         # Neither needs the interpreter, which a library may hold.
         faulthandler.dump_traceback_later(seconds, exit=True)
-        signal.signal(signal.SIGALRM, signal.SIG_DFL)
         signal.setitimer(signal.ITIMER_REAL, seconds + _SAYS_WHERE)

@@ -13,7 +13,7 @@ from tests.support.loopback import PATIENCE
 from tests.support.voice_agents import end_agent, running_agent
 
 _PROGRAM = """
-import asyncio, atexit, re, signal, threading
+import asyncio, atexit, ctypes, hashlib, itertools, os, signal, threading
 from openrois_agents.voice.process import run_agent
 
 async def stubborn():
@@ -23,9 +23,28 @@ async def stubborn():
         except asyncio.CancelledError:
             print("asked to end", flush=True)
 
+def wait():
+    # Locked twice: what waits in C sees no signal, and lets other threads run.
+    lock = ctypes.create_string_buffer(64)
+    ctypes.CDLL(None).pthread_mutex_lock(lock)
+    print("waits", flush=True)
+    ctypes.CDLL(None).pthread_mutex_lock(lock)
+
 def compute():
-    # The interpreter is held meanwhile.
-    re.match("(a+)+$", "a" * 64 + "b")
+    # For an hour, likewise.
+    print("computes", flush=True)
+    hashlib.pbkdf2_hmac("sha256", b"", b"", 2**31 - 1)
+
+def hold():
+    # For ever; nothing else runs in the interpreter meanwhile.
+    print("holds", flush=True)
+    sum(itertools.repeat(0))
+
+def fork():
+    if not os.fork():
+        signal.signal(signal.SIGTERM, lambda *_: os._exit(0))
+        signal.raise_signal(signal.SIGTERM)
+    os.wait()
 
 async def agent():
     print("running", flush=True)
@@ -38,7 +57,7 @@ RESTS = "await asyncio.Event().wait()"
 
 
 @asynccontextmanager
-async def agent(work: str, *before: str, within: float = 1.0) -> AsyncIterator[tuple[Process, str]]:
+async def agent(work: str, *before: str, within: float = PATIENCE) -> AsyncIterator[tuple[Process, str]]:
     """Run an agent whose work is a piece of Python, by a command before it; yields it, and the first line it prints."""
     program = _PROGRAM.format(work=work, within=within)
     process = await asyncio.create_subprocess_exec(*before, sys.executable, "-c", program, stdout=PIPE, stderr=PIPE)
@@ -67,13 +86,12 @@ async def test_an_agent_that_is_told_to_end_cleans_up(number: signal.Signals) ->
         pytest.param("await stubborn()", id="its main task goes on"),
         pytest.param(f"task = asyncio.ensure_future(stubborn()); {RESTS}", id="another task goes on"),
         pytest.param("while True: pass", id="the event loop does not come to run"),
-        pytest.param("compute()", id="a library computes"),
         pytest.param(f"threading.Thread(target=threading.Event().wait).start(); {RESTS}", id="a thread waits"),
-        pytest.param(f"atexit.register(compute); {RESTS}", id="a library computes at the end of the process"),
+        pytest.param(f"atexit.register(hold); {RESTS}", id="a library holds the interpreter at the end of the process"),
     ],
 )
 async def test_an_agent_that_does_not_end_is_ended_and_it_is_said_where_it_was(work: str) -> None:
-    async with agent(work) as (process, said):
+    async with agent(work, within=1.0) as (process, said):
         assert said == "running"
         process.send_signal(signal.SIGINT)
         _, complaint = await process.communicate()
@@ -82,9 +100,30 @@ async def test_an_agent_that_does_not_end_is_ended_and_it_is_said_where_it_was(w
         assert b'File "<string>", line' in complaint or b"threading.py" in complaint
 
 
+@pytest.mark.parametrize("library", ["wait", "compute"])
+async def test_an_agent_is_ended_also_while_a_library_lets_no_handler_of_signals_run(library: str) -> None:
+    async with agent(f"{library}()", within=1.0) as (process, _):
+        assert process.stdout is not None
+        assert await process.stdout.readline() == f"{library}s\n".encode()
+        process.send_signal(signal.SIGINT)
+        _, complaint = await process.communicate()
+        assert process.returncode == 1
+        assert complaint.startswith(b"Timeout (0:00:01)!\n")
+        assert f"in {library}\n".encode() in complaint
+
+
+async def test_sigquit_ends_it_where_a_library_holds_the_interpreter() -> None:
+    async with agent("hold()", "sh", "-c", 'ulimit -c 0; exec "$@"', "sh") as (process, _):
+        assert process.stdout is not None
+        assert await process.stdout.readline() == b"holds\n"
+        process.send_signal(signal.SIGQUIT)
+        await process.communicate()
+        assert process.returncode == -signal.SIGQUIT
+
+
 async def test_an_agent_that_fails_is_ended_too() -> None:
     work = "threading.Thread(target=threading.Event().wait).start(); raise ValueError('no such body')"
-    async with agent(work) as (process, said):
+    async with agent(work, within=1.0) as (process, said):
         assert said == "running"
         _, complaint = await process.communicate()
         assert process.returncode == 1
@@ -109,6 +148,27 @@ async def test_a_second_signal_ends_it_at_once() -> None:
         process.send_signal(signal.SIGINT)
         await process.communicate()
         assert process.returncode == -signal.SIGINT
+
+
+async def test_a_second_signal_ends_it_at_once_also_while_a_library_lets_no_handler_run() -> None:
+    async with agent("wait()", within=2 * PATIENCE) as (process, _):
+        assert process.stdout is not None
+        assert await process.stdout.readline() == b"waits\n"
+        # Two of the same kind may become one.
+        process.send_signal(signal.SIGINT)
+        process.send_signal(signal.SIGTERM)
+        await process.communicate()
+        assert process.returncode in (128 + signal.SIGINT, 128 + signal.SIGTERM)
+
+
+async def test_a_signal_to_a_process_that_the_agent_has_forked_is_none_to_it() -> None:
+    async with agent("fork(); wait()", within=1.0) as (process, _):
+        assert process.stdout is not None
+        assert await process.stdout.readline() == b"waits\n"
+        process.send_signal(signal.SIGINT)
+        await process.communicate()
+        # A second signal would have ended it at once.
+        assert process.returncode == 1
 
 
 async def test_an_agent_that_goes_on_after_a_test_is_killed_and_the_test_fails() -> None:
