@@ -154,6 +154,14 @@ async (patience) => {
     const counts = { speeches: "int", taken: "int", dropped: "int", refused: "int", malformed: "int" };
     found.speech_stream = await new sdk.ComponentProxy(client, "avatar/speech_stream").query("streaming", counts);
     found.speech_progress = { words: words.map(({ word }) => word), end };
+    const dialogue = part("dialogue");
+    const changes = await hear("dialogue", dialogue.event("changed", { wake_word: "string" }));
+    await dialogue.bound(async () => {
+      await client.setParameter("avatar/dialogue", sdk.encode({ wake_word: "string" }, { wake_word: "computer" }));
+      await heard(changes, "the wake word is told", ({ wake_word }) => wake_word === "computer");
+    });
+    // It holds for as long as the voice is held.
+    found.dialogue = await heard(changes, "the wake word is taken back", ({ wake_word }) => wake_word === "");
   };
 
   const gestures = async () => {

@@ -159,6 +159,7 @@ def _check_acting(found: dict[str, Any]) -> None:
     assert "en" in speech["languages"]
     assert speech["voices"]
     assert {"Hello", "window"} <= set(found["speech_progress"]["words"])
+    assert found["dialogue"] == {"wake_word": ""}
     assert found["reaction"]["status"] == found["gaze"] == "OK"
     assert found["viewpoint"] == ["OK", "OK"]
     assert len(found["reaction"]["reactions"]) == 12
