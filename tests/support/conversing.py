@@ -12,12 +12,15 @@ from openrois_agents.mind.conversation import Conversations
 from openrois_agents.mind.ears import Ears, MakePhrases
 from openrois_agents.mind.figures import MindFigures
 from openrois_agents.mind.limits import Budget, Limits
+from openrois_agents.mind.phrases import Phrases, make_phrases
+from openrois_agents.tools.names import Vocabulary
 from openrois_agents.tools.session import Session
 from openrois_agents.tools.settings import ToolSettings
 
-from openrois.adapter import Component, components, event, parameter
+from openrois.adapter import Component, event, parameter
 from openrois.client import Client
-from tests.support.actors import Actor
+from openrois.testing import memory_gateway
+from tests.support.actors import Actor, Words
 from tests.support.clock import Clock
 
 __all__ = [
@@ -28,6 +31,8 @@ __all__ = [
     "ScriptedMind",
     "SpeechProgress",
     "conversing",
+    "no_phrases",
+    "talk",
     "until",
 ]
 
@@ -42,19 +47,8 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation", part
     def word_spoken(self, speech_id: str, word: str, position: int, length: int, spoken_at: datetime) -> None: ...
 
 
-class Recognition(components.SpeechRecognition):
+class Recognition(Words):
     grammar: str = parameter("default")
-
-    async def recognizable_languages(self) -> tuple[str, ...]:
-        return ("en",)
-
-    async def start(self) -> None: ...
-
-    async def stop(self) -> None: ...
-
-    async def suspend(self) -> None: ...
-
-    async def resume(self) -> None: ...
 
 
 class ScriptedMind:
@@ -150,3 +144,16 @@ async def conversing(
             finally:
                 running.cancel()
                 await asyncio.wait({running})
+
+
+def no_phrases(_names: object, _unknown: object) -> Phrases:
+    """Make a grammar in which nothing can be said."""
+    return make_phrases(Vocabulary())
+
+
+@asynccontextmanager
+async def talk(*more: Component, at_once: bool = True, **options: Any) -> AsyncIterator[Conversing]:
+    """Lead conversations with a body that has these components, too, behind a gateway in memory."""
+    actor = Actor(at_once)
+    async with memory_gateway(*actor.parts, *more) as gateway, conversing(gateway.client, actor, **options) as talking:
+        yield talking
