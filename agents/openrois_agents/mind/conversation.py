@@ -216,14 +216,8 @@ class Conversations:
         if missing := consents.missing(words.visitor):
             self._figures.refusals["consent"] += 1
             self._forget()
-
-            def is_said() -> None:
-                self._asked.add(words.visitor, missing)
-                if not self._turns:
-                    # No body is held only to have asked.
-                    self._news.post(Over(self._answers))
-
-            self._start_saying(request_consent(missing), is_said)
+            # The body is held until the visitor has been silent for long: it shows meanwhile what to agree to.
+            self._start_saying(request_consent(missing), lambda: self._asked.add(words.visitor, missing))
             return
         self._asked.discard(words.visitor)
         self._remembered.add(words.visitor, consents)

@@ -149,52 +149,60 @@ async def test_a_noise_of_a_visitor_who_does_not_consent_is_not_answered_and_no_
         assert (talking.figures.conversations, talking.mind.forgotten) == (1, 0)
 
 
-async def test_a_visitor_is_asked_for_consent_once_and_no_body_is_held_to_repeat_that() -> None:
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The visitors who were asked for consent, to the end of the sentence, or have spoken all the same."""
+    noted: list[str] = []
+
+    class Noted(Asked):
+        def add(self, visitor: str, missing: Sequence[Purpose]) -> None:
+            super().add(visitor, missing)
+            noted.append(visitor)
+
+    monkeypatch.setattr("openrois_agents.mind.conversation.Asked", Noted)
+    return noted
+
+
+async def test_a_visitor_is_asked_once_and_again_for_other_consent_and_in_another_conversation(
+    asked: list[str],
+) -> None:
     visitors = Visitors({"v1": "recognition"})
     async with talk(visitors, mind=ScriptedMind("https://model.example.org")) as talking:
         talking.hear("good morning", visitor="v1")
-        await until(lambda: talking.figures.conversations == 1 and talking.figures.holds == 0)
-        for refused in (2, 3):
-            talking.clock.now += SILENCE
-            talking.hear("are you there", visitor="v1")
-            await until(lambda refused=refused: talking.figures.refusals["consent"] == refused)  # type: ignore[misc]
-        assert (talking.figures.conversations, len(talking.actor.speaking.did)) == (1, 1)
-        # What is missing is not the same any more.
+        await until(lambda: len(asked) == 1)
+        # The body is held, and shows what to agree to.
+        assert talking.figures.holds == 1
+        talking.hear("are you there", visitor="v1")
+        await until(lambda: talking.figures.refusals["consent"] == 2)
+        assert len(talking.actor.speaking.did) == 1
         visitors.consents["v1"] = "recognition agent"
         talking.hear("and now", visitor="v1")
-        await until(lambda: talking.figures.conversations == 2 and talking.figures.holds == 0)
+        await until(lambda: len(asked) == 3)
         assert "another machine" in talking.actor.speaking.did[1]
         assert "a program" not in talking.actor.speaking.did[1]
-        # It was silent as long as ends a conversation.
         talking.clock.now += SILENCE + 1
+        await talking.until_free()
         talking.hear("good evening", visitor="v1")
-        await until(lambda: talking.figures.conversations == 3 and talking.figures.holds == 0)
+        await until(lambda: len(asked) == 4)
+        assert (talking.figures.conversations, len(talking.actor.speaking.did)) == (2, 3)
         visitors.consents["v1"] = "recognition agent transfer"
         talking.hear("good night", visitor="v1")
         await until(lambda: talking.figures.answers == 1)
         visitors.consents["v1"] = "recognition agent"
         talking.hear("and I say", visitor="v1")
-        await until(lambda: talking.figures.refusals["consent"] == 6)
+        await until(lambda: talking.figures.refusals["consent"] == 5)
         assert [each.text for each in talking.mind.turns] == ["good night"]
 
 
 async def test_a_visitor_who_does_not_consent_is_asked_once_in_a_conversation_and_ends_it_not(
-    monkeypatch: pytest.MonkeyPatch,
+    asked: list[str],
 ) -> None:
-    visitors, asked = Visitors({"v1": "agent", "v2": "live"}), asyncio.Event()
-
-    class Noted(Asked):
-        def add(self, visitor: str, missing: Sequence[Purpose]) -> None:
-            super().add(visitor, missing)
-            asked.set()
-
-    monkeypatch.setattr("openrois_agents.mind.conversation.Asked", Noted)
+    visitors = Visitors({"v1": "agent", "v2": "live"})
     async with talk(visitors) as talking:
         talking.hear("good morning", visitor="v1")
         await until(lambda: talking.figures.answers == 1)
         talking.hear("hello", visitor="v2")
-        async with asyncio.timeout(PATIENCE):
-            await asked.wait()
+        await until(lambda: asked == ["v2"])
         for number in range(2, 5):
             talking.hear("well", visitor="v1")
             await until(lambda number=number: talking.figures.answers == number)  # type: ignore[misc]
@@ -206,19 +214,17 @@ async def test_a_visitor_who_does_not_consent_is_asked_once_in_a_conversation_an
         assert (talking.figures.conversations, talking.figures.holds) == (1, 1)
 
 
-async def test_of_many_visitors_who_do_not_consent_the_first_is_asked_again() -> None:
-    visitors = Visitors({})
-    async with talk(visitors) as talking:
-        talking.hear("hello", visitor="v0")
-        for number in range(1, 65):
-            await until(lambda: talking.figures.conversations == number and talking.figures.holds == 0)  # noqa: B023
+async def test_of_many_visitors_who_do_not_consent_the_first_is_asked_again(asked: list[str]) -> None:
+    async with talk(Visitors({})) as talking:
+        for number in range(65):
             talking.hear("hello", visitor=f"v{number}")
-        await until(lambda: talking.figures.conversations == 65 and talking.figures.holds == 0)
+            await until(lambda: len(asked) == number + 1)  # noqa: B023
+        said = len(talking.actor.speaking.did)
         talking.hear("hello", visitor="v64")
         await until(lambda: talking.figures.refusals["consent"] == 66)
-        assert talking.figures.conversations == 65
+        assert len(talking.actor.speaking.did) == said
         talking.hear("hello", visitor="v0")
-        await until(lambda: talking.figures.conversations == 66)
+        await until(lambda: len(talking.actor.speaking.did) == said + 1)
 
 
 async def test_a_visitor_of_whom_no_consent_is_told_has_given_none() -> None:
