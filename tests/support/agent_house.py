@@ -12,12 +12,20 @@ from tests.support.deployment import until
 from tests.support.operated import noting_avatar
 from tests.support.tokens import issue, key_file
 
-__all__ = ["House", "house", "token"]
+__all__ = ["House", "agent_and_visitor", "house", "token"]
 
 
 def token(subject: str, **claims: object) -> str:
     """Return a token for the avatar."""
     return issue(time.time(), sub=subject, **{"scope": ["avatar/*"], **claims})
+
+
+def agent_and_visitor() -> dict[str, str]:
+    """Return the tokens of an agent that speaks through the avatar, and of the visitor that it hears."""
+    return {
+        "agent": token("mind", rank="agent", roles=["operator", "listener"]),
+        "visitor": token("vito", rank="person", roles=["visitor"]),
+    }
 
 
 class House:

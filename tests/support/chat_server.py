@@ -15,6 +15,8 @@ from typing import Any
 from aiohttp import web
 from openrois_body.services.address import ServiceAddress
 
+from tests.support.http_answers import begin, cut, event
+
 Behaviour = Callable[["ChatServer", web.Request], Awaitable[web.StreamResponse]]
 
 TEXT = "text/event-stream"
@@ -57,18 +59,6 @@ class ChatServer:
             raise
 
 
-async def begin(request: web.Request, kind: str = TEXT) -> web.StreamResponse:
-    """Begin an answer in pieces."""
-    response = web.StreamResponse(headers={"Content-Type": kind})
-    await response.prepare(request)
-    return response
-
-
-def event(told: object) -> bytes:
-    """Return a server-sent event."""
-    return f"data: {json.dumps(told)}\n\n".encode()
-
-
 def chunk(delta: dict[str, Any], finish: str | None = None) -> dict[str, Any]:
     """Return an event of a stream, as OpenAI's server has it."""
     choice = {"index": 0, "delta": delta, "finish_reason": finish}
@@ -105,7 +95,7 @@ def streams(*events: object, finish: str = "stop", usage: tuple[int, int] | None
     """Return a behaviour that sends events, and the end."""
 
     async def answer(server: ChatServer, request: web.Request) -> web.StreamResponse:
-        response = await begin(request)
+        response = await begin(request, TEXT)
         for each in events:
             await response.write(event(each))
             server.written.append(asyncio.get_running_loop().time())
@@ -123,7 +113,7 @@ def halting(*before: object, then: Sequence[bytes] = (), rest: Sequence[object] 
     """Return a behaviour that sends events, and the beginning of another one, and the rest when the test says so."""
 
     async def answer(server: ChatServer, request: web.Request) -> web.StreamResponse:
-        response = await begin(request)
+        response = await begin(request, TEXT)
         for written in (*map(event, before), *then):
             await response.write(written)
             server.written.append(asyncio.get_running_loop().time())
@@ -136,19 +126,9 @@ def halting(*before: object, then: Sequence[bytes] = (), rest: Sequence[object] 
     return answer
 
 
-async def silent(server: ChatServer, _request: web.Request) -> web.StreamResponse:
-    """Send nothing, no header either, until the test says so."""
-    await server.go_on.wait()
-    raise web.HTTPNoContent
-
-
 async def breaking(_server: ChatServer, request: web.Request) -> web.StreamResponse:
     """Close the connection in the middle of a sentence."""
-    response = await begin(request)
-    await response.write(event(chunk({"content": "I think. Then I am, but"})))
-    assert request.transport is not None
-    request.transport.close()
-    return response
+    return await cut(request, TEXT, event(chunk({"content": "I think. Then I am, but"})))
 
 
 def floods(told: Callable[[int], bytes], kind: str = TEXT) -> Behaviour:

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from openrois_streaming.clock import SystemClock
 from openrois_streaming.source.source import RawAudio
 
 from tests.support.hearing import stereo_48k
+from tests.support.sounds import paced
 
 __all__ = ["Microphone"]
 
@@ -32,12 +32,4 @@ class Microphone:
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[RawAudio]]:
         """Record while the block runs."""
-        yield self._items()
-
-    async def _items(self) -> AsyncIterator[RawAudio]:
-        clock = SystemClock()
-        at = clock.now()
-        while True:
-            await clock.sleep_until(at)
-            yield RawAudio(self._blocks.pop(0) if self._blocks else self._noise, at)
-            at += _BLOCK / 48_000
+        yield paced(lambda _number: self._blocks.pop(0) if self._blocks else self._noise)

@@ -1,8 +1,12 @@
-"""Sounds that are known."""
+"""Sounds that are known, and sources that make them."""
+
+import itertools
+from collections.abc import AsyncIterator, Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from openrois_streaming.source.source import SAMPLE_RATE
+from openrois_streaming.clock import SystemClock
+from openrois_streaming.source.source import SAMPLE_RATE, RawAudio
 
 
 def bursts(*starts: int, length: int = 2 * SAMPLE_RATE, amplitude: int = 16_000) -> NDArray[np.int16]:
@@ -18,3 +22,13 @@ def tone(seconds: float, rate: int, pitch: float = 300) -> NDArray[np.int16]:
     """Return a tone, mono."""
     wave = np.sin(2 * np.pi * pitch * np.arange(round(seconds * rate)) / rate)
     return np.asarray(wave * 16_000, np.int16)
+
+
+async def paced(block: Callable[[int], NDArray[np.int16]]) -> AsyncIterator[RawAudio]:
+    """Yield blocks of 20 ms by their numbers, each at its time: the sound of a microphone."""
+    clock = SystemClock()
+    began = clock.now()
+    for number in itertools.count():
+        due = began + number * 0.02
+        await clock.sleep_until(due)
+        yield RawAudio(block(number), due)

@@ -14,7 +14,10 @@ from numpy.typing import NDArray
 from openrois_body.services.address import ServiceAddress
 from openrois_body.speech.synthesizer import Synthesizer
 
+from tests.support.http_answers import begin, cut, event
+
 RATE = 24_000
+SOUND = "audio/pcm"
 Behaviour = Callable[["SpeechServer", web.Request], Awaitable[web.StreamResponse]]
 
 
@@ -55,7 +58,7 @@ class SpeechServer:
         self.arrived.release()
         if self.behaviour is not None:
             return await self.behaviour(self, request)
-        response = await begin(request)
+        response = await begin(request, SOUND)
         await response.write((await self.sound(told["input"])).astype("<i2").tobytes())
         return response
 
@@ -74,18 +77,6 @@ class SpeechServer:
         return web.json_response({"text": self.words})
 
 
-async def begin(request: web.Request, kind: str = "audio/pcm") -> web.StreamResponse:
-    """Begin an answer in pieces."""
-    response = web.StreamResponse(headers={"Content-Type": kind})
-    await response.prepare(request)
-    return response
-
-
-def event(told: object) -> bytes:
-    """Return a server-sent event."""
-    return f"data: {json.dumps(told)}\n\n".encode()
-
-
 async def streamed(server: SpeechServer, request: web.Request) -> web.StreamResponse:
     """Tell the words one by one, and then all of them."""
     response = await begin(request, "text/event-stream")
@@ -98,7 +89,7 @@ async def streamed(server: SpeechServer, request: web.Request) -> web.StreamResp
 async def first_half(server: SpeechServer, request: web.Request) -> web.StreamResponse:
     """Send the first half of the sound at once, and the rest when the test says so."""
     sound = (await server.sound(server.asked[-1]["input"])).astype("<i2").tobytes()
-    response = await begin(request)
+    response = await begin(request, SOUND)
     half = len(sound) // 4 * 2
     await response.write(sound[:half])
     await server.go_on.wait()
@@ -109,30 +100,20 @@ async def first_half(server: SpeechServer, request: web.Request) -> web.StreamRe
 async def odd_pieces(server: SpeechServer, request: web.Request) -> web.StreamResponse:
     """Send the sound in pieces that cut samples in two."""
     sound = (await server.sound(server.asked[-1]["input"])).astype("<i2").tobytes()
-    response = await begin(request)
+    response = await begin(request, SOUND)
     for first in range(0, len(sound), 1001):
         await response.write(sound[first : first + 1001])
     return response
 
 
-async def silent(server: SpeechServer, _request: web.Request) -> web.StreamResponse:
-    """Answer nothing until the test says so."""
-    await server.go_on.wait()
-    raise web.HTTPNoContent
-
-
-async def early_end(server: SpeechServer, request: web.Request) -> web.StreamResponse:
+async def early_end(_server: SpeechServer, request: web.Request) -> web.StreamResponse:
     """Close the connection in the middle of the answer."""
-    response = await begin(request)
-    await response.write(b"\1\0" * 4800)
-    assert request.transport is not None
-    request.transport.close()
-    return response
+    return await cut(request, SOUND, b"\1\0" * 4800)
 
 
 async def flood(server: SpeechServer, request: web.Request) -> web.StreamResponse:
     """Send sound without end, until the other side has had enough."""
-    response = await begin(request)
+    response = await begin(request, SOUND)
     try:
         while True:
             await response.write(bytes(1 << 20))

@@ -1,7 +1,6 @@
 """A visitor who whistles to an agent, what a viewer hears of the avatar that speaks for it, and agents as processes."""
 
 import asyncio
-import itertools
 import re
 import signal
 import sys
@@ -17,7 +16,6 @@ import pytest
 from numpy.typing import NDArray
 from openrois_media import Media
 from openrois_media.client.stream import News
-from openrois_streaming.clock import SystemClock
 from openrois_streaming.source.source import SAMPLE_RATE, RawAudio
 
 from openrois.client import Client
@@ -25,7 +23,7 @@ from openrois.types.codes import Purpose
 from tests.support.loopback import PATIENCE
 from tests.support.operated import operated_avatar
 from tests.support.packages import ROOT
-from tests.support.sounds import tone
+from tests.support.sounds import paced, tone
 
 __all__ = ["Ear", "Mouth", "end_agent", "hear_parrot", "hearing", "running_agent"]
 
@@ -147,19 +145,14 @@ class Mouth:
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[RawAudio]]:
         """Open it, as a source."""
-        yield self._sound()
-
-    async def _sound(self) -> AsyncIterator[RawAudio]:
-        clock = SystemClock()
-        began = clock.now()
         silence = np.zeros(SAMPLE_RATE // 50, np.int16)
-        for number in itertools.count():
-            due = began + number * 0.02
-            await asyncio.sleep(max(0.0, due - clock.now()))
+
+        def next_block(_number: int) -> NDArray[np.int16]:
             if not self._blocks:
                 self._quiet.set()
-            block = self._blocks.popleft() if self._blocks else silence
-            yield RawAudio(block[:, np.newaxis], due)
+            return (self._blocks.popleft() if self._blocks else silence)[:, np.newaxis]
+
+        yield paced(next_block)
 
 
 @asynccontextmanager

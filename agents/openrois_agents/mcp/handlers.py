@@ -29,11 +29,11 @@ from mcp_types import (
 )
 from mcp_types.version import HANDSHAKE_PROTOCOL_VERSIONS
 
-from openrois.client import ConnectionFailed, ConnectionLost, RoISError, RpcError
+from openrois.client import ConnectionFailed
 from openrois_agents.mcp.announcements import Announcements
 from openrois_agents.mcp.results import answered, failed
 from openrois_agents.tools.documents import BODIES, EVENTS, PROFILE, profile_address, read_document
-from openrois_agents.tools.failures import failure
+from openrois_agents.tools.failures import FAILURES, failure
 from openrois_agents.tools.names import Vocabulary
 from openrois_agents.tools.session import Session
 from openrois_agents.tools.toolbox import TOOLS, call_tool, input_schema
@@ -158,7 +158,7 @@ class Handlers:
             if context.protocol_version in HANDSHAKE_PROTOCOL_VERSIONS:
                 self._announcing(session).add_connection(context.session)
             return await session.vocabulary()
-        except (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError):
+        except FAILURES:
             return Vocabulary()
 
     async def _found(self, context: Context) -> Session:

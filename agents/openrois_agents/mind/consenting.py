@@ -7,21 +7,19 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
-from openrois.client import BodyInfo, Client, ConnectionFailed, ConnectionLost, RoISError, RpcError, Subscription
+from openrois.client import BodyInfo, Client, Subscription
 from openrois.types.codes import Purpose
-from openrois.types.profiles import component_urn
 from openrois_agents.mind.contract import Allowed, Mind
 from openrois_agents.mind.figures import MindFigures
 from openrois_agents.mind.words import Words
-from openrois_agents.tools.consents import read_visitors
+from openrois_agents.tools.consents import VISITORS, read_statement, read_visitors
+from openrois_agents.tools.failures import FAILURES
 from openrois_agents.tools.session import Session
 
 __all__ = ["Asked", "Consents", "Remembered", "request_consent"]
 
 _log = logging.getLogger(__name__)
 
-_VISITORS: Final = component_urn("Visitors", "OpenRoIS")
-_FAILURES: Final = (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError)
 _ASKED: Final = {
     Purpose.AGENT: "a program that answers gets your words",
     Purpose.TRANSFER: "they are sent to another machine",
@@ -71,7 +69,7 @@ class Remembered:
     async def read_consents(self, client: Client, body: BodyInfo) -> Consents:
         """Ask a body what its visitors consent to, and remember what those have stated whose words the mind has."""
         now = await read_visitors(client, body)
-        self._stated |= {visitor: given for visitor, given in now.consents.items() if visitor in self._stated}
+        self._note(now.consents)
         gone = {visitor: stated for visitor, stated in self._stated.items() if visitor and visitor not in now.consents}
         needed = {Purpose.AGENT, *((Purpose.TRANSFER,) if self._mind.sends_to else ())}
         return Consents(frozenset(needed), now.consents, gone if now.are_known else {}, self._mind.needs_visitor)
@@ -80,7 +78,7 @@ class Remembered:
         """Ask a body that was spoken to; None where there is none to be asked any more."""
         try:
             return await self.read_consents(await session.link.client(), await session.body_info(body))
-        except _FAILURES as error:
+        except FAILURES as error:
             _log.info("%s was spoken to, and cannot answer: %s", body, error)
             return None
 
@@ -105,25 +103,25 @@ class Remembered:
     async def following(self, client: Client, body: BodyInfo) -> AsyncIterator[None]:
         """Note while the block runs what visitors of a body state, also just before they leave."""
         async with TaskScope() as tasks:
-            for component_ref in body.refs(_VISITORS)[:1]:
+            for component_ref in body.refs(VISITORS)[:1]:
                 changes = client.component(component_ref).event("visitor_changed")
                 try:
                     # Subscribed here: no withdrawal from now on is missed.
                     await changes.__aenter__()
-                except _FAILURES as error:
+                except FAILURES as error:
                     _log.warning("what visitors of %s withdraw as they leave is not heard: %s", body.engine_id, error)
                 else:
                     tasks.start(self._note_all(changes))
             yield
 
+    def _note(self, consents: Mapping[str, frozenset[str]]) -> None:
+        self._stated |= {visitor: given for visitor, given in consents.items() if visitor in self._stated}
+
     async def _note_all(self, changes: Subscription[dict[str, Any]]) -> None:
         try:
             async for data in changes:
-                visitor = str(data.get("visitor_ref", ""))
-                # One who sends nothing has left, and states nothing with that.
-                if visitor in self._stated and data.get("devices"):
-                    self._stated[visitor] = frozenset(str(data.get("consent", "")).split())
-        except _FAILURES as error:
+                self._note(read_statement(data))
+        except FAILURES as error:
             _log.info("what visitors withdraw as they leave is not heard any more: %s", error)
         finally:
             await changes.close()

@@ -7,7 +7,7 @@ from contextlib import AsyncExitStack
 from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
-from openrois.client import ConnectionFailed, ConnectionLost, RoISError, RpcError
+from openrois.client import RoISError
 from openrois.types.references import engine_of
 from openrois_agents.mind.body_stage import BodyStage
 from openrois_agents.mind.consenting import Asked, Consents, Remembered, request_consent
@@ -20,6 +20,7 @@ from openrois_agents.mind.spoken import Spoken, yield_again, yielding_voice
 from openrois_agents.mind.words import Words, is_addressed, is_goodbye, is_stop
 from openrois_agents.tools.abilities import ABILITIES
 from openrois_agents.tools.event_log import LoggedEvent
+from openrois_agents.tools.failures import FAILURES
 from openrois_agents.tools.held_body import HeldBody
 from openrois_agents.tools.session import Session
 from openrois_agents.tools.vocabulary import gestures_of
@@ -37,7 +38,6 @@ _MOVING: Final = 5.0
 _LOOK: Final = 1.0
 _BEATS: Final = ("beat", "explain", "nod", "tilt")
 """Small gestures that go with speech, the best first."""
-_FAILURES: Final = (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError)
 _HERE_NOW: Final = "I go on here."
 _WENT_WRONG: Final = "I am sorry, something went wrong."
 
@@ -181,7 +181,7 @@ class Conversations:
                 held = await self._session.use_body(body, tools, 0)
             except RoISError:
                 held = await self._session.use_body(body, None, 0)
-        except _FAILURES as error:
+        except FAILURES as error:
             self._figures.refusals["busy"] += 1
             _log.info("%s was spoken to, and cannot answer: %s", body, error)
             return False
@@ -299,7 +299,7 @@ class Conversations:
             try:
                 held = self._session.require_body()
                 await held.client.control.stop_all(held.engine_id)
-            except _FAILURES as error:
+            except FAILURES as error:
                 _log.warning("the body could not be stopped: %s", error)
         self._has_stopped = not final
 
@@ -338,7 +338,7 @@ class Conversations:
         await self._voice.aclose()
         try:
             now = await self._session.use_body(None, None, _MOVING)
-        except _FAILURES as error:
+        except FAILURES as error:
             _log.info("%s was lost, and no other body is free: %s", lost, error)
             await self._end(f"{lost} was lost")
             return

@@ -13,16 +13,13 @@ from openrois.client import (
     BodyInfo,
     Client,
     ComponentProxy,
-    ConnectionFailed,
-    ConnectionLost,
-    RoISError,
-    RpcError,
     Subscription,
 )
-from openrois.types.profiles import component_urn
 from openrois_agents.mind.expecting import expect_phrases
 from openrois_agents.mind.phrases import Phrases
 from openrois_agents.mind.words import Words
+from openrois_agents.tools.consents import HEARING
+from openrois_agents.tools.failures import FAILURES
 from openrois_agents.tools.names import Vocabulary
 from openrois_agents.tools.session import Session
 
@@ -30,13 +27,11 @@ __all__ = ["Ears", "MakePhrases"]
 
 _log = logging.getLogger(__name__)
 
-_HEARING: Final = component_urn("Hearing", "OpenRoIS")
 _ANYTHING: Final = "default"
 _OURS: Final = "grammar mind;"
 """Stands in each grammar of a mind: one that a mind left behind that was killed is not put back."""
 _AGAIN: Final = 30.0
 """Seconds after which the bodies are looked at again, where none came or went: places may have."""
-_FAILURES: Final = (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError)
 
 MakePhrases = Callable[[Vocabulary, Collection[str]], Phrases]
 """Returns what can be said, given the names that there are and words that a recogniser does not know."""
@@ -97,13 +92,13 @@ class Ears:
             self._changed.clear()
             try:
                 await self._update()
-            except _FAILURES as error:
+            except FAILURES as error:
                 _log.info("the bodies cannot be listed now: %s", error)
 
     async def _update(self) -> None:
         client = await self._session.link.client()
         bodies = await client.bodies()
-        there = {ref: body for body in bodies for ref in body.refs(_HEARING)[:1]}
+        there = {ref: body for body in bodies for ref in body.refs(HEARING)[:1]}
         for ref in [each for each, task in self._readers.items() if task.done() or each not in there]:
             self._readers.pop(ref).cancel()
         for ref, body in there.items():
@@ -121,11 +116,11 @@ class Ears:
                 text, visitor = str(data.get("text", "")), str(data.get("visitor_ref") or "")
                 if text or self._make_phrases is not None:
                     self._heard(Words(text, data.get("final") is True, visitor, body))
-        except _FAILURES as error:
+        except FAILURES as error:
             _log.info("%s is not heard any more: %s", component_ref, error)
             self._changed.set()
         finally:
-            with suppress(*_FAILURES):
+            with suppress(*FAILURES):
                 await occurrences.close()
 
     async def _expect(self, client: Client, bodies: Collection[BodyInfo], make: MakePhrases) -> None:
@@ -139,7 +134,7 @@ class Ears:
         for ref in recognisers:
             try:
                 await self._expect_at(client.component(ref), whole, lambda unknown: make(vocabulary, unknown))
-            except _FAILURES as error:
+            except FAILURES as error:
                 _log.warning("%s takes no grammar, and recognises anything: %s", ref, error)
 
     async def _expect_at(
@@ -167,5 +162,5 @@ class Ears:
                 component = (await self._session.link.client()).component(component_ref)
                 if (await component.get_parameter()).get("grammar") == self._set[component_ref][1]:
                     await component.set_parameter(grammar=self._before[component_ref])
-        except _FAILURES as error:
+        except FAILURES as error:
             _log.info("the grammar of %s was not put back: %s", component_ref, error)

@@ -6,8 +6,9 @@ from contextlib import asynccontextmanager
 from typing import Any, Final
 
 from openrois.aio.tasks import TaskScope
-from openrois.client import ConnectionFailed, ConnectionLost, RoISError, RpcError, Subscription
+from openrois.client import Subscription
 from openrois.types.profiles import component_urn
+from openrois_agents.tools.failures import FAILURES
 from openrois_agents.tools.held_body import HeldBody
 
 __all__ = ["Spoken", "yield_again", "yielding_voice"]
@@ -15,7 +16,6 @@ __all__ = ["Spoken", "yield_again", "yielding_voice"]
 _log = logging.getLogger(__name__)
 
 _SPEECH_PROGRESS: Final = component_urn("SpeechProgress", "OpenRoIS")
-_FAILURES: Final = (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError)
 
 
 class Spoken:
@@ -49,7 +49,7 @@ async def yielding_voice(held: HeldBody) -> AsyncIterator[Spoken]:
         try:
             component = await held.bind(component_ref)
             await component.set_parameter(barge_in=True)
-        except _FAILURES as error:
+        except FAILURES as error:
             _log.info("%s does not stop when it is spoken to: %s", held.engine_id, error)
             yield spoken
             return
@@ -60,7 +60,7 @@ async def yielding_voice(held: HeldBody) -> AsyncIterator[Spoken]:
             if held.body.error is None:
                 try:
                     await component.set_parameter(barge_in=False)
-                except _FAILURES as error:
+                except FAILURES as error:
                     _log.info("barge_in of %s may still be set: %s", component_ref, error)
 
 
@@ -69,7 +69,7 @@ async def _read_words(words: Subscription[dict[str, Any]], spoken: Spoken) -> No
         async with words:
             async for data in words:
                 spoken.add_word(int(data["position"]), int(data["length"]))
-    except _FAILURES as error:
+    except FAILURES as error:
         _log.info("how much is heard is not known: %s", error)
 
 
@@ -79,5 +79,5 @@ async def yield_again(held: HeldBody, came_back: str) -> None:
         if component_ref == came_back:
             try:
                 await (await held.bind(component_ref)).set_parameter(barge_in=True)
-            except _FAILURES as error:
+            except FAILURES as error:
                 _log.info("%s does not stop when it is spoken to: %s", held.engine_id, error)

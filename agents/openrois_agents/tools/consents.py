@@ -7,16 +7,17 @@ from itertools import zip_longest
 from typing import Any, Final
 
 from openrois.catalog import sensing
-from openrois.client import BodyInfo, Client, ConnectionFailed, ConnectionLost, RoISError, RpcError
+from openrois.client import BodyInfo, Client
 from openrois.types.codes import Purpose
 from openrois.types.profiles import component_urn
+from openrois_agents.tools.failures import FAILURES
 
-__all__ = ["TELLING_QUERIES", "Consents", "VisitorsNow", "read_visitors"]
+__all__ = ["HEARING", "TELLING_QUERIES", "VISITORS", "Consents", "VisitorsNow", "read_statement", "read_visitors"]
 
 _log = logging.getLogger(__name__)
 
-_VISITORS: Final = component_urn("Visitors", "OpenRoIS")
-_HEARING: Final = component_urn("Hearing", "OpenRoIS")
+VISITORS: Final = component_urn("Visitors", "OpenRoIS")
+HEARING: Final = component_urn("Hearing", "OpenRoIS")
 _SENSES: Final = (
     sensing.PERSON_DETECTION.urn,
     sensing.PERSON_LOCALIZATION.urn,
@@ -27,7 +28,7 @@ _SENSES: Final = (
     sensing.SOUND_LOCALIZATION.urn,
     sensing.SPEECH_RECOGNITION.urn,
     sensing.GESTURE_RECOGNITION.urn,
-    _HEARING,
+    HEARING,
     component_urn("Sight", "OpenRoIS"),
 )
 """Types whose events tell of persons; those of the standard do not say of whom."""
@@ -62,17 +63,26 @@ class VisitorsNow:
 
 async def read_visitors(client: Client, body: BodyInfo) -> VisitorsNow:
     """Ask a body for its visitors; one that tells none apart has none."""
-    for component_ref in body.refs(_VISITORS)[:1]:
+    for component_ref in body.refs(VISITORS)[:1]:
         try:
             found = await client.component(component_ref).query("visitors")
-        except (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError) as error:
+        except FAILURES as error:
             _log.warning("%s does not tell what visitors consent to: %s", body.engine_id, error)
             return VisitorsNow({}, are_known=False)
         refs, consents = found.get("visitor_ref", ()), found.get("consent", ())
         # A visitor of whom no consent is told has given none.
         told = zip_longest(refs, consents[: len(refs)], fillvalue="")
-        return VisitorsNow({visitor: frozenset(str(each).split()) for visitor, each in told})
+        return VisitorsNow({visitor: _purposes(each) for visitor, each in told})
     return VisitorsNow({})
+
+
+def read_statement(change: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
+    """Return what the visitor of a `visitor_changed` consents to; of one who has left nothing: it withdraws nothing."""
+    return {str(change.get("visitor_ref", "")): _purposes(change.get("consent", ""))} if change.get("devices") else {}
+
+
+def _purposes(told: object) -> frozenset[str]:
+    return frozenset(str(told).split())
 
 
 class Consents:
@@ -93,10 +103,6 @@ class Consents:
         self._stated: dict[str, frozenset[str]] = {}
         self._senses = {ref for urn in _SENSES for ref in body.refs(urn)}
 
-    def are_of(self, client: Client, body: BodyInfo) -> bool:
-        """Return whether these are asked by that client, of the body as it is."""
-        return self._client is client and _refs(self._body) == _refs(body)
-
     async def _read(self) -> VisitorsNow:
         """Ask for the visitors who are there."""
         now = await read_visitors(self._client, self._body)
@@ -105,11 +111,9 @@ class Consents:
 
     async def follow(self) -> None:
         """Note what visitors state until cancelled: one may withdraw everything and leave at once."""
-        for component_ref in self._body.refs(_VISITORS)[:1]:
+        for component_ref in self._body.refs(VISITORS)[:1]:
             async for data in self._client.component(component_ref).event("visitor_changed"):
-                # Of a visitor who has left it tells no devices, and no consent: that is no withdrawal.
-                if data.get("devices"):
-                    self._note({str(data.get("visitor_ref")): frozenset(str(data.get("consent", "")).split())})
+                self._note(read_statement(data))
 
     def _note(self, consents: Mapping[str, frozenset[str]]) -> None:
         for visitor, given in consents.items():
@@ -120,13 +124,13 @@ class Consents:
 
     def concern(self, component_ref: str, event: str, data: Mapping[str, Any]) -> bool:
         """Return whether an event tells of persons."""
-        if component_ref in self._body.refs(_VISITORS) and event in _COMING_AND_GOING:
+        if component_ref in self._body.refs(VISITORS) and event in _COMING_AND_GOING:
             return False
         return component_ref in self._senses or bool(data.get("visitor_ref"))
 
     def concern_query(self, component_ref: str, query: str) -> bool:
         """Return whether the results of a query tell of persons."""
-        return component_ref in self._body.refs(_HEARING) and query in TELLING_QUERIES
+        return component_ref in self._body.refs(HEARING) and query in TELLING_QUERIES
 
     async def ask(self) -> Callable[[Mapping[str, Any]], bool]:
         """Ask once; return what says of the data of events whether they may be told.
@@ -145,7 +149,3 @@ class Consents:
             return agrees and now.are_known
 
         return may_be_told
-
-
-def _refs(body: BodyInfo) -> list[str]:
-    return [each.component_ref for each in body.components]

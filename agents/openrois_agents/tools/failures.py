@@ -6,9 +6,12 @@ from typing import Final
 from openrois.client import BadParameter, ConnectionFailed, ConnectionLost, RoISError, RpcError, TimedOut, Unsupported
 from openrois.extras import MissingExtra
 
-__all__ = ["failure"]
+__all__ = ["FAILURES", "failure"]
 
 _log = logging.getLogger(__name__)
+
+FAILURES: Final = (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError)
+"""What a call raises where the gateway or a body refuses, or does not answer."""
 
 MAX_REASON: Final = 1_000
 """Characters of a reason."""

@@ -1,16 +1,16 @@
 """Tools by which an agent sees, hears and waits."""
 
 from collections.abc import Collection
-from typing import Any, Final
+from typing import Any
 
 from openrois.catalog.sensing import SPEECH_RECOGNITION
 from openrois.catalog.streaming import VIDEO_STREAMING
 from openrois.catalog.system_information import SYSTEM_INFORMATION
 from openrois.client import BadParameter, BodyInfo, Client, ComponentProxy, RoISError, RpcError, Unsupported, where
-from openrois.types.profiles import component_urn
 from openrois_agents.tools import acting
 from openrois_agents.tools.answer import Answer
 from openrois_agents.tools.arguments import AskVisitor, Listen, Look, Say, WaitForEvent, Where
+from openrois_agents.tools.consents import HEARING
 from openrois_agents.tools.event_log import LoggedEvent, tellable
 from openrois_agents.tools.failures import failure
 from openrois_agents.tools.picture import take_picture
@@ -20,8 +20,6 @@ from openrois_agents.tools.untrusted import PICTURE_WARNING, marked, plain_text
 from openrois_agents.tools.vocabulary import persons_of, places_of
 
 __all__ = ["ask_visitor", "listen", "look", "wait_for_event", "where_is"]
-
-_HEARING: Final = component_urn("Hearing", "OpenRoIS")
 
 
 async def look(session: Session, given: Look, progress: Progress) -> Answer:
@@ -79,7 +77,7 @@ async def ask_visitor(session: Session, given: AskVisitor, progress: Progress) -
 async def _hear(session: Session, info: BodyInfo) -> str:
     """Watch what a body hears; return the event that tells it."""
     client = await session.link.client()
-    for urn, event in ((_HEARING, "heard"), (SPEECH_RECOGNITION.urn, "speech_recognized")):
+    for urn, event in ((HEARING, "heard"), (SPEECH_RECOGNITION.urn, "speech_recognized")):
         for component_ref in info.refs(urn)[:1]:
             await session.watching.watch(client.component(component_ref), event, await session.consents(info))
             return event

@@ -66,7 +66,7 @@ class Session:
         self.watching = Watching(self.log, self.profile_changed.notify_all)
         self.link.connected.add(self.watching.follow_notices)
         self._vocabulary = VocabularyReader(clock)
-        self._consents: dict[str, Consents] = {}
+        self._consents: dict[tuple[object, ...], Consents] = {}
         self._changing = asyncio.Lock()
         self._reserving: asyncio.Task[Any] | None = None
         self._releasing: asyncio.Task[None] | None = None
@@ -265,12 +265,10 @@ class Session:
         return found[0]
 
     async def consents(self, info: BodyInfo) -> Consents:
-        """Return what asks the visitors of a body."""
+        """Return what asks the visitors of a body, as it is, by the connection of now."""
         client = await self.link.client()
-        known = self._consents.pop(info.engine_id, None)
-        if known is None or not known.are_of(client, info):
-            known = Consents(client, info)
-        self._consents[info.engine_id] = known
+        key = client, info.engine_id, *(each.component_ref for each in info.components)
+        self._consents[key] = known = self._consents.pop(key, None) or Consents(client, info)
         if len(self._consents) > MAX_ASKED:
             del self._consents[next(iter(self._consents))]
         return known

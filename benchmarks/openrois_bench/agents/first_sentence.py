@@ -67,9 +67,10 @@ def _tokens(pause: float) -> "Behaviour":
     """Return a server's behaviour: tokens at their pace, and a pause between the sentences."""
 
     async def answer(server: "ChatServer", request: "web.Request") -> "web.StreamResponse":
-        from tests.support.chat_server import begin, chunk, event  # a wheel has no tests
+        from tests.support.chat_server import TEXT, chunk  # a wheel has no tests
+        from tests.support.http_answers import begin, event
 
-        response = await begin(request)
+        response = await begin(request, TEXT)
         for number, token in enumerate((*_FIRST, *_SECOND)):
             await asyncio.sleep(pause if number == len(_FIRST) else _TOKEN)
             await response.write(event(chunk({"content": token})))

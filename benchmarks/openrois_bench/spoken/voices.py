@@ -88,11 +88,12 @@ async def figures(synthesizer: SpeechSynthesizer, texts: Mapping[str, str], time
 @asynccontextmanager
 async def server_here() -> AsyncIterator[SpeechSynthesizer]:
     """Run a server that sends its sound twice as fast as it is heard."""
-    from tests.support.speech_server import begin, speech_server  # a wheel has no tests
+    from tests.support.http_answers import begin  # a wheel has no tests
+    from tests.support.speech_server import SOUND, speech_server
 
     async def send(server: "SpeechServer", request: "web.Request") -> "web.StreamResponse":
         sound = (await server.sound(server.asked[-1]["input"])).astype("<i2").tobytes()
-        response, size = await begin(request), 2 * round(24_000 * _PIECE)
+        response, size = await begin(request, SOUND), 2 * round(24_000 * _PIECE)
         # What was heard is left in its middle.
         with suppress(ConnectionError):
             for first in range(0, len(sound), size):

@@ -265,25 +265,22 @@ async def test_a_gateway_that_is_lost_while_the_robot_is_looked_for_is_told_and_
 async def test_what_no_body_could_say_is_told_when_one_is_free(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    async with house(tmp_path) as opened, Client(opened.url, token=token("ann", rank="person")) as ann:
-        await ann.bind(AVATAR_VOICE)
-        await ann.bind(ROBOT_VOICE)
-        async with guide(opened, tmp_path) as running:
-            monkeypatch.setattr("steady_voice.WAIT", 0.2)
-            await opened.hears()
-            opened.say("what can you do")
-            printed: list[str] = []
+    async with house(tmp_path) as opened, voices_taken(opened) as ann, guide(opened, tmp_path) as running:
+        monkeypatch.setattr("steady_voice.WAIT", 0.2)
+        await opened.hears()
+        opened.say("what can you do")
+        printed: list[str] = []
 
-            def has_given_up() -> bool:
-                printed.append(capsys.readouterr().out)
-                return "".join(printed).count("no body is free") == 2 or running.done()
+        def has_given_up() -> bool:
+            printed.append(capsys.readouterr().out)
+            return "".join(printed).count("no body is free") == 2 or running.done()
 
-            await until(has_given_up)
-            await ann.release(AVATAR_VOICE)
-            await opened.tells("I can lead you to: ", by="avatar")
-            opened.say("take me to the plant")
-            await opened.tells("Please follow the robot to the plant.", by="avatar")
-            assert not [text for _, text in opened.told if "I can lead" in text]
+        await until(has_given_up)
+        await ann.release(AVATAR_VOICE)
+        await opened.tells("I can lead you to: ", by="avatar")
+        opened.say("take me to the plant")
+        await opened.tells("Please follow the robot to the plant.", by="avatar")
+        assert not [text for _, text in opened.told if "I can lead" in text]
 
 
 @asynccontextmanager
@@ -297,17 +294,20 @@ async def voice_of_guide(opened: House) -> AsyncIterator[Any]:
             await voice.rest()
 
 
+@asynccontextmanager
+async def voices_taken(opened: House) -> AsyncIterator[Client]:
+    """Let a person have the voices of both bodies."""
+    async with Client(opened.url, token=token("ann", rank="person")) as ann:
+        await ann.bind(AVATAR_VOICE)
+        await ann.bind(ROBOT_VOICE)
+        yield ann
+
+
 @pytest.mark.parametrize("then", ["", "What may I do for you?"])
 async def test_what_a_body_did_not_say_that_was_lost_is_said_by_the_next_one_that_is_free(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, then: str
 ) -> None:
-    async with (
-        house(tmp_path) as opened,
-        Client(opened.url, token=token("ann", rank="person")) as ann,
-        voice_of_guide(opened) as voice,
-    ):
-        await ann.bind(AVATAR_VOICE)
-        await ann.bind(ROBOT_VOICE)
+    async with house(tmp_path) as opened, voices_taken(opened) as ann, voice_of_guide(opened) as voice:
         with monkeypatch.context() as short:
             short.setattr("steady_voice.WAIT", 0.2)
             await voice.say("Hello!")
@@ -345,13 +345,7 @@ async def test_what_the_guides_own_body_could_not_say_it_says_later(tmp_path: Pa
 async def test_of_many_texts_that_no_body_could_say_the_last_ones_are_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    async with (
-        house(tmp_path) as opened,
-        Client(opened.url, token=token("ann", rank="person")) as ann,
-        voice_of_guide(opened) as voice,
-    ):
-        await ann.bind(AVATAR_VOICE)
-        await ann.bind(ROBOT_VOICE)
+    async with house(tmp_path) as opened, voices_taken(opened) as ann, voice_of_guide(opened) as voice:
         with monkeypatch.context() as short:
             short.setattr("steady_voice.WAIT", 0.2)
             for text in ("One.", "Two.", "Three.", "Four."):

@@ -32,7 +32,7 @@ from pipecat.workers.runner import WorkerRunner
 
 from openrois.client import Client
 from openrois.types.codes import Purpose
-from tests.support.agent_house import house, token
+from tests.support.agent_house import agent_and_visitor, house, token
 from tests.support.loopback import PATIENCE
 from tests.support.pipecat_services import Beeps, Downstream, Note, Pitches, Rules
 from tests.support.sounds import tone
@@ -261,14 +261,9 @@ def has_ended(talk: Conversation, ends: int) -> bool:
 
 
 async def test_a_part_that_a_person_takes_breaks_off_the_answer_until_it_is_given_back(tmp_path: Path) -> None:
-    roles = ["operator", "listener"]
-    tokens = {
-        "agent": token("mind", rank="agent", roles=roles),
-        "visitor": token("vito", rank="person", roles=["visitor"]),
-    }
     async with (
         house(tmp_path, with_tokens=True) as there,
-        conversation(there.url, **tokens) as talk,
+        conversation(there.url, **agent_and_visitor()) as talk,
         Client(there.url, token=token("ann", rank="person", roles=["operator"])) as person,
     ):
         talk.mouth.say(HELLO, 0.6)

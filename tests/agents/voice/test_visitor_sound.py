@@ -1,16 +1,15 @@
 """An agent hears the visitor whom a real avatar attends to, as far as that visitor consents."""
 
 import asyncio
-import itertools
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from openrois_agents.voice.visitor_sound import MAX_UNHEARD, VisitorSound
 from openrois_media import Media
-from openrois_streaming.clock import SystemClock
 from openrois_streaming.source.source import RawAudio
 
 from openrois.client import Client, Unsupported
@@ -18,6 +17,7 @@ from openrois.types.codes import Purpose
 from tests.support.loopback import PATIENCE
 from tests.support.media_body import body as plain_body
 from tests.support.operated import operated_avatar
+from tests.support.sounds import paced
 
 pytestmark = pytest.mark.media
 
@@ -34,16 +34,12 @@ class Whistle:
 
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[RawAudio]]:
-        yield self._blocks()
+        yield paced(self._block)
 
-    async def _blocks(self) -> AsyncIterator[RawAudio]:
-        clock = SystemClock()
-        began = clock.now()
-        for number in itertools.count():
-            await asyncio.sleep(max(0.0, began + number * 0.02 - clock.now()))
-            place = (np.arange(960) + number * 960) / 48_000
-            wave = (np.sin(2 * np.pi * self._pitch * place) * 8_000).astype(np.int16)
-            yield RawAudio(np.column_stack([wave, wave]), began + number * 0.02)
+    def _block(self, number: int) -> NDArray[np.int16]:
+        place = (np.arange(960) + number * 960) / 48_000
+        wave = (np.sin(2 * np.pi * self._pitch * place) * 8_000).astype(np.int16)
+        return np.column_stack([wave, wave])
 
 
 @asynccontextmanager

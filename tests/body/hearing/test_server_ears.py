@@ -24,8 +24,9 @@ from openrois_body.services.address import ServiceAddress
 
 from openrois.types.codes import ComponentStatus
 from tests.support.hearing import stereo_48k, voice
+from tests.support.http_answers import begin, event, silent
 from tests.support.listening import Listened, ScriptedRecognizer
-from tests.support.speech_server import Behaviour, SpeechServer, begin, event, says, silent, speech_server
+from tests.support.speech_server import Behaviour, SpeechServer, says, speech_server
 
 pytestmark = pytest.mark.engine
 

@@ -25,16 +25,16 @@ from openrois_body.speech.server_voice import AT_ONCE, ServerVoice
 from openrois_body.speech.synthesizer import Synthesizer
 
 from tests.support.certificates import Authority
+from tests.support.http_answers import begin, silent
 from tests.support.speech_server import (
+    SOUND,
     Behaviour,
     SpeechServer,
-    begin,
     early_end,
     first_half,
     flood,
     odd_pieces,
     says,
-    silent,
     speech_server,
 )
 
@@ -264,7 +264,7 @@ async def test_a_flood_is_cut_off(server: SpeechServer, monkeypatch: pytest.Monk
 
 async def test_an_answer_that_drips_is_given_up(server: SpeechServer, monkeypatch: pytest.MonkeyPatch) -> None:
     async def drip(_server: SpeechServer, request: web.Request) -> web.StreamResponse:
-        response = await begin(request)
+        response = await begin(request, SOUND)
         while not server.go_on.is_set():
             await response.write(bytes(2))
             with suppress(TimeoutError):

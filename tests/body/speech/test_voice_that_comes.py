@@ -34,7 +34,8 @@ from openrois_streaming.clock import SystemClock
 
 from openrois.errors import Aborted, BadParameter, ComponentFailed
 from openrois.types.codes import CompletedStatus
-from tests.support.speech_server import Behaviour, SpeechServer, early_end, first_half, says, silent, speech_server
+from tests.support.http_answers import silent
+from tests.support.speech_server import Behaviour, SpeechServer, early_end, first_half, says, speech_server
 from tests.support.streaming import VirtualClock, settle
 from tests.support.voice import ScriptedSynthesizer
 

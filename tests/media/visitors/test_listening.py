@@ -1,7 +1,6 @@
 """A visitor sends to a body over WebRTC, and a listener receives it from there, as far as the visitor consents."""
 
 import asyncio
-import itertools
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -31,6 +30,7 @@ from openrois.types.codes import Purpose, StreamStatus
 from tests.support.components import Lamp
 from tests.support.loopback import PATIENCE, some_address
 from tests.support.media_body import read
+from tests.support.sounds import paced
 from tests.support.tokens import issue, key_file
 
 pytestmark = pytest.mark.media
@@ -115,14 +115,7 @@ class Noise:
 
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[RawAudio]]:
-        yield self._blocks()
-
-    async def _blocks(self) -> AsyncIterator[RawAudio]:
-        clock = SystemClock()
-        began = clock.now()
-        for number in itertools.count():
-            await clock.sleep_until(began + number * 0.02)
-            yield RawAudio(self._block, began + number * 0.02)
+        yield paced(lambda _number: self._block)
 
 
 async def test_of_two_visitors_the_loudest_is_heard(body: Body) -> None:

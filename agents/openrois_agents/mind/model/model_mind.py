@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import aclosing
 from typing import Any, Final, Self
 
-from openrois.client import ConnectionFailed, ConnectionLost, RoISError, RpcError
 from openrois_agents.mind.contract import Stage, Turn
 from openrois_agents.mind.limits import Budget
 from openrois_agents.mind.model.chat import Chat, ModelSettings, ServerFailed
@@ -20,6 +19,7 @@ from openrois_agents.mind.model.prompts import FAILED, INSTRUCTIONS, LOST_THREAD
 from openrois_agents.mind.model.reply import BadReply, Reply, ToolCall, estimate_tokens
 from openrois_agents.mind.model.sentences import Sentences
 from openrois_agents.mind.model.tool_choice import LOOK, USABLE, mistake_in, tool_schemas
+from openrois_agents.tools.failures import FAILURES
 from openrois_agents.tools.names import Vocabulary
 
 __all__ = ["MAX_AT_ONCE", "MAX_ROUNDS", "SETTLING", "ModelMind"]
@@ -205,5 +205,5 @@ async def _names(stage: Stage) -> Vocabulary:
     """Return the names that can be chosen; none where the gateway does not tell, as each call of a tool says then."""
     try:
         return await stage.vocabulary()
-    except (ConnectionFailed, ConnectionLost, RoISError, RpcError, TimeoutError):
+    except FAILURES:
         return Vocabulary()

@@ -31,14 +31,13 @@ from tests.support.chat_server import (
     calls,
     chat_server,
     chunk,
-    event,
     floods,
     halting,
     refuses,
     says,
-    silent,
     streams,
 )
+from tests.support.http_answers import event, silent
 from tests.support.mind_stage import NotedStage
 
 pytestmark = [pytest.mark.extra(name="speech"), pytest.mark.timeout(120)]

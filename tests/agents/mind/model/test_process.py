@@ -18,8 +18,8 @@ from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
 from tests.support.actors import Actor, Visitors
 from tests.support.chat_server import Behaviour, ChatServer, breaking, calls, chat_server, chunk, floods, halting, says
-from tests.support.chat_server import event as sent
 from tests.support.conversing import until
+from tests.support.http_answers import event as sent
 from tests.support.packages import ROOT
 
 pytestmark = pytest.mark.timeout(180)
