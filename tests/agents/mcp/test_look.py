@@ -62,12 +62,13 @@ async def test_a_picture_is_new_and_as_small_as_asked_for() -> None:
 
 async def test_an_old_picture_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     async with seeing() as (host, robot):
-        monkeypatch.setattr(picture, "_TIMEOUT", 5.0)
-        robot.picture.delay = 1.2
+        monkeypatch.setattr(picture, "_TIMEOUT", 6.0)
+        # A report that a busy machine hands over late makes pictures younger by as much.
+        robot.picture.delay = 2.0
         seen = await host.call_tool("look", {})
         assert seen.is_error
         assert text_of(seen) == (
-            f"ComponentFailed: {CAMERA} gave no picture within 5 s: its pictures are older than 1 s"
+            f"ComponentFailed: {CAMERA} gave no picture within 6 s: its pictures are older than 1 s"
         )
 
 

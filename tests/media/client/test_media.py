@@ -216,7 +216,8 @@ async def test_a_snapshot_says_why_there_is_none(robot: Body) -> None:
 
 
 async def test_old_pictures_are_no_snapshots(robot: Body) -> None:
-    robot.picture.delay = 1.2
+    # A report that a busy machine hands over late makes pictures younger by as much.
+    robot.picture.delay = 2.0
     async with application(robot) as (_, media), media.frames(CAMERA) as frames:
         (frame,) = await read(frames)
         while frame.captured_at is None:
