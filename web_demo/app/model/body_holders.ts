@@ -57,10 +57,8 @@ export class BodyHolders {
   async #ask(): Promise<void> {
     this.#asking += 1;
     for (let ref = this.#waiting.shift(); ref !== undefined; ref = this.#waiting.shift()) {
-      const known = this.#leases.get(ref);
       const lease = await this.#client.control.status(ref).catch(() => null);
-      // What the gateway has told meanwhile is newer: answers may be overtaken.
-      if (lease === null || !this.#refs.has(ref) || this.#leases.get(ref) !== known) continue;
+      if (lease === null || !this.#refs.has(ref)) continue;
       this.#leases.set(ref, lease);
       this.#onChange();
     }

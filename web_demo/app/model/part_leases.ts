@@ -35,12 +35,6 @@ interface Lease {
   readonly until: number;
 }
 
-/** The question of who holds a component, on its way to the gateway and back. */
-interface Reading {
-  /** A notification came since it was asked: the answer may be older. */
-  isOvertaken: boolean;
-}
-
 export class PartLeases {
   readonly #client: Client;
   readonly #onChange: (part: BodyPart) => void;
@@ -51,7 +45,7 @@ export class PartLeases {
   readonly #partOf = new Map<string, string>();
   readonly #leases = new Map<string, Lease>();
   /** The newest reading of each lease: gateways may answer an older one later. */
-  readonly #readings = new Map<string, Reading>();
+  readonly #readings = new Map<string, symbol>();
 
   /** @param onChange is called with a part of which the gateway has told something */
   constructor(client: Client, onChange: (part: BodyPart) => void) {
@@ -61,7 +55,6 @@ export class PartLeases {
       const { component_ref: ref = "" } = status;
       if (!this.#refs.includes(ref)) return;
       this.note(ref, status);
-      this.#overtake(ref);
       const part = this.partOf(ref);
       if (part) this.#onChange(part);
     });
@@ -119,24 +112,13 @@ export class PartLeases {
     const all = this.#refs;
     if (this.#client.state.name !== "connected") return;
     const read = async (ref: string): Promise<void> => {
-      const reading: Reading = { isOvertaken: true };
+      const reading = Symbol(ref);
       this.#readings.set(ref, reading);
-      while (reading.isOvertaken) {
-        reading.isOvertaken = false;
-        const status = await this.#client.control.status(ref).catch(() => null);
-        const isNewest = all === this.#refs && reading === this.#readings.get(ref);
-        if (!status || !isNewest) return;
-        if (!reading.isOvertaken) this.note(ref, status);
-      }
+      const status = await this.#client.control.status(ref).catch(() => null);
+      const isNewest = all === this.#refs && reading === this.#readings.get(ref);
+      if (status && isNewest) this.note(ref, status);
     };
     await Promise.all(refs.map(read));
-  }
-
-  /** Lets what is being read of a part be read again; a component of which no part is known yet may be of it. */
-  #overtake(ref: string): void {
-    const key = this.#keyOf(ref);
-    for (const [each, reading] of this.#readings)
-      if (this.#keyOf(each) === key || !this.#partOf.has(each)) reading.isOvertaken = true;
   }
 
   #keyOf(ref: string): string {

@@ -84,27 +84,6 @@ it("takes all parts once for several works, and gives them back with the last on
   expect(body.state).toEqual({ kind: "free" });
 });
 
-it("believes a notification more than an answer that it overtakes, and asks again", async () => {
-  held.set(OPERATED, "anna");
-  let asked = 0;
-  gateway.on("openrois.lease.query", (params) => {
-    const ref = refOf(params);
-    if (ref === OPERATED && ++asked === 1) {
-      held.delete(OPERATED);
-      tell("changed", { component_ref: OPERATED, state: "FREE", reason: "its holder has left" });
-      return { lease: { state: "HELD", holder: "anna", position: 0, part: "legs" } };
-    }
-    const holder = holderOf(ref);
-    return {
-      lease: { ...(holder === undefined ? { state: "FREE" } : { state: "HELD", holder }), part: partOf(ref) },
-    };
-  });
-  body.setComponents(BODY);
-  await settle();
-  expect(body.state).toEqual({ kind: "free" });
-  expect(asked).toBe(2);
-});
-
 it("gives back what it was granted when one part is another's", async () => {
   held.set("a/reaction", "anna");
   body.setComponents(BODY);

@@ -156,19 +156,6 @@ describe("who has control", () => {
     expect(asked().slice(PAGE)).toEqual([`${idOf(PAGE)}/navigation`]);
   });
 
-  it("is what was told last where an answer is overtaken", async () => {
-    const [body] = directory.bodies ?? [];
-    if (!body) throw new Error("there are no bodies");
-    const ref = body.navigation ?? "";
-    gateway.on("openrois.lease.query", () => {
-      lease(ref, "FREE");
-      return { lease: { component_ref: ref, state: "HELD", holder: "anna" } };
-    });
-    holders.watch([body]);
-    await settle();
-    expect(holders.of(body)).toEqual({ kind: "free" });
-  });
-
   it("is known once it was asked, and then as it changes", async () => {
     const [body, other] = directory.bodies ?? [];
     if (!body || !other) throw new Error("there are no bodies");
