@@ -106,7 +106,8 @@ class LeaseCarrier:
                     self._notifications.of_request(change)
         for component_ref, (former, sentence) in changed.items():
             but = answered[0] if answered is not None and answered[1] in ("", component_ref) else None
-            if component_ref not in self._clearing:
+            # A new holder is told to all once it can operate; where none is left there is nothing to wait for.
+            if component_ref not in self._clearing or self._model.holding.holder(component_ref) is None:
                 self._notifications.to_all(component_ref, former, sentence, but=but)
             else:
                 for each in former:

@@ -133,6 +133,18 @@ async def test_a_session_does_not_resume_itself(house: House) -> None:
         assert await ann.code("openrois.lease.resume", token=token) == "BAD_PARAMETER"
 
 
+def slow_stop(robot: Robot) -> tuple[asyncio.Event, asyncio.Event]:
+    """Let the lamp not stop before an event; return the one that says that it is asked to, and that one."""
+    stopping, stopped = asyncio.Event(), asyncio.Event()
+
+    async def stop() -> None:
+        stopping.set()
+        await stopped.wait()
+
+    robot.lamp.stop = stop  # type: ignore[method-assign]
+    return stopping, stopped
+
+
 async def test_handover_meanwhile_is_notified(house: House) -> None:
     """Who takes a component and changes connections before it is cleared hears when it may operate."""
     async with (
@@ -143,13 +155,7 @@ async def test_handover_meanwhile_is_notified(house: House) -> None:
         token = (await bob.ask("openrois.lease.token"))["token"]
         await holding(ann)
         await glowing(house.robot)
-        stopping, stopped = asyncio.Event(), asyncio.Event()
-
-        async def stop() -> None:
-            stopping.set()
-            await stopped.wait()
-
-        house.robot.lamp.stop = stop  # type: ignore[method-assign]
+        stopping, stopped = slow_stop(house.robot)
         taking = await bob.begin("openrois.lease.take", component_ref=LAMP)
         async with patience():
             await stopping.wait()
@@ -160,6 +166,24 @@ async def test_handover_meanwhile_is_notified(house: House) -> None:
         await until_state(dan, "MINE")
         assert await dan.code("rois.command.execute", command_unit_list=[UNIT]) == "OK"
         del taking
+
+
+async def test_a_new_holder_that_leaves_before_it_can_operate_is_told_to_those_that_watch(house: House) -> None:
+    async with application(house.gateway) as ann, application(house.gateway) as eve:
+        await holding(ann)
+        await glowing(house.robot)
+        assert (await eve.ask("openrois.lease.query", component_ref=LAMP))["lease"]["state"] == "HELD"
+        stopping, stopped = slow_stop(house.robot)
+        async with application(house.gateway) as bob:
+            await bob.begin("openrois.lease.take", component_ref=LAMP)
+            async with patience():
+                await stopping.wait()
+        await until_state(eve, "FREE")
+        assert await eve.code("rois.command.bind", component_ref=LAMP) == "OK"
+        assert await eve.code("rois.command.execute", command_unit_list=[UNIT]) == "OUT_OF_RESOURCES"
+        stopped.set()
+        await until_state(eve, "MINE")
+        assert await eve.code("rois.command.execute", command_unit_list=[UNIT]) == "OK"
 
 
 async def test_a_token_is_good_once(house: House) -> None:
